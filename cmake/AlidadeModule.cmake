@@ -1,0 +1,43 @@
+# alidade_compile_options(<target>)
+#
+# Language level, warnings and sanitizers of our own targets. Warnings stay
+# private. The sanitizers' link flags are passed on, since a program that links
+# a sanitized library needs them too.
+function(alidade_compile_options target)
+  target_compile_features(${target} PUBLIC cxx_std_17)
+  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
+  target_compile_options(${target} PRIVATE
+    -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion)
+  if(ALIDADE_WARNINGS_AS_ERRORS)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(ALIDADE_SANITIZE)
+    target_compile_options(${target} PRIVATE
+      -fsanitize=${ALIDADE_SANITIZE} -fno-sanitize-recover=all
+      -fno-omit-frame-pointer)
+    target_link_options(${target} PUBLIC -fsanitize=${ALIDADE_SANITIZE})
+  endif()
+endfunction()
+
+# alidade_module(<module> <source>...)
+#
+# Adds the static library alidade_<module> from sources in the current
+# directory, and installs it. Users and other modules call it
+# Alidade::<module>.
+#
+# Public headers are included as "alidade/<module>/x.h", headers that stay
+# inside a module as "src/<module>/x.h".
+function(alidade_module module)
+  set(target alidade_${module})
+  add_library(${target} STATIC ${ARGN})
+  add_library(Alidade::${module} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${module})
+  alidade_compile_options(${target})
+  target_include_directories(${target}
+    PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
+    PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(${target} PRIVATE glog::glog)
+  install(TARGETS ${target} EXPORT AlidadeTargets
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+    INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+endfunction()

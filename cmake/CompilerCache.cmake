@@ -1,0 +1,15 @@
+# Compiles through ccache where it is installed.
+#
+# The sloppiness is what ccache's manual asks for with precompiled headers,
+# without which it would cache nothing that uses one.
+
+find_program(ALIDADE_CCACHE ccache)
+mark_as_advanced(ALIDADE_CCACHE)
+
+if(PROJECT_IS_TOP_LEVEL AND ALIDADE_CCACHE
+   AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER
+    ${CMAKE_COMMAND} -E env
+    CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
+    ${ALIDADE_CCACHE})
+endif()

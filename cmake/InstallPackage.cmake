@@ -1,0 +1,29 @@
+# Installs headers and what find_package(Alidade) needs. Libraries and the
+# program are installed where they are defined, under src.
+
+include(CMakePackageConfigHelpers)
+
+set(ALIDADE_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/Alidade)
+
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/alidade
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+  FILES_MATCHING PATTERN "*.h")
+
+install(EXPORT AlidadeTargets
+  NAMESPACE Alidade::
+  DESTINATION ${ALIDADE_PACKAGE_DIR})
+
+configure_package_config_file(
+  ${CMAKE_CURRENT_LIST_DIR}/AlidadeConfig.cmake.in
+  ${PROJECT_BINARY_DIR}/AlidadeConfig.cmake
+  INSTALL_DESTINATION ${ALIDADE_PACKAGE_DIR})
+
+write_basic_package_version_file(
+  ${PROJECT_BINARY_DIR}/AlidadeConfigVersion.cmake
+  COMPATIBILITY SameMinorVersion)
+
+install(FILES
+  ${PROJECT_BINARY_DIR}/AlidadeConfig.cmake
+  ${PROJECT_BINARY_DIR}/AlidadeConfigVersion.cmake
+  ${CMAKE_CURRENT_LIST_DIR}/YamlCppTarget.cmake
+  DESTINATION ${ALIDADE_PACKAGE_DIR})
