@@ -1,0 +1,59 @@
+#ifndef ALIDADE_MODEL_ARM_H_
+#define ALIDADE_MODEL_ARM_H_
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace alidade {
+
+enum class JointType { kRevolute, kPrismatic };
+
+/// One joint in the convention of docs/conventions.md (Khalil-Kleinfinger
+/// modified Denavit-Hartenberg with Hayati's beta):
+///
+///   T(j-1, j) = Rot(y, beta) Rot(x, alpha) Trans(x, d)
+///               Rot(z, theta) Trans(z, r)
+///
+/// The joint variable q is added to theta (revolute, rad) or r (prismatic,
+/// m). Angles in rad, lengths in m.
+struct Joint {
+  JointType type = JointType::kRevolute;
+  double beta = 0.0;
+  double alpha = 0.0;
+  double d = 0.0;
+  double theta = 0.0;
+  double r = 0.0;
+  /// Limits of q; infinite where the arm file gives none.
+  double lower = -std::numeric_limits<double>::infinity();
+  double upper = std::numeric_limits<double>::infinity();
+};
+
+/// An open chain. A point of the target in the instrument's frame is
+///
+///   p_in_instrument = instrument_from_base * T(0,1) ... T(n-1,n)
+///                     * last_from_target * p_in_target
+///
+/// `instrument_from_base` is "base" in files and parameter names,
+/// `last_from_target` is "tool".
+struct Arm {
+  std::string name;
+  std::vector<Joint> joints;
+  Eigen::Isometry3d instrument_from_base = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d last_from_target = Eigen::Isometry3d::Identity();
+
+  int num_joints() const { return static_cast<int>(joints.size()); }
+};
+
+/// An upper bound of the distance between the base and the target (m): the
+/// sum of all lengths of the chain, prismatic travel (where limited) and tool
+/// included. It is the length that the model's rounding errors scale with,
+/// and that turns small angles into lengths where columns of different units
+/// are compared. Never zero: 1 m for an arm without any length.
+double Reach(const Arm& arm);
+
+}  // namespace alidade
+
+#endif  // ALIDADE_MODEL_ARM_H_
