@@ -1,0 +1,152 @@
+#ifndef ALIDADE_RESULTS_JOB_RESULT_H_
+#define ALIDADE_RESULTS_JOB_RESULT_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "alidade/base/units.h"
+#include "alidade/results/accuracy.h"
+#include "alidade/results/identifiability_result.h"
+#include "alidade/results/solver_summary.h"
+
+namespace alidade {
+
+/// A file that a result was computed from.
+struct InputFile {
+  std::string path;    ///< as the user wrote it
+  std::string sha256;  ///< 64 hexadecimal digits
+};
+
+/// One parameter of the calibrated arm (rad or m by `dimension`).
+struct ParameterResult {
+  std::string name;
+  std::string kind;  ///< block it belongs to: "beta" ... "r", "base", "tool"
+  Dimension dimension = Dimension::kLength;
+  double nominal = 0.0;
+  double value = 0.0;
+  /// Standard deviation; NaN where it is not computed or does not apply.
+  double std = std::numeric_limits<double>::quiet_NaN();
+  /// The true value, where the job knows it (a simulated arm).
+  std::optional<double> truth;
+  ParameterDecision decision;
+
+  double deviation() const { return value - nominal; }
+};
+
+/// The error of the arm, before and after calibration, at the poses of one
+/// data set. All lengths in m, one entry or column per pose.
+struct EvaluatedSet {
+  std::string name;  ///< file of the poses
+  Eigen::MatrixXd joint_values;
+  /// What each joint value measures, one per row of `joint_values`.
+  std::vector<Dimension> joint_dimensions;
+  Eigen::Matrix3Xd positions;        ///< measured, or true where simulated
+  Eigen::Matrix3Xd residual_before;  ///< predicted - measured
+  Eigen::Matrix3Xd residual_after;
+  Accuracy before;
+  Accuracy after;
+
+  Eigen::VectorXd ErrorBefore() const;
+  Eigen::VectorXd ErrorAfter() const;
+};
+
+/// One solver on the training data.
+struct SolverRun {
+  SolverSummary summary;
+  Eigen::VectorXd values;  ///< all parameters of the layout
+  Accuracy train;          ///< with these values
+};
+
+/// One acceptance limit of the job (m).
+struct AcceptanceCheck {
+  std::string quantity;  ///< "train_max", "heldout_rms" ...
+  double limit = 0.0;
+  double obtained = 0.0;
+  bool met() const { return obtained <= limit; }
+};
+
+/// One line of "published against obtained".
+struct StudyRow {
+  std::string quantity;
+  std::string published;
+  std::string obtained;
+};
+
+/// One parameter of the study's tables, as deviations from nominal.
+struct StudyParameter {
+  std::string name;
+  Dimension dimension = Dimension::kLength;
+  bool identified = false;
+  double nominal = 0.0;
+  double assumed = 0.0;    ///< deviation of the assumed real arm
+  double published = 0.0;  ///< as the study's table prints it
+  double obtained = 0.0;   ///< ours, at full precision
+
+  /// |deviation - assumed| / |assumed| in percent, the study's error of a
+  /// parameter. NaN where assumed = 0.
+  double ErrorPercent(double deviation) const;
+};
+
+/// A free parameter takes up part of a frozen one that is not at its nominal
+/// value: to first order at the identified geometry,
+/// change of `taken_up_by` = coefficient * deviation of `frozen`.
+struct Absorption {
+  std::string frozen;
+  double frozen_deviation = 0.0;
+  std::string taken_up_by;
+  Dimension dimension = Dimension::kLength;  ///< of `taken_up_by`
+  double coefficient = 0.0;
+  double amount = 0.0;
+};
+
+/// A published study beside our results.
+struct StudyResult {
+  std::string source;
+  std::vector<StudyRow> rows;
+  std::vector<StudyParameter> parameters;
+  std::vector<Absorption> absorptions;
+  /// Digits of the study's printed table (of rad and of mm).
+  int angle_decimals = 0;
+  int length_decimals = 0;
+  /// Over the validation poses: the identified values rounded as the study
+  /// prints them, and with three more decimals of the lengths.
+  Accuracy as_printed;
+  Accuracy three_more_decimals;
+  /// The baseline's fixed number of iterations against the published time.
+  int timed_iterations = 0;
+  double timed_s = 0.0;
+  double published_s = 0.0;
+};
+
+/// Everything a calibration found out; what io writes and report prints.
+struct JobResult {
+  std::string version;
+  std::string command;
+  std::string title;
+  std::string arm;
+  std::vector<InputFile> inputs;
+  std::uint64_t seed = 0;
+
+  std::vector<ParameterResult> parameters;
+  IdentifiabilityResult identifiability;
+  /// The first is the job's own solver, whose values the result holds; then
+  /// those it is compared with.
+  std::vector<SolverRun> runs;
+  EvaluatedSet train;
+  std::optional<EvaluatedSet> heldout;
+  std::optional<StudyResult> study;
+  std::vector<AcceptanceCheck> acceptance;
+
+  double identify_time_s = 0.0;
+  double total_time_s = 0.0;
+
+  bool accepted() const;
+};
+
+}  // namespace alidade
+
+#endif  // ALIDADE_RESULTS_JOB_RESULT_H_
