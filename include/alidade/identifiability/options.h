@@ -1,0 +1,38 @@
+#ifndef ALIDADE_IDENTIFIABILITY_OPTIONS_H_
+#define ALIDADE_IDENTIFIABILITY_OPTIONS_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace alidade {
+
+/// How the identifiability pass decides. See rules.h.
+struct IdentifiabilityOptions {
+  /// Parameters the user holds at their nominal values, by name.
+  std::vector<std::string> fix;
+  /// Go on although more parameters are kept than can be told apart. The
+  /// solver then finds one of infinitely many equal solutions.
+  bool proceed_beyond_rank = false;
+  /// An angle counts as zero, and two axes as parallel, below this (rad). The
+  /// default is far above the rounding of 90 degrees in radians and far below
+  /// any angle an arm is designed with.
+  double angle_tolerance = 1e-6;
+  /// A column counts as zero when its norm is below this times the largest one
+  /// (angles scaled by the reach of the arm), and a singular value when it is
+  /// below this times the largest. The default is above what joint values of
+  /// four decimals of a degree add to a rank, and below every effect that noise
+  /// of a real measurement could leave visible. Range (0, 1).
+  double relative_tolerance = 1e-6;
+  /// Size of the perturbations for the perturbed rank: rad for angles, times
+  /// the reach for lengths. Manufacturing errors are of this size or smaller.
+  double perturbation = 1e-2;
+  std::uint64_t seed = 1;
+
+  /// False with a message that names the field, its value and the constraint.
+  bool IsValid(std::string* error) const;
+};
+
+}  // namespace alidade
+
+#endif  // ALIDADE_IDENTIFIABILITY_OPTIONS_H_
