@@ -1,0 +1,68 @@
+#ifndef ALIDADE_SOLVE_SOLVER_H_
+#define ALIDADE_SOLVE_SOLVER_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "alidade/measurement/position_model.h"
+#include "alidade/results/identifiability_result.h"
+#include "alidade/results/solver_summary.h"
+#include "alidade/solve/options.h"
+
+namespace alidade {
+
+/// What is to be solved: minimise chi-square over the free columns,
+///
+///   min  sum_i |(p_i(values) - measured_i) / sigma_i|^2,
+///
+/// all other values staying as they are in the starting point.
+///
+///   PositionModel model(arm);
+///   const IdentifiabilityResult pass = ApplyRules(model, data, {});
+///   CalibrationProblem problem{model, data, FreeColumns(pass),
+///                              pass.nominal_rank};
+///   Eigen::VectorXd values = model.NominalValues();
+///   SolverSummary summary = SolveCeres(problem, SolverOptions(), &values);
+///   if (summary.IsSolutionUsable()) arm = model.layout().WithValues(arm,
+///   values);
+///
+/// The references must outlive the solve.
+struct CalibrationProblem {
+  const PositionModel& model;
+  const Dataset& data;
+  std::vector<int> free_columns;  ///< ascending, no repeats
+  /// Rank of the free columns at the starting point, from the identifiability
+  /// pass; it decides the automatic tolerances. Left empty, the rank is taken
+  /// as full.
+  RankReport start_rank;
+};
+
+/// Levenberg-Marquardt by Ceres over one autodiff residual per pose
+/// (position_cost.h). Blocks without a free column are held constant, blocks
+/// with some by a SubsetManifold. One Ceres thread, so that the same problem
+/// gives the same bits.
+///
+/// The solvers share this signature. `values` holds the starting point and
+/// receives the solution; it is unchanged where the summary is not usable.
+/// Nothing is thrown for numerical trouble or invalid options: the status is
+/// kUnusable or kFailed and the message says what to do.
+SolverSummary SolveCeres(const CalibrationProblem& problem,
+                         const SolverOptions& options, Eigen::VectorXd* values);
+
+/// The baseline, the study's own algorithm: the whitened Jacobian W of all
+/// poses, its Moore-Penrose inverse W+ by singular value decomposition, and
+///
+///   values <- values - W+ residuals
+///
+/// for all free parameters at once, until the wanted precision or for a fixed
+/// number of iterations. No step control: it may diverge (kFailed). Singular
+/// values below the tolerance of the options count as zero; where the rank at
+/// the start is short, the tolerance decides whether it converges at all.
+/// Cost per iteration: O(N p^2).
+SolverSummary SolvePseudoInverse(const CalibrationProblem& problem,
+                                 const SolverOptions& options,
+                                 Eigen::VectorXd* values);
+
+}  // namespace alidade
+
+#endif  // ALIDADE_SOLVE_SOLVER_H_

@@ -1,0 +1,136 @@
+#include "progress.h"
+
+#include <cmath>
+#include <string>
+
+namespace alidade {
+
+double Stopwatch::Seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() -
+                                       start_)
+      .count();
+}
+
+Progress::Progress(const CalibrationProblem& problem,
+                   const SolverOptions& options, const std::string& solver)
+    : problem_(problem), options_(options) {
+  summary_.solver = solver;
+  summary_.num_poses = static_cast<int>(problem.data.num_poses());
+  summary_.num_residuals = static_cast<int>(problem.data.num_rows());
+  summary_.num_parameters = problem.model.layout().size();
+  summary_.num_free = static_cast<int>(problem.free_columns.size());
+  summary_.threads_given = options.num_threads;
+  summary_.trust_region_given = options.initial_trust_region_radius;
+  summary_.pseudo_inverse_tolerance_given = options.pseudo_inverse_tolerance;
+  summary_.rounding_floor = problem.model.RoundingError();
+}
+
+bool Progress::CheckProblem(const Eigen::VectorXd& values) {
+  std::string error;
+  if (!options_.IsValid(&error)) {
+    Stop(SolverStatus::kUnusable, "invalid option: " + error);
+  } else if (values.size() != problem_.model.layout().size()) {
+    Stop(SolverStatus::kUnusable,
+         "the starting point has " + std::to_string(values.size()) +
+             " values, the model " +
+             std::to_string(problem_.model.layout().size()));
+  } else if (problem_.data.num_joints() !=
+             problem_.model.layout().num_joints()) {
+    Stop(SolverStatus::kUnusable,
+         "the data set has " + std::to_string(problem_.data.num_joints()) +
+             " joints, the arm " +
+             std::to_string(problem_.model.layout().num_joints()));
+  } else if (summary_.num_free == 0) {
+    Stop(SolverStatus::kUnusable, "no parameter is free");
+  } else if (summary_.num_residuals < summary_.num_free) {
+    Stop(SolverStatus::kUnusable,
+         std::to_string(summary_.num_poses) + " poses give " +
+             std::to_string(summary_.num_residuals) + " equations for " +
+             std::to_string(summary_.num_free) +
+             " parameters: measure more poses or fix parameters");
+  } else if (!(problem_.data.sigmas.minCoeff() > 0.0)) {
+    Stop(SolverStatus::kUnusable, "a sigma is not positive");
+  }
+  return !stopped();
+}
+
+bool Progress::Start(const Eigen::VectorXd& values) {
+  if (!CheckProblem(values)) return false;
+  // What the rounding of every coordinate adds up to as a chi-square.
+  const double floor = options_.rounding_floor_factor * summary_.rounding_floor;
+  floor_cost_ = (floor / problem_.data.sigmas.array()).square().sum();
+  IterationRecord record = Evaluate(values);
+  summary_.initial_cost = record.cost;
+  summary_.iterations.push_back(record);
+  if (!std::isfinite(record.cost)) {
+    Stop(SolverStatus::kUnusable,
+         "the residuals at the starting point are not finite: look for NaN or "
+         "huge values in the data or the arm");
+  }
+  return !stopped();
+}
+
+IterationRecord Progress::Evaluate(const Eigen::VectorXd& values) const {
+  const Eigen::Matrix3Xd errors = problem_.model.Errors(values, problem_.data);
+  const Eigen::VectorXd norms = errors.colwise().norm();
+  IterationRecord record;
+  record.cost = ChiSquare(errors, problem_.data);
+  record.max_error = norms.maxCoeff();
+  record.rms_error =
+      norms.norm() / std::sqrt(static_cast<double>(norms.size()));
+  record.time_s = stopwatch_.Seconds();
+  return record;
+}
+
+bool Progress::ReachedPrecision(const IterationRecord& record) {
+  if (!(record.max_error <= options_.wanted_precision)) return false;
+  Stop(SolverStatus::kConverged, "the wanted precision is reached");
+  return true;
+}
+
+bool Progress::Record(const IterationStep& step,
+                      const Eigen::VectorXd& values) {
+  IterationRecord record = Evaluate(values);
+  record.iteration = static_cast<int>(summary_.iterations.size());
+  record.step_norm = step.norm;
+  record.accepted = step.accepted;
+  summary_.iterations.push_back(record);
+  ++(step.accepted ? summary_.accepted_steps : summary_.rejected_steps);
+  if (!std::isfinite(record.cost)) {
+    Stop(SolverStatus::kFailed,
+         "the iteration diverged to values that are not finite: fix what the "
+         "identifiability pass calls weak, or use another solver");
+  } else if (step.accepted && options_.wanted_precision > 0.0 &&
+             ReachedPrecision(record)) {
+    return true;
+  } else if (step.predicted_decrease <= floor_cost_) {
+    Stop(SolverStatus::kRoundingFloor,
+         "the last step changed the residuals by less than their rounding "
+         "errors");
+  } else if (step.accepted && options_.function_tolerance > 0.0 &&
+             step.predicted_decrease <=
+                 options_.function_tolerance * record.cost) {
+    Stop(SolverStatus::kConverged,
+         "the last step lowered the cost by less than function_tolerance");
+  } else if (record.iteration >= options_.max_iterations) {
+    Stop(SolverStatus::kIterationLimit,
+         "max_iterations = " + std::to_string(options_.max_iterations) +
+             " is used up");
+  }
+  return stopped();
+}
+
+void Progress::Stop(SolverStatus status, const std::string& message) {
+  summary_.status = status;
+  summary_.message = message;
+}
+
+void Progress::Finish() {
+  summary_.threads_used = options_.num_threads;
+  if (!summary_.iterations.empty()) {
+    summary_.final_cost = summary_.iterations.back().cost;
+  }
+  summary_.solve_time_s = stopwatch_.Seconds() - summary_.setup_time_s;
+}
+
+}  // namespace alidade

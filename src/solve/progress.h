@@ -1,0 +1,71 @@
+#ifndef ALIDADE_SRC_SOLVE_PROGRESS_H_
+#define ALIDADE_SRC_SOLVE_PROGRESS_H_
+
+#include <Eigen/Core>
+#include <chrono>
+#include <string>
+
+#include "alidade/results/solver_summary.h"
+#include "alidade/solve/options.h"
+#include "alidade/solve/solver.h"
+
+namespace alidade {
+
+/// Wall time since construction.
+class Stopwatch {
+ public:
+  double Seconds() const;
+
+ private:
+  std::chrono::steady_clock::time_point start_ =
+      std::chrono::steady_clock::now();
+};
+
+/// What one iteration did, as every solver can tell it.
+struct IterationStep {
+  double norm = 0.0;  ///< of the step in the parameters
+  bool accepted = true;
+  /// Chi-square the linear model expected to lose by the step.
+  double predicted_decrease = 0.0;
+};
+
+/// The part that all solvers share: checks the problem, fills the Summary,
+/// keeps the iteration records and decides when to stop, so that two solvers
+/// stop by the same rules.
+class Progress {
+ public:
+  Progress(const CalibrationProblem& problem, const SolverOptions& options,
+           const std::string& solver);
+
+  /// Evaluates the starting point and records it as iteration 0. False where
+  /// there is nothing to solve or it cannot be solved: the status says so.
+  bool Start(const Eigen::VectorXd& values);
+
+  /// Records an iteration whose outcome is `values`. True: stop; status and
+  /// message are set.
+  bool Record(const IterationStep& step, const Eigen::VectorXd& values);
+
+  void Stop(SolverStatus status, const std::string& message);
+  bool stopped() const { return summary_.status != SolverStatus::kNotRun; }
+
+  /// Sets times and the final cost.
+  void Finish();
+
+  SolverSummary& summary() { return summary_; }
+  const Stopwatch& stopwatch() const { return stopwatch_; }
+
+ private:
+  bool CheckProblem(const Eigen::VectorXd& values);
+  IterationRecord Evaluate(const Eigen::VectorXd& values) const;
+  bool ReachedPrecision(const IterationRecord& record);
+
+  const CalibrationProblem& problem_;
+  const SolverOptions& options_;
+  SolverSummary summary_;
+  Stopwatch stopwatch_;
+  double floor_cost_ = 0.0;
+};
+
+}  // namespace alidade
+
+#endif  // ALIDADE_SRC_SOLVE_PROGRESS_H_
