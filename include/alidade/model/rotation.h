@@ -32,6 +32,30 @@ Eigen::Matrix<T, 3, 3> RotationFromVector(const Eigen::Matrix<T, 3, 1>& w) {
   return Eigen::Matrix<T, 3, 3>::Identity() + a * skew + b * skew * skew;
 }
 
+/// The left Jacobian of SO(3), J(w) = I + b [w]x + c [w]x^2,
+/// b = (1 - cos|w|) / |w|^2, c = (|w| - sin|w|) / |w|^3: the axes that a
+/// rotation turns about, on the left, when its vector's components grow, Exp(w
+/// + e) = Exp(J(w) e) Exp(w) to first order. Chirikjian 2012, "Stochastic
+/// Models, Information Theory, and Lie Groups 2", eq. 10.86.
+inline Eigen::Matrix3d LeftJacobianOfRotation(const Eigen::Vector3d& w) {
+  const double angle_squared = w.squaredNorm();
+  double b = 0.5 - angle_squared / 24.0;
+  double c = 1.0 / 6.0 - angle_squared / 120.0;
+  // Below, the closed forms lose more digits than the series leaves out.
+  if (angle_squared > 1e-4) {
+    const double angle = std::sqrt(angle_squared);
+    const double half_sine = std::sin(0.5 * angle);
+    b = 2.0 * half_sine * half_sine / angle_squared;
+    c = (angle - std::sin(angle)) / (angle * angle_squared);
+  } else {
+    b += angle_squared * angle_squared / 720.0;
+    c += angle_squared * angle_squared / 5040.0;
+  }
+  Eigen::Matrix3d skew;
+  skew << 0.0, -w.z(), w.y(), w.z(), 0.0, -w.x(), -w.y(), w.x(), 0.0;
+  return Eigen::Matrix3d::Identity() + b * skew + c * skew * skew;
+}
+
 /// Log: the rotation vector of a rotation matrix, |w| <= pi.
 inline Eigen::Vector3d VectorFromRotation(const Eigen::Matrix3d& rotation) {
   const Eigen::AngleAxisd angle_axis(rotation);

@@ -1,0 +1,29 @@
+#include "alidade/model/joint_draw.h"
+
+#include <cmath>
+
+#include "alidade/base/units.h"
+
+namespace alidade {
+
+double DrawJointValue(const Arm& arm, int j, Random* random) {
+  const Joint& joint = arm.joints[j];
+  if (std::isfinite(joint.lower) && std::isfinite(joint.upper)) {
+    return random->Uniform(joint.lower, joint.upper);
+  }
+  const double range = joint.type == JointType::kRevolute ? kPi : Reach(arm);
+  return random->Uniform(-range, range);
+}
+
+Eigen::MatrixXd DrawJointValues(const Arm& arm, int count, std::uint64_t seed) {
+  Eigen::MatrixXd joint_values(arm.num_joints(), count);
+  for (int i = 0; i < count; ++i) {
+    Random random(seed, static_cast<std::uint64_t>(i));
+    for (int j = 0; j < arm.num_joints(); ++j) {
+      joint_values(j, i) = DrawJointValue(arm, j, &random);
+    }
+  }
+  return joint_values;
+}
+
+}  // namespace alidade
