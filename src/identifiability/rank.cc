@@ -47,19 +47,23 @@ double ColumnScale(const PositionModel& model, int column) {
   return angle ? Reach(model.nominal()) : 1.0;
 }
 
+// Terms of less than this part of a column's effect are not told: with poses
+// that are not quite in the plane they were meant for, a relation holds only so
+// far.
+constexpr double kNegligibleTerm = 1e-4;
+
 // Coefficients of a dependent column: the triangular system of the columns
 // kept so far, in units of the layout, without those that are only rounding.
 std::vector<std::pair<int, double>> SolveTerms(
     const PositionModel& model, const Eigen::MatrixXd& kept_columns,
     const std::vector<int>& kept, const Eigen::VectorXd& column, int id) {
-  constexpr double kNegligible = 1e-6;
   const Eigen::VectorXd scaled =
       kept_columns.colPivHouseholderQr().solve(column);
   std::vector<std::pair<int, double>> terms;
   for (std::size_t k = 0; k < kept.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     const double effect = std::abs(scaled[i]) * kept_columns.col(i).norm();
-    if (effect <= kNegligible * column.norm()) continue;
+    if (effect <= kNegligibleTerm * column.norm()) continue;
     terms.emplace_back(kept[k], scaled[i] * ColumnScale(model, id) /
                                     ColumnScale(model, kept[k]));
   }
@@ -68,7 +72,7 @@ std::vector<std::pair<int, double>> SolveTerms(
 
 std::string FormatNumber(double value) {
   std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.6g", value);
+  std::snprintf(text.data(), text.size(), "%.4g", value);
   return text.data();
 }
 

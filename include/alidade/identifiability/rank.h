@@ -37,7 +37,7 @@ struct Dependency {
 /// the base outwards within each) and returns those that depend on the ones
 /// before, so that lengths are kept in preference to angles. A column depends
 /// when the part of it that is orthogonal to those kept is below `tolerance`
-/// times its norm. Coefficients below 1e-6 of the largest effect are left out.
+/// times its norm. Terms below 1e-4 of the column's effect are left out.
 std::vector<Dependency> FindDependencies(const PositionModel& model,
                                          const Eigen::VectorXd& values,
                                          const Dataset& data,
