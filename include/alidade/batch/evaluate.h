@@ -1,0 +1,31 @@
+#ifndef ALIDADE_BATCH_EVALUATE_H_
+#define ALIDADE_BATCH_EVALUATE_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "alidade/measurement/position_model.h"
+#include "alidade/results/job_result.h"
+
+namespace alidade {
+
+/// Errors of two sets of values, before and after, at the poses of `data`.
+EvaluatedSet EvaluateSet(const PositionModel& model, const Dataset& data,
+                         const Eigen::VectorXd& before,
+                         const Eigen::VectorXd& after);
+
+/// Accuracy of one set of values at the poses of `data`.
+Accuracy EvaluateAccuracy(const PositionModel& model, const Dataset& data,
+                          const Eigen::VectorXd& values);
+
+/// Distance between the targets of two arms with the same joint types at
+/// `count` joint values drawn uniformly within the limits of the first
+/// (revolute joints without limits: a full turn). Pose k draws from stream k of
+/// the seed. @throws InputError where the arms differ in their joints, or a
+/// prismatic joint has no limits.
+Accuracy CompareArms(const Arm& arm, const Arm& reference, int count,
+                     std::uint64_t seed);
+
+}  // namespace alidade
+
+#endif  // ALIDADE_BATCH_EVALUATE_H_

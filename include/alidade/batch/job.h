@@ -1,0 +1,41 @@
+#ifndef ALIDADE_BATCH_JOB_H_
+#define ALIDADE_BATCH_JOB_H_
+
+#include <string>
+
+#include "alidade/io/job_config.h"
+#include "alidade/model/arm.h"
+#include "alidade/results/job_result.h"
+
+namespace alidade {
+
+enum class JobStatus {
+  kDone,          ///< calibrated, all acceptance limits met
+  kMissedLimits,  ///< calibrated, but an acceptance limit is missed
+  kRefused,       ///< the identifiability pass wants a choice by the user
+  kFailed,        ///< the job's solver found no usable solution
+};
+
+/// What a job came to. `result` is as complete as the job got: a refused one
+/// holds the identifiability analysis, a failed one the solver's summary too.
+struct JobOutcome {
+  JobStatus status = JobStatus::kFailed;
+  std::string message;  ///< empty when done
+  JobResult result;
+  Arm calibrated;  ///< the nominal arm unless a solver succeeded
+};
+
+/// Identifies, solves by the job's solver and by those it is compared with,
+/// evaluates training and held-out poses before and after, sets the published
+/// study beside it, and checks the acceptance limits. Writes nothing.
+/// `command` goes into the result. Results do not depend on `num_threads`.
+/// @throws InputError where an input file cannot be read again for its hash.
+JobOutcome RunJob(const JobConfig& config, const std::string& command,
+                  int num_threads);
+
+/// The identifiability part of a job alone.
+IdentifiabilityResult IdentifyJob(const JobConfig& config, int num_threads);
+
+}  // namespace alidade
+
+#endif  // ALIDADE_BATCH_JOB_H_

@@ -1,0 +1,24 @@
+#ifndef ALIDADE_BATCH_RESULT_DIRECTORY_H_
+#define ALIDADE_BATCH_RESULT_DIRECTORY_H_
+
+#include <string>
+#include <vector>
+
+#include "alidade/batch/job.h"
+#include "alidade/report/report.h"
+
+namespace alidade {
+
+/// The files of a result directory (docs/files.md): arm.yaml, result.json,
+/// report.txt, the CSV files and the figures. @pre a usable solution.
+std::vector<ReportFile> RenderResult(const JobOutcome& outcome);
+
+/// Writes them into `directory`, which is created, each to a temporary name
+/// that is renamed; result.json comes last, so that a directory which has one
+/// is complete. Returns the paths. @throws InputError.
+std::vector<std::string> WriteResultDirectory(
+    const std::string& directory, const std::vector<ReportFile>& files);
+
+}  // namespace alidade
+
+#endif  // ALIDADE_BATCH_RESULT_DIRECTORY_H_

@@ -1,0 +1,156 @@
+#include "alidade/batch/simulate.h"
+
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <variant>
+
+#include "alidade/base/error.h"
+#include "alidade/base/random.h"
+#include "alidade/base/units.h"
+#include "alidade/compensation/inverse_kinematics.h"
+#include "alidade/model/forward_kinematics.h"
+#include "alidade/model/joint_draw.h"
+
+namespace alidade {
+namespace {
+
+// Streams of the seed: poses and noise draw from different ones, so that a
+// change of the noise leaves the poses as they are.
+constexpr std::uint64_t kNoiseStreams = std::uint64_t{1} << 32;
+
+// Draws of the elevation before a target counts as out of reach.
+constexpr int kMaxDraws = 1000;
+
+double ValueAt(const Range& range, int i) {
+  if (range.count == 1) return range.from;
+  return range.from + (range.to - range.from) * i / (range.count - 1);
+}
+
+double UnitOf(const Joint& joint) {
+  return joint.type == JointType::kRevolute ? kDegree : kMillimetre;
+}
+
+// Joint values as a data set with so many decimals states them: the measured
+// arm stands exactly where the file says.
+void RoundJointValues(const Arm& arm, int decimals, Eigen::MatrixXd* q) {
+  const double scale = std::pow(10.0, decimals);
+  for (Eigen::Index i = 0; i < q->cols(); ++i) {
+    for (int j = 0; j < arm.num_joints(); ++j) {
+      const double unit = UnitOf(arm.joints[j]);
+      (*q)(j, i) = std::round((*q)(j, i) / unit * scale) / scale * unit;
+    }
+  }
+}
+
+class CylinderPlanner {
+ public:
+  CylinderPlanner(const SimulationConfig& config, const CylinderGrid& grid)
+      : config_(config), grid_(grid) {}
+
+  Eigen::MatrixXd Plan() const {
+    Eigen::MatrixXd q(config_.arm.num_joints(),
+                      grid_.azimuth.count * grid_.radius.count);
+    for (int a = 0; a < grid_.azimuth.count; ++a) {
+      for (int b = 0; b < grid_.radius.count; ++b) {
+        const int pose = a * grid_.radius.count + b;
+        q.col(pose) =
+            Reach(ValueAt(grid_.azimuth, a), ValueAt(grid_.radius, b), pose);
+      }
+    }
+    return q;
+  }
+
+ private:
+  Eigen::VectorXd Reach(double azimuth, double radius, int pose) const {
+    Random random(config_.seed, static_cast<std::uint64_t>(pose));
+    const Eigen::Vector3d outwards(std::cos(azimuth), std::sin(azimuth), 0.0);
+    const Eigen::Isometry3d& base = config_.arm.instrument_from_base;
+    const Eigen::Vector3d target(radius * outwards.x(), radius * outwards.y(),
+                                 grid_.height);
+    Eigen::VectorXd start = grid_.start;
+    const int last = config_.arm.num_joints() - 1;
+    for (int draw = 0; draw < kMaxDraws; ++draw) {
+      const double elevation =
+          random.Uniform(grid_.elevation_from, grid_.elevation_to);
+      const Eigen::Vector3d direction =
+          std::cos(elevation) * outwards +
+          std::sin(elevation) * Eigen::Vector3d::UnitZ();
+      // A first joint that turns is turned towards the target; the last one
+      // turns the tool about the direction, which leaves it free.
+      if (config_.arm.joints[0].type == JointType::kRevolute) {
+        start[0] = azimuth;
+      }
+      start[last] = DrawJointValue(config_.arm, last, &random);
+      const auto q = SolveInverseKinematics(
+          config_.arm, {base * target, base.linear() * direction}, start);
+      if (q) return *q;
+    }
+    ThrowUnreachable(azimuth, radius);
+  }
+
+  [[noreturn]] void ThrowUnreachable(double azimuth, double radius) const {
+    char text[200];
+    std::snprintf(text, sizeof(text),
+                  "no joint values within the limits reach azimuth %.4g deg, "
+                  "radius %.4g mm, height %.4g mm at any of %d elevations "
+                  "drawn; change the grid, the elevation or the start",
+                  azimuth / kDegree, radius / kMillimetre,
+                  grid_.height / kMillimetre, kMaxDraws);
+    throw InputError({config_.path, 0, 0, "poses.cylinder"}, text);
+  }
+
+  const SimulationConfig& config_;
+  const CylinderGrid& grid_;
+};
+
+Eigen::MatrixXd PlanPoses(const SimulationConfig& config) {
+  if (const auto* grid = std::get_if<CylinderGrid>(&config.poses)) {
+    return CylinderPlanner(config, *grid).Plan();
+  }
+  if (const auto* random = std::get_if<RandomPoses>(&config.poses)) {
+    return DrawJointValues(config.arm, random->count, config.seed);
+  }
+  return std::get<PosesFromFile>(config.poses).joint_values;
+}
+
+Eigen::Matrix3Xd TruePositions(const SimulationConfig& config,
+                               const Eigen::MatrixXd& joint_values) {
+  using Real = long double;
+  const ParameterLayout layout(config.arm.num_joints());
+  const Eigen::Matrix<Real, Eigen::Dynamic, 1> values =
+      config.true_values.cast<Real>();
+  const GeometryView<Real> geometry = ViewOf(layout, values.data());
+  Eigen::Matrix3Xd positions(3, joint_values.cols());
+  for (Eigen::Index i = 0; i < joint_values.cols(); ++i) {
+    positions.col(i) =
+        TargetPosition(config.arm, geometry, joint_values.col(i).data())
+            .cast<double>();
+  }
+  return positions;
+}
+
+void AddNoise(const SimulationConfig& config, Eigen::Matrix3Xd* positions) {
+  for (Eigen::Index i = 0; i < positions->cols(); ++i) {
+    Random random(config.seed, kNoiseStreams + static_cast<std::uint64_t>(i));
+    for (int axis = 0; axis < 3; ++axis) {
+      (*positions)(axis, i) += config.noise_sigma * random.Normal();
+    }
+  }
+}
+
+}  // namespace
+
+Dataset Simulate(const SimulationConfig& config) {
+  Dataset data;
+  data.name = config.output;
+  data.joint_values = PlanPoses(config);
+  RoundJointValues(config.arm, config.joint_decimals, &data.joint_values);
+  data.positions = TruePositions(config, data.joint_values);
+  if (config.noise_sigma > 0.0) AddNoise(config, &data.positions);
+  data.sigmas.setConstant(3, data.num_poses(),
+                          config.noise_sigma > 0.0 ? config.noise_sigma : 1.0);
+  return data;
+}
+
+}  // namespace alidade
