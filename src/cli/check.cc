@@ -1,0 +1,69 @@
+#include <iostream>
+#include <optional>
+
+#include "alidade/base/error.h"
+#include "alidade/base/units.h"
+#include "alidade/io/arm_file.h"
+#include "alidade/io/dataset_csv.h"
+#include "alidade/io/job_file.h"
+#include "command.h"
+
+namespace alidade {
+namespace {
+
+class Checker {
+ public:
+  /// One line about the file. @throws InputError.
+  std::string Check(const std::string& path) {
+    if (IsCsv(path)) return CheckCsv(path);
+    switch (DetectFormat(path)) {
+      case FileFormat::kArm:
+        arm_ = LoadArm(path);
+        return "arm, " + std::to_string(arm_->num_joints()) + " joints";
+      case FileFormat::kDeviations:
+        LoadDeviations(path, RequireArm(path));
+        return "deviations of " + arm_->name;
+      case FileFormat::kSimulation:
+        LoadSimulation(path);
+        return "simulation";
+      case FileFormat::kJob:
+        return "job, " + std::to_string(LoadJob(path).data.num_poses()) +
+               " poses";
+    }
+    return "";
+  }
+
+ private:
+  std::string CheckCsv(const std::string& path) {
+    const Dataset data = LoadDataset(path, RequireArm(path), kMillimetre);
+    return "data set, " + std::to_string(data.num_poses()) + " poses of " +
+           arm_->name;
+  }
+
+  const Arm& RequireArm(const std::string& path) const {
+    if (arm_) return *arm_;
+    throw InputError({path, 0, 0, ""},
+                     "its names depend on the arm: name the arm's file before "
+                     "it");
+  }
+
+  std::optional<Arm> arm_;
+};
+
+}  // namespace
+
+ExitStatus RunCheck(const CommandLine& line) {
+  Checker checker;
+  ExitStatus status = kExitDone;
+  for (const std::string& path : line.files) {
+    try {
+      std::cout << path << ": " << checker.Check(path) << "\n";
+    } catch (const InputError& error) {
+      PrintError(error.what());
+      status = kExitBadInput;
+    }
+  }
+  return status;
+}
+
+}  // namespace alidade

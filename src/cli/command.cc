@@ -1,0 +1,103 @@
+#include "command.h"
+
+#include <algorithm>
+#include <cctype>
+#include <iostream>
+#include <limits>
+
+namespace alidade {
+namespace {
+
+constexpr int kAnyNumber = std::numeric_limits<int>::max();
+
+}  // namespace
+
+const std::vector<Command>& Commands() {
+  static const std::vector<Command> kCommands = {
+      {"show",
+       "ARM.yaml [DATA.csv] | JOB.yaml | RESULT.json",
+       "print an arm, a data set, a job or a result as a table",
+       "Prints what a file says, in mm and deg. A data set is read with the\n"
+       "arm named before it. RESULT.json may also be a result directory.",
+       {},
+       1,
+       2,
+       RunShow},
+      {"check",
+       "FILE...",
+       "validate YAML and CSV files without running anything",
+       "Reads every file, and the files that jobs and simulations name, and\n"
+       "prints one line each. A CSV is read with the arm named before it. All\n"
+       "files are looked at; the exit status is 2 where one is wrong.",
+       {},
+       1,
+       kAnyNumber,
+       RunCheck},
+      {"simulate",
+       "SIMULATION.yaml",
+       "write a data set from an arm, its deviations, poses and noise",
+       "Plans the poses with the nominal arm, measures them with the real one\n"
+       "and writes a CSV to the simulation's output, or to --out=FILE. The\n"
+       "same seed gives the same bytes.",
+       {"out", "seed"},
+       1,
+       1,
+       RunSimulate},
+      {"identify",
+       "JOB.yaml | ARM.yaml DATA.csv",
+       "tell which parameters these poses can identify, and why",
+       "Prints the decision for each parameter, the ranks it rests on and "
+       "what\n"
+       "to look out for. Nothing is solved or written.",
+       {"seed"},
+       1,
+       2,
+       RunIdentify},
+      {"calibrate",
+       "JOB.yaml",
+       "run a whole calibration job and write its results",
+       "Identifies, solves, validates, and writes the result directory\n"
+       "--out=DIR (default: results/ and the job's name): arm.yaml,\n"
+       "result.json, report.txt, CSV files and SVG figures.\n"
+       "Exit status 1: an acceptance limit of the job is missed.",
+       {"out", "seed"},
+       1,
+       1,
+       RunCalibrate},
+      {"compare",
+       "JOB.yaml",
+       "run the same job by every solver, side by side",
+       "Prints cost and error per iteration, times and where the solutions\n"
+       "differ. With --out=DIR the curves are written as CSV and figures.",
+       {"out", "seed"},
+       1,
+       1,
+       RunCompare},
+      {"validate",
+       "ARM.yaml DATA.csv... | ARM.yaml REFERENCE.yaml",
+       "accuracy of an arm on data, or against another arm",
+       "With data sets: errors of the arm's predictions at their poses. With "
+       "a\n"
+       "second arm: distance between the two over 10 000 joint values drawn\n"
+       "within the limits of the first (--seed).",
+       {"seed"},
+       2,
+       kAnyNumber,
+       RunValidate},
+  };
+  return kCommands;
+}
+
+void PrintError(const std::string& message) {
+  std::cerr << "alidade: " << message << std::endl;
+}
+
+bool IsCsv(const std::string& path) {
+  if (path.size() < 4) return false;
+  std::string ending = path.substr(path.size() - 4);
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return ending == ".csv";
+}
+
+}  // namespace alidade

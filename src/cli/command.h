@@ -1,0 +1,60 @@
+#ifndef ALIDADE_SRC_CLI_COMMAND_H_
+#define ALIDADE_SRC_CLI_COMMAND_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace alidade {
+
+/// Exit statuses of the program (docs/files.md).
+enum ExitStatus {
+  kExitDone = 0,
+  kExitMissedLimits = 1,  ///< the job ran and missed an acceptance limit
+  kExitBadInput = 2,      ///< bad usage or input
+  kExitNumerical = 3,     ///< a numerical failure, or a solve that is refused
+};
+
+/// What the user wrote behind the command's name.
+struct CommandLine {
+  std::vector<std::string> files;
+  std::string out;  ///< --out; empty = not given
+  int threads = 1;
+  std::optional<std::uint64_t> seed;
+  std::string text;  ///< the whole command line, for the result
+};
+
+/// One command of the program: a row of the table in command.cc.
+struct Command {
+  const char* name;
+  const char* arguments;  ///< "JOB.yaml"
+  const char* summary;    ///< one line
+  const char* help;       ///< what it reads, does and prints
+  /// Flags it takes, besides --help, --threads and --verbosity.
+  std::vector<std::string> flags;
+  int min_files;
+  int max_files;
+  ExitStatus (*run)(const CommandLine& line);
+};
+
+const std::vector<Command>& Commands();
+
+// One file each. All throw InputError for wrong input.
+ExitStatus RunShow(const CommandLine& line);
+ExitStatus RunCheck(const CommandLine& line);
+ExitStatus RunSimulate(const CommandLine& line);
+ExitStatus RunIdentify(const CommandLine& line);
+ExitStatus RunCalibrate(const CommandLine& line);
+ExitStatus RunCompare(const CommandLine& line);
+ExitStatus RunValidate(const CommandLine& line);
+
+/// Prints "alidade: MESSAGE" on standard error.
+void PrintError(const std::string& message);
+
+/// True for names that end in ".csv", whatever their case.
+bool IsCsv(const std::string& path);
+
+}  // namespace alidade
+
+#endif  // ALIDADE_SRC_CLI_COMMAND_H_

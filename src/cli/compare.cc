@@ -1,0 +1,42 @@
+#include <iostream>
+
+#include "alidade/batch/job.h"
+#include "alidade/batch/result_directory.h"
+#include "alidade/io/job_file.h"
+#include "alidade/report/report.h"
+#include "command.h"
+
+namespace alidade {
+
+ExitStatus RunCompare(const CommandLine& line) {
+  const std::string& path = line.files.front();
+  JobConfig config = LoadJob(path);
+  if (line.seed) config.identifiability.seed = *line.seed;
+  config.compare_with = {SolverName::kCeres, SolverName::kPseudoInverse};
+  // Solvers are compared on the data; what a study published, and whether the
+  // result is good enough, is for calibrate to say.
+  config.published.reset();
+  config.acceptance = {};
+  const JobOutcome outcome = RunJob(config, line.text, line.threads);
+  if (outcome.status == JobStatus::kRefused ||
+      outcome.status == JobStatus::kFailed) {
+    PrintError(path + ": " + outcome.message);
+    return kExitNumerical;
+  }
+  const std::string text =
+      outcome.result.title + "\n\n" + FormatComparison(outcome.result);
+  std::cout << text;
+  if (line.out.empty()) return kExitDone;
+  std::vector<ReportFile> files = MakeCsvFiles(outcome.result);
+  for (ReportFile& figure : MakeFigures(outcome.result)) {
+    files.push_back(std::move(figure));
+  }
+  files.push_back({"comparison.txt", text});
+  std::cout << "\nResults\n";
+  for (const std::string& written : WriteResultDirectory(line.out, files)) {
+    std::cout << "  " << written << "\n";
+  }
+  return kExitDone;
+}
+
+}  // namespace alidade

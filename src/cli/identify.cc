@@ -1,0 +1,37 @@
+#include <iostream>
+
+#include "alidade/base/error.h"
+#include "alidade/base/units.h"
+#include "alidade/batch/job.h"
+#include "alidade/io/arm_file.h"
+#include "alidade/io/dataset_csv.h"
+#include "alidade/io/job_file.h"
+#include "alidade/report/report.h"
+#include "command.h"
+
+namespace alidade {
+namespace {
+
+// The rules and ranks compare columns with each other: any sigma will do for a
+// data set that states none.
+constexpr double kAnySigma = kMillimetre;
+
+JobConfig LoadJobOrPair(const std::vector<std::string>& files) {
+  if (files.size() == 1) return LoadJob(files.front());
+  JobConfig config;
+  config.arm = LoadArm(files[0]);
+  config.data = LoadDataset(files[1], config.arm, kAnySigma);
+  return config;
+}
+
+}  // namespace
+
+ExitStatus RunIdentify(const CommandLine& line) {
+  JobConfig config = LoadJobOrPair(line.files);
+  if (line.seed) config.identifiability.seed = *line.seed;
+  std::cout << config.arm.name << ", " << config.data.num_poses() << " poses\n"
+            << FormatIdentifiability(IdentifyJob(config, line.threads));
+  return kExitDone;
+}
+
+}  // namespace alidade

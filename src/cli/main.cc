@@ -1,0 +1,231 @@
+#include <gflags/gflags.h>
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <exception>
+#include <iostream>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "alidade/base/error.h"
+#include "alidade/base/version.h"
+#include "command.h"
+
+DEFINE_string(out, "", "where results are written");
+DEFINE_int32(threads, 1, "threads to work with; results do not depend on it");
+DEFINE_uint64(seed, 0, "seed of everything random, instead of the file's");
+DEFINE_int32(verbosity, 0, "0: warnings, 1: what is done, 2: details");
+
+namespace alidade {
+namespace {
+
+struct FlagHelp {
+  const char* name;
+  const char* text;
+};
+
+const std::vector<FlagHelp>& FlagHelps() {
+  static const std::vector<FlagHelp> kFlagHelps = {
+      {"out", "--out=PATH       where results are written"},
+      {"seed",
+       "--seed=N         seed of all that is drawn, instead of the "
+       "file's"},
+      {"threads",
+       "--threads=N      threads to work with, 1 by default; "
+       "results do not depend on it"},
+      {"verbosity",
+       "--verbosity=N    0: warnings, 1: what is done, 2: "
+       "details; on standard error"},
+      {"help", "--help           this text"},
+  };
+  return kFlagHelps;
+}
+
+bool Accepts(const Command& command, const std::string& flag) {
+  return flag == "threads" || flag == "verbosity" || flag == "help" ||
+         std::find(command.flags.begin(), command.flags.end(), flag) !=
+             command.flags.end();
+}
+
+void PrintUsage(std::ostream& out) {
+  out << "alidade " << Version()
+      << ": the true geometry of a robot arm from measured poses\n\n"
+         "usage: alidade COMMAND [flags] FILE...\n\n";
+  for (const Command& command : Commands()) {
+    out << "  " << command.name
+        << std::string(12 - std::string(command.name).size(), ' ')
+        << command.summary << "\n";
+  }
+  out << "\n'alidade COMMAND --help' tells more of one; 'alidade --version' "
+         "prints the version.\n"
+         "Exit status: 0 done; 1 an acceptance limit is missed; 2 bad usage or "
+         "input;\n3 a numerical failure.\n";
+}
+
+void PrintHelp(const Command& command) {
+  std::cout << "usage: alidade " << command.name << " [flags] "
+            << command.arguments << "\n\n"
+            << command.help << "\n\n";
+  for (const FlagHelp& flag : FlagHelps()) {
+    if (Accepts(command, flag.name)) std::cout << "  " << flag.text << "\n";
+  }
+}
+
+[[noreturn]] void ThrowUsage(const Command& command,
+                             const std::string& problem) {
+  throw InputError({}, std::string(command.name) + ": " + problem +
+                           "; 'alidade " + command.name +
+                           " --help' tells more");
+}
+
+// gflags' own parser ends the process with status 1 where a flag is wrong, and
+// knows nothing of commands; so it is only asked to keep the values.
+class ArgumentParser {
+ public:
+  ArgumentParser(const Command& command, std::vector<std::string> arguments)
+      : command_(command), arguments_(std::move(arguments)) {}
+
+  CommandLine Parse() {
+    line_.text = std::string("alidade ") + command_.name;
+    for (const std::string& argument : arguments_) line_.text += " " + argument;
+    bool only_files = false;
+    while (next_ < arguments_.size()) {
+      const std::string argument = arguments_[next_++];
+      if (only_files || argument.size() < 2 || argument[0] != '-') {
+        line_.files.push_back(argument);
+      } else if (argument == "--") {
+        only_files = true;
+      } else {
+        SetFlag(argument);
+      }
+    }
+    return line_;
+  }
+
+  bool wants_help() const { return wants_help_; }
+
+ private:
+  void SetFlag(const std::string& argument) {
+    const std::size_t dashes = argument[1] == '-' ? 2 : 1;
+    const std::size_t equals = argument.find('=');
+    const std::string name = argument.substr(
+        dashes, equals == std::string::npos ? equals : equals - dashes);
+    if (name == "h" || name == "help") {
+      wants_help_ = true;
+      return;
+    }
+    if (!Accepts(command_, name)) {
+      ThrowUsage(command_, "unknown flag " + argument);
+    }
+    const std::string value = equals == std::string::npos
+                                  ? NextArgument(argument)
+                                  : argument.substr(equals + 1);
+    if (gflags::SetCommandLineOption(name.c_str(), value.c_str()).empty()) {
+      ThrowUsage(command_, "--" + name + " = \"" + value +
+                               "\" is not a value of this flag");
+    }
+    if (name == "seed") line_.seed = FLAGS_seed;
+  }
+
+  std::string NextArgument(const std::string& flag) {
+    if (next_ == arguments_.size()) {
+      ThrowUsage(command_, flag + " needs a value");
+    }
+    return arguments_[next_++];
+  }
+
+  const Command& command_;
+  std::vector<std::string> arguments_;
+  std::size_t next_ = 0;
+  bool wants_help_ = false;
+  CommandLine line_;
+};
+
+void CheckLine(const Command& command, const CommandLine& line) {
+  const auto count = static_cast<int>(line.files.size());
+  if (count < command.min_files) {
+    ThrowUsage(command, std::string("expected ") + command.arguments);
+  }
+  if (count > command.max_files) {
+    ThrowUsage(command,
+               "too many files, expected " + std::string(command.arguments));
+  }
+  if (FLAGS_threads < 1 || FLAGS_threads > 1024) {
+    ThrowUsage(command, "--threads = " + std::to_string(FLAGS_threads) +
+                            ", must be between 1 and 1024");
+  }
+}
+
+const Command& FindCommand(const std::string& name) {
+  for (const Command& command : Commands()) {
+    if (command.name == name) return command;
+  }
+  throw InputError({}, "unknown command \"" + name +
+                           "\"; 'alidade --help' lists the commands");
+}
+
+void SetVerbosity() {
+  FLAGS_minloglevel =
+      FLAGS_verbosity > 0 ? google::GLOG_INFO : google::GLOG_WARNING;
+  FLAGS_v = FLAGS_verbosity > 1 ? 1 : 0;
+}
+
+ExitStatus RunCommand(const std::string& name,
+                      std::vector<std::string> arguments) {
+  const Command& command = FindCommand(name);
+  ArgumentParser parser(command, std::move(arguments));
+  CommandLine line = parser.Parse();
+  if (parser.wants_help()) {
+    PrintHelp(command);
+    return kExitDone;
+  }
+  CheckLine(command, line);
+  SetVerbosity();
+  line.out = FLAGS_out;
+  line.threads = FLAGS_threads;
+  return command.run(line);
+}
+
+ExitStatus Main(const std::vector<std::string>& arguments) {
+  if (arguments.empty()) {
+    PrintUsage(std::cerr);
+    return kExitBadInput;
+  }
+  const std::string& first = arguments.front();
+  if (first == "--help" || first == "-h" || first == "help") {
+    PrintUsage(std::cout);
+    return kExitDone;
+  }
+  if (first == "--version") {
+    std::cout << "alidade " << Version() << "\n";
+    return kExitDone;
+  }
+  return RunCommand(first, {arguments.begin() + 1, arguments.end()});
+}
+
+}  // namespace
+}  // namespace alidade
+
+int main(int argc, char** argv) {
+  FLAGS_logtostderr = true;
+  google::InitGoogleLogging(argv[0]);
+  try {
+    const alidade::ExitStatus status = alidade::Main({argv + 1, argv + argc});
+    std::cout.flush();
+    if (!std::cout) {
+      alidade::PrintError("standard output cannot be written");
+      return alidade::kExitBadInput;
+    }
+    return status;
+  } catch (const alidade::InputError& error) {
+    alidade::PrintError(error.what());
+    return alidade::kExitBadInput;
+  } catch (const std::bad_alloc&) {
+    alidade::PrintError("out of memory");
+    return alidade::kExitNumerical;
+  } catch (const std::exception& error) {
+    alidade::PrintError(std::string("internal error: ") + error.what());
+    return alidade::kExitNumerical;
+  }
+}

@@ -1,0 +1,132 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+
+#include "alidade/base/error.h"
+#include "alidade/base/units.h"
+#include "alidade/io/arm_file.h"
+#include "alidade/io/dataset_csv.h"
+#include "alidade/io/job_file.h"
+#include "alidade/io/result_json.h"
+#include "alidade/report/format.h"
+#include "alidade/report/report.h"
+#include "alidade/report/text_table.h"
+#include "command.h"
+
+namespace alidade {
+namespace {
+
+using Align = TextTable::Align;
+
+constexpr Eigen::Index kRowsShown = 20;
+
+double UnitOf(const Joint& joint) {
+  return joint.type == JointType::kRevolute ? kDegree : kMillimetre;
+}
+
+std::string FormatLimits(const Joint& joint) {
+  if (!std::isfinite(joint.lower) && !std::isfinite(joint.upper)) return "none";
+  return FormatSignificant(joint.lower / UnitOf(joint), 6) + " .. " +
+         FormatSignificant(joint.upper / UnitOf(joint), 6);
+}
+
+void ShowArm(const Arm& arm) {
+  TextTable table({{"joint"},
+                   {"type"},
+                   {"beta deg", Align::kRight},
+                   {"alpha deg", Align::kRight},
+                   {"d mm", Align::kRight},
+                   {"theta deg", Align::kRight},
+                   {"r mm", Align::kRight},
+                   {"limits"}});
+  for (int j = 0; j < arm.num_joints(); ++j) {
+    const Joint& joint = arm.joints[j];
+    const bool revolute = joint.type == JointType::kRevolute;
+    table.AddRow({std::to_string(j + 1), revolute ? "revolute" : "prismatic",
+                  FormatSignificant(joint.beta / kDegree, 8),
+                  FormatSignificant(joint.alpha / kDegree, 8),
+                  FormatSignificant(joint.d / kMillimetre, 8),
+                  FormatSignificant(joint.theta / kDegree, 8),
+                  FormatSignificant(joint.r / kMillimetre, 8),
+                  FormatLimits(joint)});
+  }
+  std::cout << arm.name << "\n" << table.ToString();
+}
+
+TextTable DatasetTable(const Arm& arm) {
+  std::vector<TextTable::Column> columns = {{"pose", Align::kRight}};
+  for (int j = 0; j < arm.num_joints(); ++j) {
+    const bool revolute = arm.joints[j].type == JointType::kRevolute;
+    columns.push_back(
+        {"q" + std::to_string(j + 1) + (revolute ? " deg" : " mm"),
+         Align::kRight});
+  }
+  for (const char* axis : {"x mm", "y mm", "z mm"}) {
+    columns.push_back({axis, Align::kRight});
+  }
+  return TextTable(columns);
+}
+
+void ShowDataset(const Arm& arm, const Dataset& data) {
+  TextTable table = DatasetTable(arm);
+  const Eigen::Index shown = std::min(kRowsShown, data.num_poses());
+  for (Eigen::Index i = 0; i < shown; ++i) {
+    std::vector<std::string> row = {std::to_string(i + 1)};
+    for (int j = 0; j < arm.num_joints(); ++j) {
+      row.push_back(FormatSignificant(
+          data.joint_values(j, i) / UnitOf(arm.joints[j]), 7));
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      row.push_back(
+          FormatSignificant(data.positions(axis, i) / kMillimetre, 7));
+    }
+    table.AddRow(row);
+  }
+  std::cout << data.name << ": " << data.num_poses() << " poses of " << arm.name
+            << "\n"
+            << table.ToString();
+  if (shown < data.num_poses()) {
+    std::cout << "... and " << data.num_poses() - shown << " more\n";
+  }
+}
+
+void ShowJob(const std::string& path) {
+  const JobConfig config = LoadJob(path);
+  std::cout << config.title << "\n\n";
+  ShowArm(config.arm);
+  std::cout << "\n";
+  ShowDataset(config.arm, config.data);
+}
+
+void ShowResult(const std::string& path) {
+  const JobResult result = LoadResultJson(path);
+  std::cout << result.title << "\n\n"
+            << FormatAccuracyTable(result) << "\n"
+            << FormatParameters(result);
+}
+
+}  // namespace
+
+ExitStatus RunShow(const CommandLine& line) {
+  namespace fs = std::filesystem;
+  std::string path = line.files.front();
+  if (fs::is_directory(path)) path = (fs::path(path) / "result.json").string();
+  if (fs::path(path).extension() == ".json") {
+    ShowResult(path);
+  } else if (IsCsv(path)) {
+    throw InputError({path, 0, 0, ""},
+                     "a data set is shown with its arm: alidade show ARM.yaml "
+                     "DATA.csv");
+  } else if (DetectFormat(path) == FileFormat::kJob) {
+    ShowJob(path);
+  } else if (line.files.size() == 1) {
+    ShowArm(LoadArm(path));
+  } else {
+    const Arm arm = LoadArm(path);
+    ShowDataset(arm, LoadDataset(line.files[1], arm, kMillimetre));
+  }
+  return kExitDone;
+}
+
+}  // namespace alidade

@@ -1,0 +1,318 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
+#include <string>
+
+#include "tests/support/process.h"
+
+namespace alidade {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using testing::ProcessResult;
+using testing::ReadWhole;
+using testing::TemporaryDirectory;
+using testing::WriteWhole;
+
+const std::string kSource = ALIDADE_SOURCE_DIR;
+const std::string kStudy = kSource + "/configs/jobs/rv2aj_study.yaml";
+const std::string kFlangeJob = kSource + "/configs/jobs/rv2aj_flange.yaml";
+const std::string kWristArm = kSource + "/configs/robots/rv2aj_wrist.yaml";
+const std::string kWristData = kSource + "/datasets/rv2aj/wrist_56.csv";
+
+ProcessResult Alidade(const std::string& arguments) {
+  return testing::RunProcess(std::string(ALIDADE_BINARY) + " " + arguments);
+}
+
+// Times differ from run to run, the directory and the thread count from call
+// to call; nothing else may.
+std::string WithoutTimes(const std::string& path) {
+  nlohmann::json json = nlohmann::json::parse(ReadWhole(path));
+  const auto is_volatile = [](const std::string& key) {
+    return key == "command" || key.find("time") != std::string::npos ||
+           key.find("threads") != std::string::npos ||
+           key.find("timed_s") != std::string::npos;
+  };
+  std::function<void(nlohmann::json*)> strip = [&](nlohmann::json* node) {
+    if (node->is_object()) {
+      for (auto it = node->begin(); it != node->end();) {
+        it = is_volatile(it.key()) ? node->erase(it) : std::next(it);
+      }
+    }
+    if (node->is_structured()) {
+      for (nlohmann::json& child : *node) strip(&child);
+    }
+  };
+  strip(&json);
+  // The one row of the study's table that states a time.
+  return std::regex_replace(json.dump(1),
+                            std::regex("[0-9.]+ m?s, [0-9 ]+ times less"), "");
+}
+
+TEST(CliTest, WithoutCommandPrintsUsageAndExitsWithTwo) {
+  const ProcessResult result = Alidade("");
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.out, IsEmpty());
+  EXPECT_THAT(result.err, HasSubstr("usage: alidade COMMAND"));
+}
+
+TEST(CliTest, HelpNamesEveryCommandOnStandardOutput) {
+  const ProcessResult result = Alidade("--help");
+  EXPECT_EQ(result.status, 0);
+  EXPECT_THAT(result.err, IsEmpty());
+  for (const char* command : {"show", "check", "simulate", "identify",
+                              "calibrate", "compare", "validate"}) {
+    EXPECT_THAT(result.out, HasSubstr(command));
+    const ProcessResult help = Alidade(std::string(command) + " --help");
+    EXPECT_EQ(help.status, 0) << command;
+    EXPECT_THAT(help.out, HasSubstr(std::string("usage: alidade ") + command));
+    EXPECT_THAT(help.out, HasSubstr("--threads"));
+  }
+}
+
+TEST(CliTest, VersionIsPrinted) {
+  const ProcessResult result = Alidade("--version");
+  EXPECT_EQ(result.status, 0);
+  EXPECT_TRUE(std::regex_match(result.out, std::regex("alidade [0-9.]+\n")));
+}
+
+struct BadUsage {
+  const char* arguments;
+  const char* message;
+};
+
+class CliBadUsageTest : public ::testing::TestWithParam<BadUsage> {};
+
+TEST_P(CliBadUsageTest, ExitsWithTwoAndSaysWhy) {
+  const ProcessResult result = Alidade(GetParam().arguments);
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.out, IsEmpty());
+  EXPECT_THAT(result.err, HasSubstr(GetParam().message));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, CliBadUsageTest,
+    ::testing::Values(
+        BadUsage{"fly", "unknown command \"fly\""},
+        BadUsage{"calibrate", "expected JOB.yaml"},
+        BadUsage{"calibrate a.yaml b.yaml", "too many files"},
+        BadUsage{"calibrate --wings=2 a.yaml", "unknown flag --wings=2"},
+        BadUsage{"show --out=x a.yaml", "unknown flag --out=x"},
+        BadUsage{"calibrate --threads=many a.yaml", "not a value"},
+        BadUsage{"calibrate --threads=0 a.yaml", "must be between"},
+        BadUsage{"calibrate a.yaml --seed", "needs a value"},
+        BadUsage{"calibrate no_such_file.yaml", "no_such_file.yaml"},
+        BadUsage{"show /", "/"}));
+
+class StudyTest : public ::testing::Test {
+ protected:
+  TemporaryDirectory directory_;
+};
+
+TEST_F(StudyTest, CalibrateWritesTheWholeResultDirectory) {
+  const std::string out = directory_ / "new/results";
+  const ProcessResult result = Alidade("calibrate " + kStudy + " --out=" + out);
+  ASSERT_EQ(result.status, 0) << result.err;
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(out)) {
+    names.insert(entry.path().filename().string());
+    EXPECT_GT(entry.file_size(), 100u) << entry.path();
+    EXPECT_THAT(result.out, HasSubstr(entry.path().string()));
+  }
+  EXPECT_EQ(names, (std::set<std::string>{
+                       "arm.yaml", "convergence.svg", "error_after.svg",
+                       "error_before.svg", "heldout.csv", "iterations.csv",
+                       "report.txt", "residuals.csv", "result.json",
+                       "validation_after.svg", "validation_before.svg"}));
+}
+
+TEST_F(StudyTest, CalibrateEndsOnPublishedAgainstObtainedAndThePaths) {
+  const std::string out = directory_ / "results";
+  const ProcessResult result = Alidade("calibrate " + kStudy + " --out=" + out);
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("4.0000e-04 to 4.0000e-04 mm"),
+                                HasSubstr("17 of 25"), HasSubstr("0.100400")));
+  EXPECT_GT(result.out.find("result.json"), result.out.find("17 of 25"));
+  EXPECT_THAT(result.err, AllOf(HasSubstr("warning"), HasSubstr("beta4")));
+}
+
+TEST_F(StudyTest, ResultDoesNotDependOnThreadsOrTheRun) {
+  const std::string first = directory_ / "first";
+  ASSERT_EQ(Alidade("calibrate " + kStudy + " --out=" + first).status, 0);
+  for (const char* threads : {"1", "2", "8"}) {
+    const std::string again = directory_ / (std::string("again") + threads);
+    ASSERT_EQ(Alidade("calibrate " + kStudy + " --threads=" + threads +
+                      " --out=" + again)
+                  .status,
+              0);
+    for (const char* name :
+         {"arm.yaml", "residuals.csv", "heldout.csv", "error_before.svg",
+          "error_after.svg", "convergence.svg", "validation_before.svg",
+          "validation_after.svg"}) {
+      EXPECT_EQ(ReadWhole(first + "/" + name), ReadWhole(again + "/" + name))
+          << name << " with " << threads << " threads";
+    }
+    EXPECT_EQ(WithoutTimes(first + "/result.json"),
+              WithoutTimes(again + "/result.json"));
+  }
+}
+
+TEST_F(StudyTest, CalibratedArmIsAnArmThatValidatesAndShows) {
+  const std::string out = directory_ / "results";
+  ASSERT_EQ(Alidade("calibrate " + kStudy + " --out=" + out).status, 0);
+  const std::string arm = out + "/arm.yaml";
+  EXPECT_EQ(Alidade("check " + arm).status, 0);
+  const ProcessResult validated = Alidade("validate " + arm + " " + kWristData);
+  ASSERT_EQ(validated.status, 0) << validated.err;
+  EXPECT_TRUE(std::regex_search(validated.out,
+                                std::regex("wrist_56.csv +56 .*e-1[34]\n")))
+      << validated.out;
+  EXPECT_THAT(Alidade("show " + arm).out, HasSubstr("250.1"));
+  EXPECT_THAT(Alidade("show " + out).out, HasSubstr("beta4"));
+}
+
+TEST_F(StudyTest, IdentifySaysWhatIsFrozenAndWhy) {
+  const ProcessResult result = Alidade("identify " + kStudy);
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out,
+              AllOf(HasSubstr("r2 + r3 + r4"), HasSubstr("column is zero"),
+                    HasSubstr("beta4 acts as -160 mm * r2")));
+}
+
+TEST_F(StudyTest, FlangeIsRefusedWithoutAChoiceAndSolvedWithOne) {
+  std::string job = ReadWhole(kFlangeJob);
+  job = std::regex_replace(job, std::regex("\\.\\./\\.\\./datasets"),
+                           kSource + "/datasets");
+  job = std::regex_replace(job, std::regex("\\.\\./robots"),
+                           kSource + "/configs/robots");
+  const std::string without =
+      std::regex_replace(job, std::regex("fix: *\\[[^\\]]*\\]"), "fix: []");
+  ASSERT_NE(job, without);
+  WriteWhole(directory_ / "free.yaml", without);
+  const std::string out = directory_ / "results";
+  const ProcessResult refused =
+      Alidade("calibrate " + (directory_ / "free.yaml") + " --out=" + out);
+  EXPECT_EQ(refused.status, 3);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("theta4"), HasSubstr("alpha5"),
+                                 HasSubstr("proceed_beyond_rank")));
+  EXPECT_FALSE(std::filesystem::exists(out));
+  const ProcessResult solved =
+      Alidade("calibrate " + kFlangeJob + " --out=" + out);
+  EXPECT_EQ(solved.status, 0) << solved.err;
+}
+
+TEST_F(StudyTest, CompareShowsBothSolvers) {
+  const ProcessResult result = Alidade("compare " + kStudy);
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("eres"), HasSubstr("pseudo-inverse"),
+                                HasSubstr("rounding floor")));
+}
+
+TEST_F(StudyTest, MissedAcceptanceLimitExitsWithOneAndStillWrites) {
+  std::string job = ReadWhole(kStudy);
+  job = std::regex_replace(job, std::regex("\\.\\./\\.\\./datasets"),
+                           kSource + "/datasets");
+  job = std::regex_replace(job, std::regex("\\.\\./robots"),
+                           kSource + "/configs/robots");
+  job = std::regex_replace(job, std::regex("train_max: *[0-9.e-]+"),
+                           "train_max: 1e-15");
+  WriteWhole(directory_ / "strict.yaml", job);
+  const std::string out = directory_ / "results";
+  const ProcessResult result =
+      Alidade("calibrate " + (directory_ / "strict.yaml") + " --out=" + out);
+  EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(result.err, HasSubstr("acceptance limit"));
+  EXPECT_TRUE(std::filesystem::exists(out + "/result.json"));
+}
+
+TEST_F(StudyTest, SimulateRepeatsTheCommittedDataSetsToTheByte) {
+  for (const char* name :
+       {"wrist_56", "wrist_3600", "flange_56", "flange_3600"}) {
+    const std::string out = directory_ / (std::string(name) + ".csv");
+    const ProcessResult result =
+        Alidade("simulate " + kSource + "/configs/simulations/rv2aj_" + name +
+                ".yaml --out=" + out);
+    ASSERT_EQ(result.status, 0) << result.err;
+    EXPECT_EQ(ReadWhole(out),
+              ReadWhole(kSource + "/datasets/rv2aj/" + name + ".csv"))
+        << name;
+  }
+}
+
+TEST_F(StudyTest, AnotherSeedGivesOtherPoses) {
+  const std::string config =
+      kSource + "/configs/simulations/rv2aj_wrist_56.yaml";
+  const std::string out = directory_ / "other.csv";
+  ASSERT_EQ(Alidade("simulate " + config + " --seed=77 --out=" + out).status,
+            0);
+  EXPECT_NE(ReadWhole(out), ReadWhole(kWristData));
+}
+
+TEST_F(StudyTest, CheckLooksAtAllFilesAndNamesTheWrongOne) {
+  WriteWhole(directory_ / "bad.yaml",
+             "format: alidade-arm-1\nname: x\nunits: {length: deg}\n");
+  const ProcessResult result =
+      Alidade("check " + (directory_ / "bad.yaml") + " " + kWristArm + " " +
+              kWristData + " " + kStudy);
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("bad.yaml:3:"));
+  EXPECT_THAT(result.out,
+              AllOf(HasSubstr("arm, 5 joints"), HasSubstr("56 poses")));
+}
+
+TEST_F(StudyTest, EveryFileInConfigsChecks) {
+  std::string arm_first = kWristArm;
+  std::string files;
+  int count = 0;
+  for (const auto& entry :
+       std::filesystem::recursive_directory_iterator(kSource + "/configs")) {
+    if (!entry.is_regular_file()) continue;
+    files += " " + entry.path().string();
+    ++count;
+  }
+  ASSERT_GE(count, 9);
+  const ProcessResult result = Alidade("check " + arm_first + files);
+  EXPECT_EQ(result.status, 0) << result.err;
+}
+
+TEST_F(StudyTest, WrongDataLeavesNoOutput) {
+  WriteWhole(directory_ / "data.csv",
+             "q1_deg,q2_deg,x_mm,y_mm,z_mm\n0,0,0,0,0\n");
+  const ProcessResult result =
+      Alidade("identify " + kWristArm + " " + (directory_ / "data.csv"));
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.out, IsEmpty());
+  EXPECT_THAT(result.err, HasSubstr("data.csv"));
+}
+
+TEST_F(StudyTest, UnwritableOutputIsAnErrorOfTheUser) {
+  WriteWhole(directory_ / "file", "not a directory");
+  const ProcessResult result = Alidade(
+      "calibrate " + kStudy + " --out=" + (directory_ / "file/results"));
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("file"));
+}
+
+TEST_F(StudyTest, ValidateAgainstAnotherArmComparesWorkspaces) {
+  const ProcessResult same = Alidade("validate " + kWristArm + " " + kWristArm);
+  ASSERT_EQ(same.status, 0) << same.err;
+  EXPECT_TRUE(std::regex_search(same.out, std::regex("10000 +0 +0 +0 +0")))
+      << same.out;
+  // The flange is 72 mm beyond the wrist centre at every joint value.
+  const ProcessResult flange = Alidade("validate " + kWristArm + " " + kSource +
+                                       "/configs/robots/rv2aj_flange.yaml");
+  EXPECT_TRUE(std::regex_search(
+      flange.out, std::regex("10000 +72.00 +72.00 +72.00 +72.00")))
+      << flange.out;
+}
+
+}  // namespace
+}  // namespace alidade
