@@ -1,0 +1,102 @@
+// How the first trust region of Ceres and the tolerance of the pseudo-inverse
+// decide the number of iterations, on the RV-2AJ study's poses over seeds: the
+// numbers behind docs/architecture.md. Run by scripts/tolerances.
+
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "alidade/base/units.h"
+#include "alidade/batch/simulate.h"
+#include "alidade/identifiability/rules.h"
+#include "alidade/io/job_file.h"
+#include "alidade/solve/solver.h"
+
+namespace alidade {
+namespace {
+
+constexpr int kSeeds = 20;
+
+// Over the seeds: the largest number of iterations and the largest error left.
+struct Worst {
+  int iterations = 0;
+  int rejected = 0;
+  double error = 0.0;
+
+  void Add(const SolverSummary& summary) {
+    iterations =
+        std::max(iterations, summary.accepted_steps + summary.rejected_steps);
+    rejected = std::max(rejected, summary.rejected_steps);
+    error = std::max(error, summary.iterations.back().max_error);
+  }
+};
+
+struct Variant {
+  const char* name;
+  bool ceres;
+  double radius_factor;  // radius = (factor / smallest counted)^2; 0 = 1e10
+  double tolerance;      // of the pseudo-inverse
+  Worst worst = {};
+};
+
+void RunVariant(const CalibrationProblem& problem, Variant* variant) {
+  SolverOptions options;
+  Eigen::VectorXd values = problem.model.NominalValues();
+  if (!variant->ceres) {
+    options.pseudo_inverse_tolerance = variant->tolerance;
+    variant->worst.Add(SolvePseudoInverse(problem, options, &values));
+    return;
+  }
+  const double scale =
+      variant->radius_factor / problem.start_rank.SmallestCounted();
+  options.initial_trust_region_radius =
+      variant->radius_factor > 0.0 ? scale * scale : 1e10;
+  variant->worst.Add(SolveCeres(problem, options, &values));
+}
+
+void Run(const std::string& simulation, const std::vector<std::string>& fix) {
+  std::vector<Variant> variants = {
+      {"Ceres, radius 1e10", true, 0.0, 0.0},
+      {"Ceres, radius (3 / s)^2", true, 3.0, 0.0},
+      {"Ceres, radius (10 / s)^2", true, 10.0, 0.0},
+      {"Ceres, radius (30 / s)^2 (default)", true, 30.0, 0.0},
+      {"Ceres, radius (100 / s)^2", true, 100.0, 0.0},
+      {"pseudo-inverse, 1e-15", false, 0.0, 1e-15},
+      {"pseudo-inverse, 1e-9", false, 0.0, 1e-9},
+      {"pseudo-inverse, 1e-7", false, 0.0, 1e-7},
+      {"pseudo-inverse, 1e-5", false, 0.0, 1e-5},
+      {"pseudo-inverse, rank of the pass (default)", false, 0.0, 0.0}};
+  SimulationConfig config = LoadSimulation(simulation);
+  const PositionModel model(config.arm);
+  IdentifiabilityOptions identifiability;
+  identifiability.fix = fix;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    config.seed = static_cast<std::uint64_t>(seed);
+    Dataset data = Simulate(config);
+    data.sigmas.setConstant(0.02 * kMillimetre);
+    const IdentifiabilityResult pass = ApplyRules(model, data, identifiability);
+    const CalibrationProblem problem{model, data, FreeColumns(pass),
+                                     pass.nominal_rank};
+    for (Variant& variant : variants) RunVariant(problem, &variant);
+  }
+  std::printf("%s, %d seeds\n%-44s %10s %9s %14s\n", config.arm.name.c_str(),
+              kSeeds, "", "iterations", "rejected", "max error [mm]");
+  for (const Variant& variant : variants) {
+    std::printf("%-44s %10d %9d %14.1e\n", variant.name,
+                variant.worst.iterations, variant.worst.rejected,
+                variant.worst.error / kMillimetre);
+  }
+  std::printf("\n");
+}
+
+}  // namespace
+}  // namespace alidade
+
+int main(int argc, char** argv) {
+  const std::string root = argc > 1 ? argv[1] : ".";
+  alidade::Run(root + "/configs/simulations/rv2aj_wrist_56.yaml", {});
+  alidade::Run(root + "/configs/simulations/rv2aj_flange_56.yaml",
+               {"alpha5", "theta4"});
+  return 0;
+}
