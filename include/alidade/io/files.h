@@ -1,0 +1,26 @@
+#ifndef ALIDADE_IO_FILES_H_
+#define ALIDADE_IO_FILES_H_
+
+#include <string>
+
+namespace alidade {
+
+/// The whole file. @throws InputError naming the path and the cause.
+std::string ReadFile(const std::string& path);
+
+/// Writes to a temporary name in the same directory, syncs it and renames it,
+/// so that no reader ever sees half a file. @throws InputError.
+void WriteFileAtomically(const std::string& path, const std::string& content);
+
+/// Creates a directory and its parents. @throws InputError.
+void MakeDirectories(const std::string& path);
+
+/// SHA-256 of a string, as 64 hexadecimal digits.
+std::string Sha256(const std::string& content);
+
+/// `path` as seen from the directory of `from_file`; absolute paths stay.
+std::string ResolvePath(const std::string& from_file, const std::string& path);
+
+}  // namespace alidade
+
+#endif  // ALIDADE_IO_FILES_H_

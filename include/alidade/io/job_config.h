@@ -1,0 +1,121 @@
+#ifndef ALIDADE_IO_JOB_CONFIG_H_
+#define ALIDADE_IO_JOB_CONFIG_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "alidade/identifiability/options.h"
+#include "alidade/measurement/dataset.h"
+#include "alidade/model/arm.h"
+#include "alidade/solve/options.h"
+
+namespace alidade {
+
+enum class SolverName { kCeres, kPseudoInverse };
+
+/// One quantity of a study that the report prints beside ours.
+struct PublishedFigure {
+  std::string quantity;   ///< one of PublishedQuantityNames()
+  std::string published;  ///< as the study words it
+};
+
+/// What a published study says of the same calibration.
+struct PublishedStudy {
+  std::string source;
+  /// Deviations as its table prints them, one per column of the layout.
+  Eigen::VectorXd deviations;
+  int angle_decimals = 4;   ///< of rad
+  int length_decimals = 1;  ///< of mm
+  int baseline_iterations = 100;
+  double baseline_time_s = 0.0;
+  std::vector<PublishedFigure> figures;
+};
+
+/// The quantities a `published: figures:` entry may name.
+const std::vector<std::string>& PublishedQuantityNames();
+
+/// Acceptance limits (m); absent = not asked for.
+struct AcceptanceLimits {
+  std::optional<double> train_rms;
+  std::optional<double> train_max;
+  std::optional<double> heldout_rms;
+  std::optional<double> heldout_max;
+};
+
+/// A calibration job, its files loaded and checked against each other.
+struct JobConfig {
+  std::string path;
+  std::string title;
+  Arm arm;
+  Dataset data;
+  /// Poses not used for the fit.
+  std::optional<Dataset> validation;
+  /// Values of the real arm, one per column of the layout, where it is known.
+  std::optional<Eigen::VectorXd> truth;
+  IdentifiabilityOptions identifiability;
+  SolverName solver = SolverName::kCeres;
+  SolverOptions solver_options;
+  /// Further solvers to run on the same data.
+  std::vector<SolverName> compare_with;
+  AcceptanceLimits acceptance;
+  std::optional<PublishedStudy> published;
+  /// Every file read for this job, the job file first.
+  std::vector<std::string> input_files;
+};
+
+/// count values from `from` to `to`, both included.
+struct Range {
+  double from = 0.0;
+  double to = 0.0;
+  int count = 1;
+};
+
+/// Targets on cylinders about the base's z axis: every azimuth with every
+/// radius at one height, found by inverse kinematics of the nominal arm. The
+/// elevation of the last joint's z axis above the horizontal is drawn for each
+/// pose; it is drawn again where no joint values within the limits reach it.
+struct CylinderGrid {
+  Range azimuth;                ///< rad
+  Range radius;                 ///< m
+  double height = 0.0;          ///< m
+  double elevation_from = 0.0;  ///< rad
+  double elevation_to = 0.0;
+  /// Joint values the inverse kinematics starts from: chooses the posture.
+  Eigen::VectorXd start;
+};
+
+/// Joint values drawn uniformly within the limits.
+struct RandomPoses {
+  int count = 0;
+};
+
+/// The joint values of another data set.
+struct PosesFromFile {
+  std::string path;
+  Eigen::MatrixXd joint_values;
+};
+
+/// What `simulate` needs: a nominal arm that poses are planned with, the
+/// values of the real one, and how it is measured.
+struct SimulationConfig {
+  std::string path;
+  std::string title;
+  Arm arm;
+  Eigen::VectorXd true_values;  ///< one per column of the layout
+  std::variant<CylinderGrid, RandomPoses, PosesFromFile> poses;
+  double noise_sigma = 0.0;  ///< of each coordinate (m); 0 = exact
+  std::uint64_t seed = 1;
+  /// Decimals (of deg or mm) that joint values are rounded to, so that the
+  /// data set states them exactly.
+  int joint_decimals = 4;
+  std::string output;  ///< path of the CSV
+  std::vector<std::string> input_files;
+};
+
+}  // namespace alidade
+
+#endif  // ALIDADE_IO_JOB_CONFIG_H_

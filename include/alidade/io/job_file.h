@@ -1,0 +1,26 @@
+#ifndef ALIDADE_IO_JOB_FILE_H_
+#define ALIDADE_IO_JOB_FILE_H_
+
+#include <string>
+
+#include "alidade/io/job_config.h"
+
+namespace alidade {
+
+/// What a YAML file says it is in its `format` key.
+enum class FileFormat { kArm, kDeviations, kJob, kSimulation };
+
+/// @throws InputError where the file is no YAML map or its format is unknown.
+FileFormat DetectFormat(const std::string& path);
+
+/// Reads a job and every file it names; paths are relative to the job file.
+/// @throws InputError with file, line, column and key.
+JobConfig LoadJob(const std::string& path);
+
+/// Reads a simulation and every file it names.
+/// @throws InputError with file, line, column and key.
+SimulationConfig LoadSimulation(const std::string& path);
+
+}  // namespace alidade
+
+#endif  // ALIDADE_IO_JOB_FILE_H_

@@ -1,0 +1,116 @@
+#include "src/io/config_file.h"
+
+#include <array>
+#include <utility>
+
+#include "alidade/io/arm_file.h"
+#include "alidade/model/parameter_layout.h"
+#include "src/io/names.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::array<std::pair<FileFormat, const char*>, 4> kFormats = {{
+    {FileFormat::kArm, "alidade-arm-1"},
+    {FileFormat::kDeviations, "alidade-deviations-1"},
+    {FileFormat::kJob, "alidade-job-1"},
+    {FileFormat::kSimulation, "alidade-simulation-1"},
+}};
+
+std::vector<std::string> FormatNames() {
+  std::vector<std::string> names;
+  for (const auto& [format, name] : kFormats) names.emplace_back(name);
+  return names;
+}
+
+std::string FormatName(FileFormat wanted) {
+  for (const auto& [format, name] : kFormats) {
+    if (format == wanted) return name;
+  }
+  return "";
+}
+
+YamlValue FormatEntry(const YamlValue& root) {
+  const std::optional<YamlValue> entry = root.Find("format");
+  if (!entry) {
+    root.Fail("expected a map with the key \"format\", one of " +
+              JoinNames(FormatNames()));
+  }
+  return *entry;
+}
+
+FileFormat ReadFormat(const YamlValue& root) {
+  const std::string text = FormatEntry(root).Choice("format", FormatNames());
+  for (const auto& [format, name] : kFormats) {
+    if (text == name) return format;
+  }
+  return FileFormat::kArm;
+}
+
+std::string PlaceName(const SourceLocation& location) {
+  return location.file + ":" + std::to_string(location.line) + ": " +
+         location.key;
+}
+
+}  // namespace
+
+FileFormat DetectFormat(const std::string& path) {
+  return ReadFormat(ReadYaml(path));
+}
+
+YamlValue ReadConfigFile(const std::string& path, FileFormat expected) {
+  YamlValue root = ReadYaml(path);
+  const FileFormat format = ReadFormat(root);
+  if (format != expected) {
+    FormatEntry(root).Fail("found " + Quote(FormatName(format)) +
+                           ", expected " + Quote(FormatName(expected)) +
+                           " here");
+  }
+  return root;
+}
+
+double PositiveLength(const YamlValue& value, const Units& units) {
+  const double length = value.Quantity(Dimension::kLength, units);
+  if (!(length > 0.0)) {
+    value.Fail("expected a length above zero, found " + value.Text());
+  }
+  return length;
+}
+
+Eigen::VectorXd ReadDeviations(const YamlValue& value, const Units& units,
+                               const Arm& arm) {
+  const ParameterLayout layout(arm.num_joints());
+  std::vector<std::string> names;
+  for (const Parameter& parameter : layout.parameters()) {
+    names.push_back(parameter.name);
+  }
+  Eigen::VectorXd deviations = Eigen::VectorXd::Zero(layout.size());
+  const YamlMap map = value.Map(names);
+  for (const auto& [name, deviation] : map.entries()) {
+    const int column = layout.Find(name).value();
+    const Dimension dimension = layout.parameter(column).dimension;
+    deviations[column] = deviation.Quantity(dimension, units);
+  }
+  return deviations;
+}
+
+Arm NamedFiles::ReadArm(const YamlValue& value) {
+  Arm arm = Read(value, LoadArm);
+  arm_path_ = Resolve(value);
+  return arm;
+}
+
+// A file that cannot be read at all is wrong at the key that names it; an error
+// inside it stays where it is.
+InputError NamedFiles::Explain(const InputError& error,
+                               const YamlValue& value) const {
+  const SourceLocation named_at = value.location();
+  if (error.location().line == 0) {
+    return InputError(named_at, error.location().file + ": " + error.message());
+  }
+  std::string message = error.message() + " (named in " + PlaceName(named_at);
+  if (!arm_path_.empty()) message += ", for the arm of " + arm_path_;
+  return InputError(error.location(), message + ")");
+}
+
+}  // namespace alidade

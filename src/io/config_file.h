@@ -1,0 +1,67 @@
+#ifndef ALIDADE_SRC_IO_CONFIG_FILE_H_
+#define ALIDADE_SRC_IO_CONFIG_FILE_H_
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "alidade/base/error.h"
+#include "alidade/io/files.h"
+#include "alidade/io/job_file.h"
+#include "alidade/model/arm.h"
+#include "src/io/yaml_reader.h"
+
+namespace alidade {
+
+/// The root of a YAML file whose `format` is the expected one.
+/// @throws InputError.
+YamlValue ReadConfigFile(const std::string& path, FileFormat expected);
+
+/// A length above zero (m). @throws InputError.
+double PositiveLength(const YamlValue& value, const Units& units);
+
+/// A map from parameter names to deviations: one entry per column of the arm's
+/// layout, zero where the map names none. @throws InputError.
+Eigen::VectorXd ReadDeviations(const YamlValue& value, const Units& units,
+                               const Arm& arm);
+
+/// Reads the files that a config file names, and remembers them. Errors in them
+/// say which key named them, and which arm they are read for.
+class NamedFiles {
+ public:
+  explicit NamedFiles(const std::string& config_path)
+      : config_path_(config_path), paths_{config_path} {}
+
+  /// The path that `value` names, relative to the config file.
+  std::string Resolve(const YamlValue& value) const {
+    return ResolvePath(config_path_, value.Text());
+  }
+
+  /// load(path) of the path that `value` names. @throws InputError.
+  template <typename Load>
+  auto Read(const YamlValue& value, const Load& load) {
+    const std::string path = Resolve(value);
+    paths_.push_back(path);
+    try {
+      return load(path);
+    } catch (const InputError& error) {
+      throw Explain(error, value);
+    }
+  }
+
+  Arm ReadArm(const YamlValue& value);
+
+  /// Every file read so far, the config file first.
+  const std::vector<std::string>& paths() const { return paths_; }
+
+ private:
+  InputError Explain(const InputError& error, const YamlValue& value) const;
+
+  std::string config_path_;
+  std::string arm_path_;
+  std::vector<std::string> paths_;
+};
+
+}  // namespace alidade
+
+#endif  // ALIDADE_SRC_IO_CONFIG_FILE_H_

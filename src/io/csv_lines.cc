@@ -1,0 +1,85 @@
+#include "src/io/csv_lines.h"
+
+#include <algorithm>
+
+#include "alidade/base/error.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+constexpr std::string_view kSpaces = " \t";
+
+std::string_view Trim(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(kSpaces);
+  if (first == std::string_view::npos) return text.substr(0, 0);
+  return text.substr(first, text.find_last_not_of(kSpaces) - first + 1);
+}
+
+std::string_view Unquote(std::string_view cell) {
+  if (cell.empty() || cell.front() != '"') return cell;
+  return Trim(cell.substr(1, cell.size() - 2));
+}
+
+}  // namespace
+
+CsvLines::CsvLines(const std::string& path, std::string_view text)
+    : path_(path), rest_(text) {
+  if (rest_.substr(0, kByteOrderMark.size()) == kByteOrderMark) {
+    rest_.remove_prefix(kByteOrderMark.size());
+  }
+}
+
+bool CsvLines::Next() {
+  while (!rest_.empty()) {
+    line_ = rest_.substr(0, rest_.find('\n'));
+    rest_.remove_prefix(std::min(rest_.size(), line_.size() + 1));
+    ++line_number_;
+    if (!line_.empty() && line_.back() == '\r') line_.remove_suffix(1);
+    const std::string_view content = Trim(line_);
+    if (!content.empty() && content.front() != '#') return true;
+  }
+  return false;
+}
+
+void CsvLines::Split(std::vector<std::string_view>* cells) const {
+  cells->clear();
+  std::string_view rest = line_;
+  while (true) {
+    const std::size_t end = CellEnd(rest);
+    cells->push_back(Unquote(Trim(rest.substr(0, end))));
+    if (end >= rest.size()) return;
+    rest.remove_prefix(end + 1);
+  }
+}
+
+void CsvLines::Fail(const std::string& message, const char* cell,
+                    const std::string& column) const {
+  SourceLocation location;
+  location.file = path_;
+  location.line = line_number_;
+  if (cell != nullptr) {
+    location.column = static_cast<int>(cell - line_.data()) + 1;
+  }
+  location.key = column;
+  throw InputError(location, message);
+}
+
+// Where the comma behind the first cell is; one in quotes does not count.
+std::size_t CsvLines::CellEnd(std::string_view text) const {
+  const std::size_t quote = text.find_first_not_of(kSpaces);
+  if (quote == std::string_view::npos || text[quote] != '"') {
+    return std::min(text.find(','), text.size());
+  }
+  const std::size_t closing = text.find('"', quote + 1);
+  if (closing == std::string_view::npos) {
+    Fail("expected a closing quote (\") in this line", text.data() + quote);
+  }
+  const std::size_t end = std::min(text.find(',', closing), text.size());
+  if (!Trim(text.substr(closing + 1, end - closing - 1)).empty()) {
+    Fail("expected a comma behind the closing quote", text.data() + closing);
+  }
+  return end;
+}
+
+}  // namespace alidade

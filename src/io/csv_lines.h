@@ -1,0 +1,43 @@
+#ifndef ALIDADE_SRC_IO_CSV_LINES_H_
+#define ALIDADE_SRC_IO_CSV_LINES_H_
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace alidade {
+
+/// Goes through the lines of a CSV text and splits them into cells. Blank lines
+/// and lines that begin with '#' are passed over; a byte-order mark and the
+/// carriage returns of Windows are accepted. Nothing is copied: `path` and
+/// `text` must outlive the reader and the cells.
+class CsvLines {
+ public:
+  CsvLines(const std::string& path, std::string_view text);
+
+  /// False at the end of the text.
+  bool Next();
+
+  std::string_view line() const { return line_; }
+
+  /// The cells of the line, without the spaces and the double quotes around
+  /// them. @throws InputError where a quote is not closed.
+  void Split(std::vector<std::string_view>* cells) const;
+
+  /// @throws InputError at the line that was read last. `cell` is a part of
+  /// that line, or null; `column` is its name.
+  [[noreturn]] void Fail(const std::string& message, const char* cell = nullptr,
+                         const std::string& column = "") const;
+
+ private:
+  std::size_t CellEnd(std::string_view text) const;
+
+  const std::string& path_;
+  std::string_view rest_;
+  std::string_view line_;
+  int line_number_ = 0;
+};
+
+}  // namespace alidade
+
+#endif  // ALIDADE_SRC_IO_CSV_LINES_H_

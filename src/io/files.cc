@@ -1,0 +1,157 @@
+#include "alidade/io/files.h"
+
+#include <fcntl.h>
+#include <glog/logging.h>
+#include <openssl/evp.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <filesystem>
+#include <system_error>
+
+#include "alidade/base/error.h"
+
+namespace alidade {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void Fail(const std::string& path, const std::string& what,
+                       int error) {
+  SourceLocation location;
+  location.file = path;
+  throw InputError(location,
+                   what + ": " + std::generic_category().message(error));
+}
+
+// Closes on every way out; `path` is for messages.
+class FileDescriptor {
+ public:
+  FileDescriptor(const std::string& path, int flags)
+      : fd_(open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
+  ~FileDescriptor() {
+    if (fd_ >= 0) close(fd_);
+  }
+  FileDescriptor(const FileDescriptor&) = delete;
+  FileDescriptor& operator=(const FileDescriptor&) = delete;
+
+  int get() const { return fd_; }
+  // False with errno set where the last write did not reach the file.
+  bool Close() {
+    const int fd = fd_;
+    fd_ = -1;
+    return close(fd) == 0;
+  }
+
+ private:
+  int fd_;
+};
+
+// False with errno set.
+bool WriteAll(int fd, const std::string& content) {
+  std::size_t written = 0;
+  while (written < content.size()) {
+    const ssize_t count =
+        write(fd, content.data() + written, content.size() - written);
+    if (count < 0 && errno != EINTR) return false;
+    if (count > 0) written += static_cast<std::size_t>(count);
+  }
+  return true;
+}
+
+// Unique among threads by the counter and among processes by the id; O_EXCL
+// takes care of files that a killed process of the same id left behind.
+std::string TemporaryName(const std::string& path) {
+  static std::atomic<unsigned> counter{0};
+  return path + ".tmp-" + std::to_string(getpid()) + "-" +
+         std::to_string(counter.fetch_add(1));
+}
+
+// Zero, or the errno of what failed; the file does not exist then.
+int WriteNewFile(const std::string& path, const std::string& content) {
+  FileDescriptor file(path, O_WRONLY | O_CREAT | O_EXCL);
+  if (file.get() < 0) return errno;
+  if (WriteAll(file.get(), content) && fsync(file.get()) == 0 && file.Close()) {
+    return 0;
+  }
+  const int error = errno;
+  unlink(path.c_str());
+  return error;
+}
+
+// "a/link/../b" is not "a/b" where link is a symbolic link.
+bool LeavesSymbolicLink(const fs::path& path) {
+  fs::path walked;
+  for (const fs::path& part : path) {
+    std::error_code error;
+    if (part == ".." && fs::is_symlink(walked, error)) return true;
+    walked /= part;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string ReadFile(const std::string& path) {
+  const FileDescriptor file(path, O_RDONLY);
+  if (file.get() < 0) Fail(path, "cannot be read", errno);
+  struct stat status = {};
+  std::string content;
+  if (fstat(file.get(), &status) == 0 && status.st_size > 0) {
+    content.reserve(static_cast<std::size_t>(status.st_size));
+  }
+  std::array<char, 65536> buffer;
+  while (true) {
+    const ssize_t count = read(file.get(), buffer.data(), buffer.size());
+    if (count == 0) return content;
+    if (count < 0 && errno != EINTR) Fail(path, "cannot be read", errno);
+    if (count > 0) content.append(buffer.data(), static_cast<size_t>(count));
+  }
+}
+
+void WriteFileAtomically(const std::string& path, const std::string& content) {
+  int error = EEXIST;
+  std::string temporary;
+  while (error == EEXIST) {
+    temporary = TemporaryName(path);
+    error = WriteNewFile(temporary, content);
+  }
+  if (error == 0 && rename(temporary.c_str(), path.c_str()) != 0) {
+    error = errno;
+    unlink(temporary.c_str());
+  }
+  if (error != 0) Fail(path, "cannot be written", error);
+}
+
+void MakeDirectories(const std::string& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error) Fail(path, "directory cannot be made", error.value());
+}
+
+std::string Sha256(const std::string& content) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest;
+  unsigned int size = 0;
+  CHECK_EQ(EVP_Digest(content.data(), content.size(), digest.data(), &size,
+                      EVP_sha256(), nullptr),
+           1);
+  constexpr char kDigits[] = "0123456789abcdef";
+  std::string text;
+  for (unsigned int i = 0; i < size; ++i) {
+    text += kDigits[digest[i] >> 4];
+    text += kDigits[digest[i] & 15];
+  }
+  return text;
+}
+
+std::string ResolvePath(const std::string& from_file, const std::string& path) {
+  if (fs::path(path).is_absolute()) return path;
+  const fs::path joined = fs::path(from_file).parent_path() / path;
+  if (LeavesSymbolicLink(joined)) return joined.string();
+  return joined.lexically_normal().string();
+}
+
+}  // namespace alidade

@@ -1,0 +1,244 @@
+#include "alidade/io/job_file.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "alidade/io/arm_file.h"
+#include "alidade/io/dataset_csv.h"
+#include "alidade/model/parameter_layout.h"
+#include "src/io/config_file.h"
+#include "src/io/names.h"
+#include "src/io/yaml_reader.h"
+
+namespace alidade {
+namespace {
+
+constexpr int kMaxDecimals = 15;
+
+// What every part of a job file needs to be read.
+struct Context {
+  YamlMap file;
+  Units units;
+  NamedFiles files;
+};
+
+template <typename Options>
+void CheckOptions(const Options& options, const YamlMap& map) {
+  std::string error;
+  if (!options.IsValid(&error)) map.Fail(error);
+}
+
+SolverName ReadSolverName(const YamlValue& value) {
+  const std::string name = value.Choice("solver", {"ceres", "pseudo_inverse"});
+  return name == "ceres" ? SolverName::kCeres : SolverName::kPseudoInverse;
+}
+
+std::vector<std::string> ReadFix(const YamlValue& value, const Arm& arm) {
+  const ParameterLayout layout(arm.num_joints());
+  std::vector<std::string> names;
+  for (const Parameter& parameter : layout.parameters()) {
+    names.push_back(parameter.name);
+  }
+  std::vector<std::string> fix;
+  for (const YamlValue& item : value.List()) {
+    const std::string name = item.Choice("parameter", names);
+    if (std::find(fix.begin(), fix.end(), name) != fix.end()) {
+      item.Fail(Quote(name) + " is repeated, expected each name once");
+    }
+    fix.push_back(name);
+  }
+  return fix;
+}
+
+void ReadIdentifiability(const Context& context, const Arm& arm,
+                         IdentifiabilityOptions* options) {
+  const std::optional<YamlValue> value =
+      context.file.Optional("identifiability");
+  if (!value) return;
+  const YamlMap map =
+      value->Map({"method", "fix", "proceed_beyond_rank", "angle_tolerance",
+                  "relative_tolerance", "perturbation", "seed"});
+  if (const auto method = map.Optional("method")) {
+    method->Choice("method", {"rules"});
+  }
+  if (const auto fix = map.Optional("fix")) options->fix = ReadFix(*fix, arm);
+  map.ReadBoolean("proceed_beyond_rank", &options->proceed_beyond_rank);
+  if (const auto tolerance = map.Optional("angle_tolerance")) {
+    options->angle_tolerance =
+        tolerance->Quantity(Dimension::kAngle, context.units);
+  }
+  map.ReadNumber("relative_tolerance", &options->relative_tolerance);
+  map.ReadNumber("perturbation", &options->perturbation);
+  map.ReadSeed("seed", &options->seed);
+  CheckOptions(*options, map);
+}
+
+void ReadSolver(const Context& context, JobConfig* job) {
+  const std::optional<YamlValue> value = context.file.Optional("solver");
+  if (!value) return;
+  const YamlMap map =
+      value->Map({"name", "max_iterations", "function_tolerance",
+                  "rounding_floor_factor", "wanted_precision",
+                  "initial_trust_region_radius", "pseudo_inverse_tolerance"});
+  SolverOptions& options = job->solver_options;
+  if (const auto name = map.Optional("name")) {
+    job->solver = ReadSolverName(*name);
+  }
+  map.ReadInteger("max_iterations", &options.max_iterations);
+  map.ReadNumber("function_tolerance", &options.function_tolerance);
+  map.ReadNumber("rounding_floor_factor", &options.rounding_floor_factor);
+  if (const auto precision = map.Optional("wanted_precision")) {
+    options.wanted_precision =
+        precision->Quantity(Dimension::kLength, context.units);
+  }
+  map.ReadNumber("initial_trust_region_radius",
+                 &options.initial_trust_region_radius);
+  map.ReadNumber("pseudo_inverse_tolerance", &options.pseudo_inverse_tolerance);
+  CheckOptions(options, map);
+}
+
+void ReadCompareWith(const Context& context, JobConfig* job) {
+  const std::optional<YamlValue> value = context.file.Optional("compare_with");
+  if (!value) return;
+  for (const YamlValue& item : value->List()) {
+    const SolverName name = ReadSolverName(item);
+    const std::vector<SolverName>& known = job->compare_with;
+    if (name == job->solver ||
+        std::find(known.begin(), known.end(), name) != known.end()) {
+      item.Fail("solver " + Quote(item.Text()) +
+                " runs already, expected each solver once");
+    }
+    job->compare_with.push_back(name);
+  }
+}
+
+void ReadAcceptance(const Context& context, JobConfig* job) {
+  const std::optional<YamlValue> value = context.file.Optional("acceptance");
+  if (!value) return;
+  const YamlMap map =
+      value->Map({"train_rms", "train_max", "heldout_rms", "heldout_max"});
+  const auto read = [&](const std::string& key, std::optional<double>* limit) {
+    const std::optional<YamlValue> found = map.Optional(key);
+    if (!found) return;
+    if (key.rfind("heldout", 0) == 0 && !job->validation) {
+      found->Fail("needs poses that the fit does not use: add \"validation\"");
+    }
+    *limit = PositiveLength(*found, context.units);
+  };
+  read("train_rms", &job->acceptance.train_rms);
+  read("train_max", &job->acceptance.train_max);
+  read("heldout_rms", &job->acceptance.heldout_rms);
+  read("heldout_max", &job->acceptance.heldout_max);
+}
+
+void ReadBaseline(const YamlValue& value, PublishedStudy* study) {
+  const YamlMap map = value.Map({"iterations", "time_s"});
+  constexpr int kMaxIterations = 1000000;
+  study->baseline_iterations =
+      static_cast<int>(map.Required("iterations").Integer(1, kMaxIterations));
+  const YamlValue time = map.Required("time_s");
+  study->baseline_time_s = time.Number();
+  if (!(study->baseline_time_s > 0.0)) {
+    time.Fail("expected a time above zero, found " + time.Text());
+  }
+}
+
+std::vector<PublishedFigure> ReadFigures(const YamlValue& value) {
+  std::vector<PublishedFigure> figures;
+  for (const YamlValue& item : value.List()) {
+    const YamlMap map = item.Map({"quantity", "published"});
+    const YamlValue quantity = map.Required("quantity");
+    PublishedFigure figure;
+    figure.quantity = quantity.Choice("quantity", PublishedQuantityNames());
+    figure.published = map.Required("published").Text();
+    for (const PublishedFigure& other : figures) {
+      if (other.quantity != figure.quantity) continue;
+      quantity.Fail(Quote(figure.quantity) + " is repeated, expected it once");
+    }
+    figures.push_back(std::move(figure));
+  }
+  return figures;
+}
+
+void ReadPublished(const Context& context, JobConfig* job) {
+  const std::optional<YamlValue> value = context.file.Optional("published");
+  if (!value) return;
+  const YamlMap map = value->Map({"source", "deviations", "angle_decimals",
+                                  "length_decimals", "baseline", "figures"});
+  PublishedStudy study;
+  study.source = map.Required("source").Text();
+  study.deviations =
+      ReadDeviations(map.Required("deviations"), context.units, job->arm);
+  if (const auto decimals = map.Optional("angle_decimals")) {
+    study.angle_decimals = static_cast<int>(decimals->Integer(0, kMaxDecimals));
+  }
+  if (const auto decimals = map.Optional("length_decimals")) {
+    study.length_decimals =
+        static_cast<int>(decimals->Integer(0, kMaxDecimals));
+  }
+  if (const auto baseline = map.Optional("baseline")) {
+    ReadBaseline(*baseline, &study);
+  }
+  if (const auto figures = map.Optional("figures")) {
+    study.figures = ReadFigures(*figures);
+  }
+  job->published = std::move(study);
+}
+
+void ReadData(Context* context, JobConfig* job) {
+  const double sigma = PositiveLength(
+      context->file.Required("measurement").Map({"sigma"}).Required("sigma"),
+      context->units);
+  const auto load = [&](const std::string& path) {
+    return LoadDataset(path, job->arm, sigma);
+  };
+  job->data = context->files.Read(context->file.Required("data"), load);
+  if (const auto validation = context->file.Optional("validation")) {
+    job->validation =
+        context->files.Read(validation->Map({"data"}).Required("data"), load);
+  }
+}
+
+void ReadTruth(Context* context, JobConfig* job) {
+  const std::optional<YamlValue> value = context->file.Optional("truth");
+  if (!value) return;
+  const Eigen::VectorXd deviations = context->files.Read(
+      *value,
+      [&](const std::string& path) { return LoadDeviations(path, job->arm); });
+  const ParameterLayout layout(job->arm.num_joints());
+  job->truth = layout.Values(job->arm) + deviations;
+}
+
+}  // namespace
+
+const std::vector<std::string>& PublishedQuantityNames() {
+  static const auto* const names = new std::vector<std::string>{
+      "before_range",           "after_max",           "error_at_iteration_4",
+      "error_at_iteration_100", "time_100_iterations", "identified",
+      "not_identified",         "validation_after",    "as_printed"};
+  return *names;
+}
+
+JobConfig LoadJob(const std::string& path) {
+  const YamlMap file =
+      ReadConfigFile(path, FileFormat::kJob)
+          .Map({"format", "title", "units", "arm", "data", "measurement",
+                "truth", "validation", "identifiability", "solver",
+                "compare_with", "acceptance", "published"});
+  Context context{file, Units(file), NamedFiles(path)};
+  JobConfig job;
+  job.path = path;
+  job.title = file.Required("title").Text();
+  job.arm = context.files.ReadArm(file.Required("arm"));
+  ReadIdentifiability(context, job.arm, &job.identifiability);
+  ReadSolver(context, &job);
+  ReadCompareWith(context, &job);
+  ReadData(&context, &job);
+  ReadTruth(&context, &job);
+  ReadAcceptance(context, &job);
+  ReadPublished(context, &job);
+  job.input_files = context.files.paths();
+  return job;
+}
+
+}  // namespace alidade

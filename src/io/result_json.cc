@@ -1,0 +1,197 @@
+#include "alidade/io/result_json.h"
+
+#include <nlohmann/json.hpp>
+
+#include "src/io/result_keys.h"
+
+namespace alidade {
+namespace {
+
+// Keys stay in the order in which people look for them.
+using Json = nlohmann::ordered_json;
+
+Json ToJson(const Eigen::VectorXd& values) {
+  Json list = Json::array();
+  for (const double value : values) list.push_back(value);
+  return list;
+}
+
+template <typename Item>
+Json ToJsonList(const std::vector<Item>& items, Json (*convert)(const Item&)) {
+  Json list = Json::array();
+  for (const Item& item : items) list.push_back(convert(item));
+  return list;
+}
+
+Json ToJson(const Accuracy& accuracy) {
+  return {{"mean", accuracy.mean},     {"rms", accuracy.rms},
+          {"stddev", accuracy.stddev}, {"median", accuracy.median},
+          {"p95", accuracy.p95},       {"min", accuracy.min},
+          {"max", accuracy.max},       {"n", accuracy.n}};
+}
+
+Json ToJson(const EvaluatedSet& set) {
+  Json units = Json::array();
+  for (const Dimension dimension : set.joint_dimensions) {
+    units.push_back(KeyOf(kUnitKeys, dimension));
+  }
+  return {{"name", set.name},
+          {"joint_units", units},
+          {"before", ToJson(set.before)},
+          {"after", ToJson(set.after)}};
+}
+
+Json ToJson(const InputFile& input) {
+  return {{"path", input.path}, {"sha256", input.sha256}};
+}
+
+Json ToJson(const ParameterResult& parameter) {
+  Json json = {{"name", parameter.name},
+               {"kind", parameter.kind},
+               {"unit", KeyOf(kUnitKeys, parameter.dimension)},
+               {"nominal", parameter.nominal},
+               {"value", parameter.value},
+               {"deviation", parameter.deviation()},
+               {"std", parameter.std}};
+  if (parameter.truth) json["truth"] = *parameter.truth;
+  const ParameterDecision& decision = parameter.decision;
+  json["state"] = KeyOf(kStateKeys, decision.state);
+  json["rule"] = decision.rule;
+  json["reason"] = decision.reason;
+  json["stands_for"] = decision.stands_for;
+  return json;
+}
+
+Json ToJson(const RankReport& report) {
+  return {{"rank", report.rank},
+          {"gap", report.gap},
+          {"singular_values", ToJson(report.singular_values)}};
+}
+
+Json ToJson(const IdentifiabilityResult& result) {
+  return {{"method", result.method},
+          {"num_free", result.num_free},
+          {"exceeds_rank", result.exceeds_rank},
+          {"refusal", result.refusal},
+          {"warnings", result.warnings},
+          {"weak", result.weak},
+          {"nominal_rank", ToJson(result.nominal_rank)},
+          {"perturbed_rank", ToJson(result.perturbed_rank)}};
+}
+
+Json ToJson(const IterationRecord& record) {
+  return {{"iteration", record.iteration}, {"cost", record.cost},
+          {"max_error", record.max_error}, {"rms_error", record.rms_error},
+          {"step_norm", record.step_norm}, {"accepted", record.accepted},
+          {"time_s", record.time_s}};
+}
+
+Json ToJson(const SolverSummary& summary) {
+  const int last =
+      summary.iterations.empty() ? 0 : summary.iterations.back().iteration;
+  return {
+      {"name", summary.solver},
+      {"status", KeyOf(kStatusKeys, summary.status)},
+      {"message", summary.message},
+      {"iterations", last},
+      {"accepted_steps", summary.accepted_steps},
+      {"rejected_steps", summary.rejected_steps},
+      {"initial_cost", summary.initial_cost},
+      {"final_cost", summary.final_cost},
+      {"num_poses", summary.num_poses},
+      {"num_residuals", summary.num_residuals},
+      {"num_parameters", summary.num_parameters},
+      {"num_free", summary.num_free},
+      {"threads_given", summary.threads_given},
+      {"threads_used", summary.threads_used},
+      {"trust_region_given", summary.trust_region_given},
+      {"trust_region_used", summary.trust_region_used},
+      {"pseudo_inverse_tolerance_given",
+       summary.pseudo_inverse_tolerance_given},
+      {"pseudo_inverse_tolerance_used", summary.pseudo_inverse_tolerance_used},
+      {"rounding_floor", summary.rounding_floor},
+      {"time_s", summary.setup_time_s + summary.solve_time_s},
+      {"setup_time_s", summary.setup_time_s},
+      {"solve_time_s", summary.solve_time_s}};
+}
+
+Json ToJson(const SolverRun& run) {
+  Json json = ToJson(run.summary);
+  json["train"] = ToJson(run.train);
+  json["values"] = ToJson(run.values);
+  json["history"] = ToJsonList(run.summary.iterations, ToJson);
+  return json;
+}
+
+Json ToJson(const AcceptanceCheck& check) {
+  return {{"quantity", check.quantity},
+          {"limit", check.limit},
+          {"obtained", check.obtained},
+          {"met", check.met()}};
+}
+
+Json ToJson(const StudyRow& row) {
+  return {{"quantity", row.quantity},
+          {"published", row.published},
+          {"obtained", row.obtained}};
+}
+
+Json ToJson(const StudyParameter& parameter) {
+  return {{"name", parameter.name},
+          {"unit", KeyOf(kUnitKeys, parameter.dimension)},
+          {"identified", parameter.identified},
+          {"nominal", parameter.nominal},
+          {"assumed", parameter.assumed},
+          {"published", parameter.published},
+          {"obtained", parameter.obtained}};
+}
+
+Json ToJson(const Absorption& absorption) {
+  return {{"frozen", absorption.frozen},
+          {"frozen_deviation", absorption.frozen_deviation},
+          {"taken_up_by", absorption.taken_up_by},
+          {"unit", KeyOf(kUnitKeys, absorption.dimension)},
+          {"coefficient", absorption.coefficient},
+          {"amount", absorption.amount}};
+}
+
+Json ToJson(const StudyResult& study) {
+  return {{"source", study.source},
+          {"rows", ToJsonList(study.rows, ToJson)},
+          {"parameters", ToJsonList(study.parameters, ToJson)},
+          {"absorptions", ToJsonList(study.absorptions, ToJson)},
+          {"angle_decimals", study.angle_decimals},
+          {"length_decimals", study.length_decimals},
+          {"as_printed", ToJson(study.as_printed)},
+          {"three_more_decimals", ToJson(study.three_more_decimals)},
+          {"timed_iterations", study.timed_iterations},
+          {"timed_s", study.timed_s},
+          {"published_s", study.published_s}};
+}
+
+}  // namespace
+
+std::string FormatResultJson(const JobResult& result) {
+  Json json = {{"format", kResultFormat},
+               {"version", result.version},
+               {"command", result.command},
+               {"title", result.title},
+               {"inputs", ToJsonList(result.inputs, ToJson)},
+               {"seed", result.seed},
+               {"arm", result.arm},
+               {"parameters", ToJsonList(result.parameters, ToJson)},
+               {"identifiability", ToJson(result.identifiability)},
+               {"accuracy", {{"train", ToJson(result.train)}}}};
+  if (result.heldout) json["accuracy"]["heldout"] = ToJson(*result.heldout);
+  json["solver"] = result.runs.empty() ? ToJson(SolverSummary())
+                                       : ToJson(result.runs.front().summary);
+  json["runs"] = ToJsonList(result.runs, ToJson);
+  json["acceptance"] = ToJsonList(result.acceptance, ToJson);
+  if (result.study) json["study"] = ToJson(*result.study);
+  json["times"] = {{"identify_s", result.identify_time_s},
+                   {"total_s", result.total_time_s}};
+  // Paths may hold bytes that are no UTF-8.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace alidade

@@ -1,0 +1,369 @@
+#include <cstdint>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "alidade/base/error.h"
+#include "alidade/io/files.h"
+#include "alidade/io/result_json.h"
+#include "src/io/names.h"
+#include "src/io/result_keys.h"
+
+namespace alidade {
+namespace {
+
+using Json = nlohmann::json;
+
+// A value that knows its dotted path, so that a damaged file is an error with
+// its place. Lists count from 1.
+class JsonValue {
+ public:
+  JsonValue(const std::string& file, std::string path, const Json& json)
+      : file_(file), path_(std::move(path)), json_(json) {}
+
+  bool Has(const std::string& key) const { return Object().contains(key); }
+
+  JsonValue operator[](const std::string& key) const {
+    const std::string path = path_.empty() ? key : path_ + "." + key;
+    const auto found = Object().find(key);
+    if (found == json_.end()) Fail(path, "missing, expected this key");
+    return JsonValue(file_, path, *found);
+  }
+
+  std::vector<JsonValue> List() const {
+    if (!json_.is_array()) FailType("a list");
+    std::vector<JsonValue> values;
+    for (const Json& item : json_) {
+      const std::string index = "[" + std::to_string(values.size() + 1) + "]";
+      values.emplace_back(file_, path_ + index, item);
+    }
+    return values;
+  }
+
+  std::string Text() const {
+    if (!json_.is_string()) FailType("text");
+    return json_.get<std::string>();
+  }
+
+  bool Boolean() const {
+    if (!json_.is_boolean()) FailType("true or false");
+    return json_.get<bool>();
+  }
+
+  // null is what NaN and infinities are written as.
+  double Number(double null = std::numeric_limits<double>::quiet_NaN()) const {
+    if (json_.is_null()) return null;
+    if (!json_.is_number()) FailType("a number");
+    return json_.get<double>();
+  }
+
+  int Integer() const {
+    const std::int64_t value = LongInteger();
+    if (value < std::numeric_limits<int>::min() ||
+        value > std::numeric_limits<int>::max()) {
+      FailType("a smaller integer");
+    }
+    return static_cast<int>(value);
+  }
+
+  std::int64_t LongInteger() const {
+    if (!json_.is_number_integer()) FailType("an integer");
+    return json_.get<std::int64_t>();
+  }
+
+  std::uint64_t Seed() const {
+    if (!json_.is_number_unsigned()) FailType("an integer not below zero");
+    return json_.get<std::uint64_t>();
+  }
+
+  Eigen::VectorXd Vector() const {
+    const std::vector<JsonValue> items = List();
+    Eigen::VectorXd values(static_cast<Eigen::Index>(items.size()));
+    Eigen::Index i = 0;
+    for (const JsonValue& item : items) values[i++] = item.Number();
+    return values;
+  }
+
+  std::vector<std::string> Texts() const {
+    std::vector<std::string> texts;
+    for (const JsonValue& item : List()) texts.push_back(item.Text());
+    return texts;
+  }
+
+  // The value whose word in `table` this is.
+  template <typename Table>
+  auto Choice(const Table& table) const {
+    const std::string text = Text();
+    std::vector<std::string> keys;
+    for (const auto& [value, key] : table) {
+      if (text == key) return value;
+      keys.emplace_back(key);
+    }
+    Fail(path_, UnknownName("word", text, keys));
+  }
+
+ private:
+  const Json& Object() const {
+    if (!json_.is_object()) FailType("an object");
+    return json_;
+  }
+
+  [[noreturn]] void FailType(const std::string& expected) const {
+    Fail(path_, "expected " + expected + ", found " + json_.type_name());
+  }
+
+  [[noreturn]] void Fail(const std::string& path,
+                         const std::string& message) const {
+    SourceLocation location;
+    location.file = file_;
+    location.key = path;
+    throw InputError(location, message);
+  }
+
+  const std::string& file_;
+  const std::string path_;
+  const Json& json_;
+};
+
+// Applies `read` to every item of a list.
+template <typename Read>
+auto ReadList(const JsonValue& list, const Read& read) {
+  std::vector<decltype(read(list))> items;
+  for (const JsonValue& item : list.List()) items.push_back(read(item));
+  return items;
+}
+
+Accuracy ReadAccuracy(const JsonValue& json) {
+  Accuracy accuracy;
+  accuracy.mean = json["mean"].Number();
+  accuracy.rms = json["rms"].Number();
+  accuracy.stddev = json["stddev"].Number();
+  accuracy.median = json["median"].Number();
+  accuracy.p95 = json["p95"].Number();
+  accuracy.min = json["min"].Number();
+  accuracy.max = json["max"].Number();
+  accuracy.n = json["n"].LongInteger();
+  return accuracy;
+}
+
+EvaluatedSet ReadEvaluatedSet(const JsonValue& json) {
+  EvaluatedSet set;
+  set.name = json["name"].Text();
+  set.joint_dimensions =
+      ReadList(json["joint_units"],
+               [](const JsonValue& unit) { return unit.Choice(kUnitKeys); });
+  set.before = ReadAccuracy(json["before"]);
+  set.after = ReadAccuracy(json["after"]);
+  return set;
+}
+
+InputFile ReadInput(const JsonValue& json) {
+  return {json["path"].Text(), json["sha256"].Text()};
+}
+
+ParameterResult ReadParameter(const JsonValue& json) {
+  ParameterResult parameter;
+  parameter.name = json["name"].Text();
+  parameter.kind = json["kind"].Text();
+  parameter.dimension = json["unit"].Choice(kUnitKeys);
+  parameter.nominal = json["nominal"].Number();
+  parameter.value = json["value"].Number();
+  parameter.std = json["std"].Number();
+  if (json.Has("truth")) parameter.truth = json["truth"].Number();
+  ParameterDecision& decision = parameter.decision;
+  decision.name = parameter.name;
+  decision.state = json["state"].Choice(kStateKeys);
+  decision.rule = json["rule"].Text();
+  decision.reason = json["reason"].Text();
+  decision.stands_for = json["stands_for"].Text();
+  return parameter;
+}
+
+RankReport ReadRankReport(const JsonValue& json) {
+  RankReport report;
+  report.rank = json["rank"].Integer();
+  report.gap = json["gap"].Number(std::numeric_limits<double>::infinity());
+  report.singular_values = json["singular_values"].Vector();
+  return report;
+}
+
+IdentifiabilityResult ReadIdentifiability(
+    const JsonValue& json, const std::vector<ParameterResult>& parameters) {
+  IdentifiabilityResult result;
+  result.method = json["method"].Text();
+  result.num_free = json["num_free"].Integer();
+  result.exceeds_rank = json["exceeds_rank"].Boolean();
+  result.refusal = json["refusal"].Text();
+  result.warnings = json["warnings"].Texts();
+  result.weak = json["weak"].Texts();
+  result.nominal_rank = ReadRankReport(json["nominal_rank"]);
+  result.perturbed_rank = ReadRankReport(json["perturbed_rank"]);
+  for (const ParameterResult& parameter : parameters) {
+    result.decisions.push_back(parameter.decision);
+  }
+  return result;
+}
+
+IterationRecord ReadIteration(const JsonValue& json) {
+  IterationRecord record;
+  record.iteration = json["iteration"].Integer();
+  record.cost = json["cost"].Number();
+  record.max_error = json["max_error"].Number();
+  record.rms_error = json["rms_error"].Number();
+  record.step_norm = json["step_norm"].Number();
+  record.accepted = json["accepted"].Boolean();
+  record.time_s = json["time_s"].Number();
+  return record;
+}
+
+SolverSummary ReadSummary(const JsonValue& json) {
+  SolverSummary summary;
+  summary.solver = json["name"].Text();
+  summary.status = json["status"].Choice(kStatusKeys);
+  summary.message = json["message"].Text();
+  summary.accepted_steps = json["accepted_steps"].Integer();
+  summary.rejected_steps = json["rejected_steps"].Integer();
+  summary.initial_cost = json["initial_cost"].Number();
+  summary.final_cost = json["final_cost"].Number();
+  summary.num_poses = json["num_poses"].Integer();
+  summary.num_residuals = json["num_residuals"].Integer();
+  summary.num_parameters = json["num_parameters"].Integer();
+  summary.num_free = json["num_free"].Integer();
+  summary.threads_given = json["threads_given"].Integer();
+  summary.threads_used = json["threads_used"].Integer();
+  summary.trust_region_given = json["trust_region_given"].Number();
+  summary.trust_region_used = json["trust_region_used"].Number();
+  summary.pseudo_inverse_tolerance_given =
+      json["pseudo_inverse_tolerance_given"].Number();
+  summary.pseudo_inverse_tolerance_used =
+      json["pseudo_inverse_tolerance_used"].Number();
+  summary.rounding_floor = json["rounding_floor"].Number();
+  summary.setup_time_s = json["setup_time_s"].Number();
+  summary.solve_time_s = json["solve_time_s"].Number();
+  return summary;
+}
+
+SolverRun ReadRun(const JsonValue& json) {
+  SolverRun run;
+  run.summary = ReadSummary(json);
+  run.summary.iterations = ReadList(json["history"], ReadIteration);
+  run.train = ReadAccuracy(json["train"]);
+  run.values = json["values"].Vector();
+  return run;
+}
+
+AcceptanceCheck ReadAcceptance(const JsonValue& json) {
+  return {json["quantity"].Text(), json["limit"].Number(),
+          json["obtained"].Number()};
+}
+
+StudyRow ReadStudyRow(const JsonValue& json) {
+  return {json["quantity"].Text(), json["published"].Text(),
+          json["obtained"].Text()};
+}
+
+StudyParameter ReadStudyParameter(const JsonValue& json) {
+  StudyParameter parameter;
+  parameter.name = json["name"].Text();
+  parameter.dimension = json["unit"].Choice(kUnitKeys);
+  parameter.identified = json["identified"].Boolean();
+  parameter.nominal = json["nominal"].Number();
+  parameter.assumed = json["assumed"].Number();
+  parameter.published = json["published"].Number();
+  parameter.obtained = json["obtained"].Number();
+  return parameter;
+}
+
+Absorption ReadAbsorption(const JsonValue& json) {
+  Absorption absorption;
+  absorption.frozen = json["frozen"].Text();
+  absorption.frozen_deviation = json["frozen_deviation"].Number();
+  absorption.taken_up_by = json["taken_up_by"].Text();
+  absorption.dimension = json["unit"].Choice(kUnitKeys);
+  absorption.coefficient = json["coefficient"].Number();
+  absorption.amount = json["amount"].Number();
+  return absorption;
+}
+
+StudyResult ReadStudy(const JsonValue& json) {
+  StudyResult study;
+  study.source = json["source"].Text();
+  study.rows = ReadList(json["rows"], ReadStudyRow);
+  study.parameters = ReadList(json["parameters"], ReadStudyParameter);
+  study.absorptions = ReadList(json["absorptions"], ReadAbsorption);
+  study.angle_decimals = json["angle_decimals"].Integer();
+  study.length_decimals = json["length_decimals"].Integer();
+  study.as_printed = ReadAccuracy(json["as_printed"]);
+  study.three_more_decimals = ReadAccuracy(json["three_more_decimals"]);
+  study.timed_iterations = json["timed_iterations"].Integer();
+  study.timed_s = json["timed_s"].Number();
+  study.published_s = json["published_s"].Number();
+  return study;
+}
+
+// The parser gives the number of bytes read.
+SourceLocation LocationOfByte(const std::string& path, const std::string& text,
+                              std::size_t byte) {
+  SourceLocation location;
+  location.file = path;
+  location.line = 1;
+  location.column = 1;
+  for (std::size_t i = 0; i + 1 < byte && i < text.size(); ++i) {
+    ++location.column;
+    if (text[i] == '\n') {
+      ++location.line;
+      location.column = 1;
+    }
+  }
+  return location;
+}
+
+Json ParseJson(const std::string& path) {
+  const std::string text = ReadFile(path);
+  try {
+    return Json::parse(text);
+  } catch (const Json::parse_error& error) {
+    throw InputError(LocationOfByte(path, text, error.byte),
+                     "not valid JSON, expected a result.json that Alidade "
+                     "wrote; the file may be cut off");
+  } catch (const Json::out_of_range&) {
+    SourceLocation location;
+    location.file = path;
+    throw InputError(location, "a number in it does not fit a double");
+  }
+}
+
+void CheckFormat(const JsonValue& json) {
+  using Formats = std::array<std::pair<int, const char*>, 1>;
+  json["format"].Choice(Formats{{{1, kResultFormat}}});
+}
+
+}  // namespace
+
+JobResult LoadResultJson(const std::string& path) {
+  const Json root = ParseJson(path);
+  const JsonValue json(path, "", root);
+  CheckFormat(json);
+  JobResult result;
+  result.version = json["version"].Text();
+  result.command = json["command"].Text();
+  result.title = json["title"].Text();
+  result.inputs = ReadList(json["inputs"], ReadInput);
+  result.seed = json["seed"].Seed();
+  result.arm = json["arm"].Text();
+  result.parameters = ReadList(json["parameters"], ReadParameter);
+  result.identifiability =
+      ReadIdentifiability(json["identifiability"], result.parameters);
+  const JsonValue accuracy = json["accuracy"];
+  result.train = ReadEvaluatedSet(accuracy["train"]);
+  if (accuracy.Has("heldout")) {
+    result.heldout = ReadEvaluatedSet(accuracy["heldout"]);
+  }
+  result.runs = ReadList(json["runs"], ReadRun);
+  result.acceptance = ReadList(json["acceptance"], ReadAcceptance);
+  if (json.Has("study")) result.study = ReadStudy(json["study"]);
+  result.identify_time_s = json["times"]["identify_s"].Number();
+  result.total_time_s = json["times"]["total_s"].Number();
+  return result;
+}
+
+}  // namespace alidade

@@ -1,0 +1,587 @@
+#include "alidade/io/job_file.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "alidade/base/units.h"
+#include "alidade/io/arm_file.h"
+#include "alidade/io/files.h"
+#include "alidade/model/parameter_layout.h"
+#include "tests/io/io_test_util.h"
+
+namespace alidade {
+namespace {
+
+namespace fs = std::filesystem;
+
+const char kArmText[] =
+    "format: alidade-arm-1\n"
+    "name: two joints\n"
+    "units: {length: mm, angle: deg}\n"
+    "joints:\n"
+    "  - {type: revolute, r: 100, limits: [-90, 90]}\n"
+    "  - {type: prismatic, alpha: 90, limits: [0, 500]}\n";
+
+const char kDeviationsText[] =
+    "format: alidade-deviations-1\n"
+    "units: {length: mm, angle: mrad}\n"
+    "deviations: {r1: 0.5, alpha2: 2}\n";
+
+const char kDataText[] =
+    "q1_deg,q2_mm,x_mm,y_mm,z_mm\n"
+    "10,100,1,2,3\n"
+    "20,200,4,5,6\n";
+
+const char kJobText[] =
+    "format: alidade-job-1\n"
+    "title: A test\n"
+    "units: {length: mm, angle: mrad}\n"
+    "arm: arm.yaml\n"
+    "data: data.csv\n"
+    "measurement: {sigma: 0.02}\n"
+    "truth: deviations.yaml\n"
+    "validation: {data: heldout.csv}\n"
+    "identifiability:\n"
+    "  method: rules\n"
+    "  fix: [alpha2, d1]\n"
+    "  proceed_beyond_rank: true\n"
+    "  angle_tolerance: 0.5\n"
+    "  relative_tolerance: 1e-8\n"
+    "  perturbation: 0.02\n"
+    "  seed: 7\n"
+    "solver:\n"
+    "  name: pseudo_inverse\n"
+    "  max_iterations: 12\n"
+    "  function_tolerance: 1e-14\n"
+    "  rounding_floor_factor: 2\n"
+    "  wanted_precision: 0.001\n"
+    "  initial_trust_region_radius: 1e6\n"
+    "  pseudo_inverse_tolerance: 1e-9\n"
+    "compare_with: [ceres]\n"
+    "acceptance: {train_rms: 0.1, train_max: 0.2, heldout_rms: 0.3, "
+    "heldout_max: 0.4}\n"
+    "published:\n"
+    "  source: A study\n"
+    "  deviations: {r1: 0.4}\n"
+    "  angle_decimals: 3\n"
+    "  length_decimals: 2\n"
+    "  baseline: {iterations: 5, time_s: 60.5}\n"
+    "  figures:\n"
+    "    - {quantity: after_max, published: 1 mm}\n";
+
+const char kSimulationText[] =
+    "format: alidade-simulation-1\n"
+    "title: A test\n"
+    "units: {length: mm, angle: deg}\n"
+    "arm: arm.yaml\n"
+    "deviations: deviations.yaml\n"
+    "poses:\n"
+    "  cylinder:\n"
+    "    azimuth: {from: -90, to: 90, count: 3}\n"
+    "    radius: {from: 100, to: 200, count: 2}\n"
+    "    height: 250\n"
+    "    elevation: [-45, 30]\n"
+    "    start: [10, 20]\n"
+    "noise: {sigma: 0.02}\n"
+    "seed: 5\n"
+    "joint_decimals: 3\n"
+    "output: out/data.csv\n";
+
+// Text that is replaced once in a file that is right without it.
+struct Edit {
+  std::string from;
+  std::string to;
+};
+
+std::string Apply(std::string text, const Edit& edit) {
+  if (edit.from.empty()) return text;
+  const std::size_t at = text.find(edit.from);
+  EXPECT_NE(at, std::string::npos) << edit.from;
+  return text.replace(at, edit.from.size(), edit.to);
+}
+
+// A job, a simulation and the files they name.
+class ConfigFiles {
+ public:
+  explicit ConfigFiles(const Edit& edit = {}) {
+    directory_.Write("arm.yaml", kArmText);
+    directory_.Write("deviations.yaml", kDeviationsText);
+    directory_.Write("data.csv", kDataText);
+    directory_.Write("heldout.csv", kDataText);
+    job_ = directory_.Write("job.yaml", EditIfFound(kJobText, edit));
+    simulation_ =
+        directory_.Write("simulation.yaml", EditIfFound(kSimulationText, edit));
+  }
+
+  const TestDirectory& directory() const { return directory_; }
+  const std::string& job() const { return job_; }
+  const std::string& simulation() const { return simulation_; }
+
+ private:
+  static std::string EditIfFound(const std::string& text, const Edit& edit) {
+    return text.find(edit.from) == std::string::npos ? text : Apply(text, edit);
+  }
+
+  TestDirectory directory_;
+  std::string job_;
+  std::string simulation_;
+};
+
+TEST(DetectFormatTest, TellsEveryFormat) {
+  const ConfigFiles files;
+  const TestDirectory& directory = files.directory();
+  EXPECT_EQ(DetectFormat(directory.Path("arm.yaml")), FileFormat::kArm);
+  EXPECT_EQ(DetectFormat(directory.Path("deviations.yaml")),
+            FileFormat::kDeviations);
+  EXPECT_EQ(DetectFormat(files.job()), FileFormat::kJob);
+  EXPECT_EQ(DetectFormat(files.simulation()), FileFormat::kSimulation);
+}
+
+TEST(DetectFormatTest, RefusesWhatHasNoFormat) {
+  const TestDirectory directory;
+  const std::string path = directory.Write("x.yaml", "a: 1\nb: 2\n");
+  ExpectInputError([&] { DetectFormat(path); },
+                   {1, 1, "", "expected a map with the key \"format\""});
+  directory.Write("x.yaml", "a: 1\nformat: alidade-robot-1\n");
+  ExpectInputError([&] { DetectFormat(path); },
+                   {2, 9, "format", "unknown format \"alidade-robot-1\""});
+  directory.Write("x.yaml", "format: [1]\n");
+  ExpectInputError([&] { DetectFormat(path); },
+                   {1, 9, "format", "expected text, found a list"});
+}
+
+TEST(LoadJobTest, ReadsTheDataAndWhatIsKnown) {
+  const ConfigFiles files;
+  const JobConfig job = LoadJob(files.job());
+  EXPECT_EQ(job.path, files.job());
+  EXPECT_EQ(job.title, "A test");
+  EXPECT_EQ(job.arm.name, "two joints");
+  EXPECT_EQ(job.data.num_poses(), 2);
+  EXPECT_TRUE((job.data.sigmas.array() == 2e-5).all());
+  ASSERT_TRUE(job.validation.has_value());
+  EXPECT_EQ(job.validation->positions, job.data.positions);
+  ASSERT_TRUE(job.truth.has_value());
+  const ParameterLayout layout(2);
+  const Eigen::VectorXd deviations = *job.truth - layout.Values(job.arm);
+  EXPECT_NEAR(deviations[*layout.Find("r1")], 0.0005, 1e-16);
+  EXPECT_NEAR(deviations[*layout.Find("alpha2")], 0.002, 1e-15);
+  EXPECT_NEAR(deviations.cwiseAbs().sum(), 0.0025, 1e-15);
+}
+
+TEST(LoadJobTest, ReadsTheIdentifiabilityOptions) {
+  const JobConfig job = LoadJob(ConfigFiles().job());
+  const IdentifiabilityOptions& options = job.identifiability;
+  EXPECT_EQ(options.fix, (std::vector<std::string>{"alpha2", "d1"}));
+  EXPECT_TRUE(options.proceed_beyond_rank);
+  EXPECT_EQ(options.angle_tolerance, 0.0005);
+  EXPECT_EQ(options.relative_tolerance, 1e-8);
+  EXPECT_EQ(options.perturbation, 0.02);
+  EXPECT_EQ(options.seed, 7U);
+}
+
+TEST(LoadJobTest, ReadsTheSolverAndItsLimits) {
+  const JobConfig job = LoadJob(ConfigFiles().job());
+  EXPECT_EQ(job.solver, SolverName::kPseudoInverse);
+  EXPECT_EQ(job.solver_options.max_iterations, 12);
+  EXPECT_EQ(job.solver_options.function_tolerance, 1e-14);
+  EXPECT_EQ(job.solver_options.rounding_floor_factor, 2.0);
+  EXPECT_EQ(job.solver_options.wanted_precision, 1e-6);
+  EXPECT_EQ(job.solver_options.initial_trust_region_radius, 1e6);
+  EXPECT_EQ(job.solver_options.pseudo_inverse_tolerance, 1e-9);
+  EXPECT_EQ(job.compare_with, std::vector<SolverName>{SolverName::kCeres});
+  EXPECT_EQ(job.acceptance.train_rms, 1e-4);
+  EXPECT_EQ(job.acceptance.train_max, 2e-4);
+  EXPECT_EQ(job.acceptance.heldout_rms, 3e-4);
+  EXPECT_EQ(job.acceptance.heldout_max, 4e-4);
+}
+
+TEST(LoadJobTest, ReadsThePublishedStudy) {
+  const JobConfig job = LoadJob(ConfigFiles().job());
+  ASSERT_TRUE(job.published.has_value());
+  EXPECT_EQ(job.published->source, "A study");
+  EXPECT_EQ(job.published->deviations[*ParameterLayout(2).Find("r1")], 4e-4);
+  EXPECT_EQ(job.published->deviations.cwiseAbs().sum(), 4e-4);
+  EXPECT_EQ(job.published->angle_decimals, 3);
+  EXPECT_EQ(job.published->length_decimals, 2);
+  EXPECT_EQ(job.published->baseline_iterations, 5);
+  EXPECT_EQ(job.published->baseline_time_s, 60.5);
+  ASSERT_EQ(job.published->figures.size(), 1U);
+  EXPECT_EQ(job.published->figures[0].quantity, "after_max");
+  EXPECT_EQ(job.published->figures[0].published, "1 mm");
+}
+
+TEST(LoadJobTest, ListsEveryFileItRead) {
+  const ConfigFiles files;
+  std::vector<std::string> expected = {files.job()};
+  for (const char* name :
+       {"arm.yaml", "data.csv", "heldout.csv", "deviations.yaml"}) {
+    expected.push_back(files.directory().Path(name));
+  }
+  EXPECT_EQ(LoadJob(files.job()).input_files, expected);
+}
+
+TEST(LoadJobTest, NeedsOnlyAnArmAndData) {
+  const ConfigFiles files;
+  const std::string path = files.directory().Write(
+      "short.yaml",
+      "format: alidade-job-1\ntitle: Short\n"
+      "units: {length: m, angle: rad}\narm: arm.yaml\ndata: data.csv\n"
+      "measurement: {sigma: 0.001}\n");
+  const JobConfig job = LoadJob(path);
+  EXPECT_EQ(job.solver, SolverName::kCeres);
+  EXPECT_EQ(job.solver_options.max_iterations, SolverOptions().max_iterations);
+  EXPECT_EQ(job.identifiability.seed, IdentifiabilityOptions().seed);
+  EXPECT_TRUE(job.compare_with.empty());
+  EXPECT_FALSE(job.validation || job.truth || job.published);
+  EXPECT_FALSE(job.acceptance.train_rms || job.acceptance.train_max);
+}
+
+struct ConfigErrorCase {
+  const char* name;
+  Edit edit;
+  ExpectedError expected;
+};
+
+void PrintTo(const ConfigErrorCase& error_case, std::ostream* out) {
+  *out << error_case.name;
+}
+
+std::string CaseName(const ::testing::TestParamInfo<ConfigErrorCase>& info) {
+  return info.param.name;
+}
+
+class LoadJobErrorTest : public ::testing::TestWithParam<ConfigErrorCase> {};
+
+TEST_P(LoadJobErrorTest, NamesLineColumnKeyAndWhatWasExpected) {
+  const ConfigFiles files(GetParam().edit);
+  ExpectInputError([&] { LoadJob(files.job()); }, GetParam().expected);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Jobs, LoadJobErrorTest,
+    ::testing::Values(
+        ConfigErrorCase{"UnknownKey",
+                        {"truth:", "thruth:"},
+                        {7, 1, "thruth", "did you mean \"truth\"?"}},
+        ConfigErrorCase{"NoTitle",
+                        {"title: A test\n", ""},
+                        {1, 1, "title", "missing, expected this key"}},
+        ConfigErrorCase{"NoSigma",
+                        {"{sigma: 0.02}", "{}"},
+                        {6, 14, "measurement.sigma", "missing"}},
+        ConfigErrorCase{"ZeroSigma",
+                        {"sigma: 0.02", "sigma: 0"},
+                        {6, 22, "measurement.sigma",
+                         "expected a length above zero, found 0"}},
+        ConfigErrorCase{"UnknownMethod",
+                        {"method: rules", "method: svd"},
+                        {10, 11, "identifiability.method",
+                         "unknown method \"svd\", expected one of rules"}},
+        ConfigErrorCase{"UnknownFix",
+                        {"[alpha2, d1]", "[alpha2, dd1]"},
+                        {11, 17, "identifiability.fix[2]",
+                         "unknown parameter \"dd1\", did you mean \"d1\"?"}},
+        ConfigErrorCase{"RepeatedFix",
+                        {"[alpha2, d1]", "[d1, d1]"},
+                        {11, 13, "identifiability.fix[2]", "is repeated"}},
+        ConfigErrorCase{"InvalidOption",
+                        {"perturbation: 0.02", "perturbation: -1"},
+                        {10, 3, "identifiability", "perturbation = -1"}},
+        ConfigErrorCase{"UnknownSolver",
+                        {"pseudo_inverse\n", "cere\n"},
+                        {18, 9, "solver.name",
+                         "unknown solver \"cere\", did you mean \"ceres\"?"}},
+        ConfigErrorCase{"NoIterations",
+                        {"max_iterations: 12", "max_iterations: 0"},
+                        {18, 3, "solver", "max_iterations = 0"}},
+        ConfigErrorCase{"SolverTwice",
+                        {"[ceres]", "[pseudo_inverse]"},
+                        {25, 16, "compare_with[1]", "runs already"}},
+        ConfigErrorCase{"ComparedTwice",
+                        {"[ceres]", "[ceres, ceres]"},
+                        {25, 23, "compare_with[2]", "runs already"}},
+        ConfigErrorCase{"NegativeLimit",
+                        {"train_max: 0.2", "train_max: -1"},
+                        {26, 41, "acceptance.train_max",
+                         "expected a length above zero, found -1"}},
+        ConfigErrorCase{
+            "HeldoutWithoutValidation",
+            {"validation: {data: heldout.csv}\n", ""},
+            {25, 59, "acceptance.heldout_rms", "add \"validation\""}},
+        ConfigErrorCase{"ValidationIsText",
+                        {"{data: heldout.csv}", "heldout.csv"},
+                        {8, 13, "validation", "expected a map of data"}},
+        ConfigErrorCase{"UnknownPublished",
+                        {"{r1: 0.4}", "{r9: 0.4}"},
+                        {29, 16, "published.deviations.r9", "unknown key"}},
+        ConfigErrorCase{"TooManyDecimals",
+                        {"angle_decimals: 3", "angle_decimals: 99"},
+                        {30, 19, "published.angle_decimals",
+                         "expected an integer from 0 to 15, found 99"}},
+        ConfigErrorCase{"NoBaselineTime",
+                        {", time_s: 60.5", ""},
+                        {32, 13, "published.baseline.time_s", "missing"}},
+        ConfigErrorCase{"ZeroBaselineTime",
+                        {"time_s: 60.5", "time_s: 0"},
+                        {32, 37, "published.baseline.time_s",
+                         "expected a time above zero, found 0"}},
+        ConfigErrorCase{"UnknownQuantity",
+                        {"after_max", "after_maxx"},
+                        {34, 18, "published.figures[1].quantity",
+                         "unknown quantity \"after_maxx\", did you mean"}},
+        ConfigErrorCase{
+            "RepeatedQuantity",
+            {"published: 1 mm}\n",
+             "published: 1 mm}\n"
+             "    - {quantity: after_max, published: 2 mm}\n"},
+            {35, 18, "published.figures[2].quantity", "is repeated"}},
+        ConfigErrorCase{
+            "MissingData",
+            {"data: data.csv", "data: none.csv"},
+            {5, 7, "data", "none.csv: cannot be read: No such file"}},
+        ConfigErrorCase{
+            "MissingArm",
+            {"arm: arm.yaml", "arm: none.yaml"},
+            {4, 6, "arm", "none.yaml: cannot be read: No such file"}},
+        ConfigErrorCase{"ArmIsDirectory",
+                        {"arm: arm.yaml", "arm: ."},
+                        {4, 6, "arm", "cannot be read: Is a directory"}},
+        ConfigErrorCase{"ArmIsOtherFormat",
+                        {"arm: arm.yaml", "arm: deviations.yaml"},
+                        {1, 9, "format", "job.yaml:4: arm)"}}),
+    CaseName);
+
+TEST(LoadJobTest, NamesBothFilesWhereJointCountsDiffer) {
+  const ConfigFiles files;
+  const std::string data = files.directory().Write(
+      "data.csv", "# c\nq1_deg,q2_mm,q3_deg,x_mm,y_mm,z_mm\n1,2,3,4,5,6\n");
+  try {
+    LoadJob(files.job());
+    FAIL() << "expected an InputError";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.location().file, data);
+    EXPECT_EQ(error.location().line, 2);
+    EXPECT_EQ(error.message(),
+              "data set has 3 joints, arm \"two joints\" has 2 (named in " +
+                  files.job() + ":5: data, for the arm of " +
+                  files.directory().Path("arm.yaml") + ")");
+  }
+}
+
+TEST(LoadJobTest, NamesTheFileThatAnErrorIsIn) {
+  const ConfigFiles files;
+  const std::string path = files.directory().Write(
+      "deviations.yaml",
+      "format: alidade-deviations-1\nunits: {length: mm, angle: rad}\n"
+      "deviations: {r3: 1}\n");
+  try {
+    LoadJob(files.job());
+    FAIL() << "expected an InputError";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.location().file, path);
+    EXPECT_EQ(error.location().key, "deviations.r3");
+  }
+}
+
+TEST(LoadSimulationTest, ReadsACylinder) {
+  const ConfigFiles files;
+  const SimulationConfig config = LoadSimulation(files.simulation());
+  EXPECT_EQ(config.title, "A test");
+  EXPECT_EQ(config.noise_sigma, 2e-5);
+  EXPECT_EQ(config.seed, 5U);
+  EXPECT_EQ(config.joint_decimals, 3);
+  EXPECT_EQ(config.output, files.directory().Path("out/data.csv"));
+  const auto& grid = std::get<CylinderGrid>(config.poses);
+  EXPECT_EQ(grid.azimuth.from, -kPi / 2.0);
+  EXPECT_EQ(grid.azimuth.to, kPi / 2.0);
+  EXPECT_EQ(grid.azimuth.count, 3);
+  EXPECT_EQ(grid.radius.from, 0.1);
+  EXPECT_EQ(grid.radius.to, 0.2);
+  EXPECT_EQ(grid.radius.count, 2);
+  EXPECT_EQ(grid.height, 0.25);
+  EXPECT_EQ(grid.elevation_from, -45.0 * kDegree);
+  EXPECT_EQ(grid.elevation_to, 30.0 * kDegree);
+  EXPECT_EQ(grid.start, Eigen::Vector2d(10.0 * kDegree, 0.02));
+}
+
+TEST(LoadSimulationTest, AddsDeviationsToTheNominalArm) {
+  const ConfigFiles files;
+  const SimulationConfig config = LoadSimulation(files.simulation());
+  const ParameterLayout layout(2);
+  EXPECT_NEAR(config.true_values[*layout.Find("r1")], 0.1005, 1e-15);
+  EXPECT_NEAR(config.true_values[*layout.Find("alpha2")], kPi / 2.0 + 0.002,
+              1e-15);
+}
+
+SimulationConfig LoadWithPoses(const std::string& poses) {
+  const ConfigFiles files;
+  const std::string text =
+      "format: alidade-simulation-1\nunits: {length: mm, angle: deg}\n"
+      "arm: arm.yaml\nposes: " +
+      poses + "\nseed: 0\noutput: o.csv\n";
+  return LoadSimulation(files.directory().Write("poses.yaml", text));
+}
+
+TEST(LoadSimulationTest, ReadsOtherKindsOfPoses) {
+  const SimulationConfig random = LoadWithPoses("{random: {count: 10}}");
+  EXPECT_EQ(std::get<RandomPoses>(random.poses).count, 10);
+  EXPECT_EQ(random.noise_sigma, 0.0);
+  EXPECT_EQ(random.joint_decimals, 4);
+  const SimulationConfig file = LoadWithPoses("{file: data.csv}");
+  const auto& poses = std::get<PosesFromFile>(file.poses);
+  EXPECT_EQ(poses.joint_values.col(1), Eigen::Vector2d(20.0 * kDegree, 0.2));
+  ASSERT_EQ(file.input_files.size(), 3U);
+  EXPECT_EQ(file.input_files[2], poses.path);
+}
+
+TEST(LoadSimulationTest, RandomPosesNeedLimits) {
+  const ConfigFiles files;
+  files.directory().Write("arm.yaml",
+                          Apply(kArmText, {", limits: [0, 500]", ""}));
+  const std::string path = files.directory().Write(
+      "poses.yaml",
+      "format: alidade-simulation-1\nunits: {length: mm, angle: deg}\n"
+      "arm: arm.yaml\nposes:\n  random: {count: 10}\nseed: 0\noutput: o.csv\n");
+  ExpectInputError([&] { LoadSimulation(path); },
+                   {5, 11, "poses.random", "joint 2 of arm \"two joints\""});
+}
+
+class LoadSimulationErrorTest
+    : public ::testing::TestWithParam<ConfigErrorCase> {};
+
+TEST_P(LoadSimulationErrorTest, NamesLineColumnKeyAndWhatWasExpected) {
+  const ConfigFiles files(GetParam().edit);
+  ExpectInputError([&] { LoadSimulation(files.simulation()); },
+                   GetParam().expected);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Simulations, LoadSimulationErrorTest,
+    ::testing::Values(
+        ConfigErrorCase{"UnknownPoses",
+                        {"  cylinder:", "  cilinder:"},
+                        {7, 3, "poses.cilinder", "did you mean \"cylinder\""}},
+        ConfigErrorCase{"TwoKindsOfPoses",
+                        {"poses:\n", "poses:\n  random: {count: 1}\n"},
+                        {7, 3, "poses",
+                         "expected exactly one of cylinder, "
+                         "random, file, found 2"}},
+        ConfigErrorCase{"NegativeCount",
+                        {"count: 3", "count: -3"},
+                        {8, 41, "poses.cylinder.azimuth.count",
+                         "expected an integer from 1 to 10000000, found -3"}},
+        ConfigErrorCase{
+            "CountOfOne",
+            {"count: 3", "count: 1"},
+            {8, 41, "poses.cylinder.azimuth.count", "expected 2 or more"}},
+        ConfigErrorCase{"TooManyPoses",
+                        {"count: 3", "count: 9000000"},
+                        {8, 5, "poses.cylinder",
+                         "expected at most 10000000 poses, found 18000000"}},
+        ConfigErrorCase{"NegativeRadius",
+                        {"from: 100", "from: -100"},
+                        {9, 13, "poses.cylinder.radius", "not below zero"}},
+        ConfigErrorCase{"ElevationSwapped",
+                        {"[-45, 30]", "[30, -45]"},
+                        {11, 16, "poses.cylinder.elevation",
+                         "expected [from, to] with \"to\" not below"}},
+        ConfigErrorCase{"StartTooShort",
+                        {"[10, 20]", "[10]"},
+                        {12, 12, "poses.cylinder.start",
+                         "expected a list of 2 (a value for every joint of "
+                         "the arm), found 1"}},
+        ConfigErrorCase{"NegativeNoise",
+                        {"sigma: 0.02", "sigma: -0.02"},
+                        {13, 16, "noise.sigma",
+                         "expected a length not below zero, found -0.02"}},
+        ConfigErrorCase{"NoSeed",
+                        {"seed: 5\n", ""},
+                        {1, 1, "seed", "missing, expected this key"}},
+        ConfigErrorCase{"TooManyDecimals",
+                        {"joint_decimals: 3", "joint_decimals: 13"},
+                        {15, 17, "joint_decimals",
+                         "expected an integer from 0 to 12, found 13"}},
+        ConfigErrorCase{"OutputIsInput",
+                        {"out/data.csv", "./arm.yaml"},
+                        {16, 9, "output",
+                         "expected a file that the simulation does not read"}}),
+    CaseName);
+
+std::vector<std::string> YamlFiles(const std::string& directory) {
+  std::vector<std::string> paths;
+  for (const auto& entry :
+       fs::recursive_directory_iterator(SourcePath(directory))) {
+    if (entry.path().extension() == ".yaml") {
+      paths.push_back(entry.path().string());
+    }
+  }
+  return paths;
+}
+
+// Every file loads; deviations are read for the arm of the study.
+TEST(ConfigsTest, EveryFileLoads) {
+  const Arm arm = LoadArm(SourcePath("configs/robots/rv2aj_wrist.yaml"));
+  const std::vector<std::string> paths = YamlFiles("configs");
+  EXPECT_GE(paths.size(), 9U);
+  for (const std::string& path : paths) {
+    SCOPED_TRACE(path);
+    switch (DetectFormat(path)) {
+      case FileFormat::kArm:
+        EXPECT_NO_THROW(LoadArm(path));
+        break;
+      case FileFormat::kDeviations:
+        EXPECT_NO_THROW(LoadDeviations(path, arm));
+        break;
+      case FileFormat::kJob:
+        EXPECT_NO_THROW(LoadJob(path));
+        break;
+      case FileFormat::kSimulation:
+        EXPECT_NO_THROW(LoadSimulation(path));
+        break;
+    }
+  }
+}
+
+TEST(ConfigsTest, StudyIsTheOneOfTheDesign) {
+  const JobConfig job = LoadJob(SourcePath("configs/jobs/rv2aj_study.yaml"));
+  EXPECT_EQ(job.data.num_poses(), 56);
+  EXPECT_EQ(job.validation->num_poses(), 3600);
+  EXPECT_EQ(job.solver, SolverName::kCeres);
+  EXPECT_EQ(job.compare_with,
+            std::vector<SolverName>{SolverName::kPseudoInverse});
+  EXPECT_EQ(job.acceptance.train_max, 1e-6);
+  EXPECT_EQ(job.acceptance.heldout_max, 1e-6);
+  ASSERT_TRUE(job.published.has_value());
+  EXPECT_NEAR(job.published->baseline_time_s / 60.0, 59.0533, 1e-12);
+  EXPECT_EQ(job.published->figures.size(), PublishedQuantityNames().size());
+}
+
+TEST(ConfigsTest, FlangeJobHoldsWhatDepends) {
+  const JobConfig job = LoadJob(SourcePath("configs/jobs/rv2aj_flange.yaml"));
+  EXPECT_EQ(job.identifiability.fix,
+            (std::vector<std::string>{"alpha5", "theta4"}));
+  EXPECT_FALSE(job.published.has_value());
+}
+
+TEST(ConfigsTest, SimulationsWriteWhatTheJobsRead) {
+  for (const std::string name : {"wrist", "flange"}) {
+    const JobConfig job = LoadJob(
+        SourcePath("configs/jobs/rv2aj_" +
+                   std::string(name == "wrist" ? "study" : name) + ".yaml"));
+    const std::string stem = "configs/simulations/rv2aj_" + name;
+    const SimulationConfig train =
+        LoadSimulation(SourcePath(stem + "_56.yaml"));
+    EXPECT_EQ(train.output, job.data.name);
+    EXPECT_EQ(train.true_values, *job.truth);
+    EXPECT_EQ(LoadSimulation(SourcePath(stem + "_3600.yaml")).output,
+              job.validation->name);
+  }
+}
+
+}  // namespace
+}  // namespace alidade
