@@ -1,0 +1,40 @@
+#ifndef ALIDADE_REPORT_REPORT_H_
+#define ALIDADE_REPORT_REPORT_H_
+
+#include <string>
+#include <vector>
+
+#include "alidade/results/job_result.h"
+
+namespace alidade {
+
+/// A file of a result directory: its name and its whole content.
+struct ReportFile {
+  std::string name;
+  std::string content;
+};
+
+/// Text for people, each ending in a newline, at most 100 columns wide (a path
+/// or a hash is never broken). Lengths in mm, angles in deg; the study's tables
+/// and what compares with them in mm and rad.
+std::string FormatIdentifiability(const IdentifiabilityResult& result);
+std::string FormatParameters(const JobResult& result);
+std::string FormatAccuracyTable(const JobResult& result);
+/// Published against obtained; empty without a study.
+std::string FormatStudyTable(const JobResult& result);
+/// Every solver side by side: outcome, cost and error per iteration, time,
+/// and where the values differ.
+std::string FormatComparison(const JobResult& result);
+/// The whole report.txt.
+std::string FormatReport(const JobResult& result);
+
+/// residuals.csv (training poses), heldout.csv (with validation poses),
+/// iterations.csv. Numbers read back to the same bits of the unit shown.
+std::vector<ReportFile> MakeCsvFiles(const JobResult& result);
+/// error_before.svg, error_after.svg, convergence.svg, and, with validation
+/// poses, validation_before.svg, validation_after.svg.
+std::vector<ReportFile> MakeFigures(const JobResult& result);
+
+}  // namespace alidade
+
+#endif  // ALIDADE_REPORT_REPORT_H_

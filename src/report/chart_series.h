@@ -1,0 +1,48 @@
+#ifndef ALIDADE_SRC_REPORT_CHART_SERIES_H_
+#define ALIDADE_SRC_REPORT_CHART_SERIES_H_
+
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+#include "alidade/report/svg_chart.h"
+#include "src/report/chart_frame.h"
+#include "src/report/svg_writer.h"
+
+namespace alidade {
+
+/// How the series with this index is drawn: colours that colour-blind readers
+/// tell apart (Okabe, Ito 2008), repeated when they run out. The first series
+/// has full markers, the others open ones, so that those below show through.
+struct SeriesLook {
+  std::string_view colour;
+  std::string_view marker_fill;
+  std::string_view dashes;
+};
+SeriesLook LookOf(std::size_t index);
+
+/// Points of a series in pixels, without those that have no place on the axes;
+/// a new run begins behind each of those.
+using PixelRun = std::vector<SvgPoint>;
+std::vector<PixelRun> PixelRuns(const LineChart& chart,
+                                const ChartSeries& series,
+                                const PlotArea& plot);
+
+/// Draws line and markers, thinned to what pixels can show: of a million points
+/// the first, last, lowest and highest of each pixel column stay.
+void DrawSeries(SvgWriter* svg, const ChartSeries& series,
+                const SeriesLook& look, const PlotArea& plot,
+                const std::vector<PixelRun>& runs);
+
+/// The sample of a series in a legend, centred.
+void DrawLegendKey(SvgWriter* svg, const ChartSeries& series,
+                   const SeriesLook& look, SvgPoint centre);
+
+/// Some points along what DrawSeries draws, to keep labels off it.
+std::vector<SvgPoint> InkSamples(const ChartSeries& series,
+                                 const PlotArea& plot,
+                                 const std::vector<PixelRun>& runs);
+
+}  // namespace alidade
+
+#endif  // ALIDADE_SRC_REPORT_CHART_SERIES_H_

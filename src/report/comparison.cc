@@ -1,0 +1,185 @@
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "alidade/report/format.h"
+#include "alidade/report/report.h"
+#include "alidade/report/text_table.h"
+#include "src/report/solver_names.h"
+#include "src/report/text.h"
+
+namespace alidade {
+namespace {
+
+using Align = TextTable::Align;
+
+constexpr int kStatusWidth = 24;
+// A longer history shows its beginning and its end.
+constexpr std::size_t kMostIterations = 40;
+constexpr std::size_t kFirstIterations = 25;
+constexpr std::size_t kLastIterations = 10;
+// Values that differ most, of lengths and of angles each.
+constexpr std::size_t kMostDifferences = 3;
+
+std::string CostText(double cost) {
+  return cost < 0.0 ? "-" : FormatSignificant(cost, 4);
+}
+
+std::string OutcomeTable(const std::vector<SolverRun>& runs) {
+  std::vector<TextTable::Column> columns = {{"solver"}};
+  std::vector<std::vector<std::string>> rows = {
+      {"outcome"},        {"iterations"},        {"steps accepted"},
+      {"steps rejected"}, {"chi-square before"}, {"chi-square after"},
+      {"rms error [mm]"}, {"max error [mm]"},    {"time to set up"},
+      {"time to solve"}};
+  for (const SolverRun& run : runs) {
+    const SolverSummary& summary = run.summary;
+    columns.push_back({ShortSolverTitle(summary.solver), Align::kRight});
+    const std::vector<std::string> cells = {
+        ToString(summary.status),
+        std::to_string(summary.accepted_steps + summary.rejected_steps),
+        std::to_string(summary.accepted_steps),
+        std::to_string(summary.rejected_steps),
+        CostText(summary.initial_cost),
+        CostText(summary.final_cost),
+        FormatSignificant(run.train.rms / kMillimetre, 4),
+        FormatSignificant(run.train.max / kMillimetre, 4),
+        FormatDuration(summary.setup_time_s),
+        FormatDuration(summary.solve_time_s)};
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i].push_back(cells[i]);
+  }
+  TextTable table(columns);
+  std::vector<int> widths(columns.size(), kStatusWidth);
+  for (const auto& row : rows) AddWrappedRow(row, widths, &table);
+  return table.ToString();
+}
+
+std::size_t LongestHistory(const std::vector<SolverRun>& runs) {
+  std::size_t longest = 0;
+  for (const SolverRun& run : runs) {
+    longest = std::max(longest, run.summary.iterations.size());
+  }
+  return longest;
+}
+
+bool AnyRejected(const std::vector<SolverRun>& runs) {
+  return std::any_of(runs.begin(), runs.end(), [](const SolverRun& run) {
+    return std::any_of(
+        run.summary.iterations.begin(), run.summary.iterations.end(),
+        [](const IterationRecord& record) { return !record.accepted; });
+  });
+}
+
+std::vector<std::string> IterationRow(const std::vector<SolverRun>& runs,
+                                      std::size_t iteration) {
+  std::vector<std::string> row = {std::to_string(iteration)};
+  for (const SolverRun& run : runs) {
+    if (iteration >= run.summary.iterations.size()) {
+      row.insert(row.end(), {"", ""});
+      continue;
+    }
+    const IterationRecord& record = run.summary.iterations[iteration];
+    row.push_back(std::string(record.accepted ? "" : "* ") +
+                  FormatSignificant(record.max_error / kMillimetre, 4));
+    row.push_back(FormatSignificant(record.cost, 4));
+  }
+  return row;
+}
+
+std::string IterationTable(const std::vector<SolverRun>& runs) {
+  const std::size_t length = LongestHistory(runs);
+  if (length == 0) return "";
+  std::vector<TextTable::Column> columns = {{"iteration", Align::kRight}};
+  for (const SolverRun& run : runs) {
+    const std::string title = ShortSolverTitle(run.summary.solver);
+    columns.push_back({title + " max [mm]", Align::kRight});
+    columns.push_back({"chi-square", Align::kRight});
+  }
+  TextTable table(columns);
+  for (std::size_t i = 0; i < length; ++i) {
+    if (length > kMostIterations && i == kFirstIterations) {
+      std::vector<std::string> gap(columns.size());
+      gap.front() = "...";
+      table.AddRow(std::move(gap));
+      i = length - kLastIterations;
+    }
+    table.AddRow(IterationRow(runs, i));
+  }
+  std::string text = "\nLargest position error by iteration:\n\n";
+  text += table.ToString();
+  if (AnyRejected(runs)) text += "* the step was tried and taken back\n";
+  return text;
+}
+
+// A parameter and how far its values differ (m or rad).
+struct Difference {
+  const ParameterResult* parameter = nullptr;
+  double value = 0.0;
+};
+
+std::vector<Difference> LargestDifferences(const JobResult& result,
+                                           const Eigen::VectorXd& difference,
+                                           Dimension dimension) {
+  std::vector<Difference> found;
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    const double value = difference[static_cast<Eigen::Index>(i)];
+    if (result.parameters[i].dimension == dimension && value != 0.0) {
+      found.push_back({&result.parameters[i], value});
+    }
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Difference& a, const Difference& b) {
+                     return std::abs(a.value) > std::abs(b.value);
+                   });
+  if (found.size() > kMostDifferences) found.resize(kMostDifferences);
+  return found;
+}
+
+std::string DifferenceText(const Difference& difference) {
+  const bool length = difference.parameter->dimension == Dimension::kLength;
+  return difference.parameter->name + " " +
+         FormatSignificant(
+             length ? difference.value / kMillimetre : difference.value, 2) +
+         (length ? " mm" : " rad");
+}
+
+std::string DifferenceSentence(const JobResult& result,
+                               const SolverRun& other) {
+  const SolverRun& first = result.runs.front();
+  const auto size = static_cast<Eigen::Index>(result.parameters.size());
+  if (first.values.size() != size || other.values.size() != size) return "";
+  const Eigen::VectorXd difference = other.values - first.values;
+  std::vector<std::string> parts;
+  for (const Dimension dimension : {Dimension::kLength, Dimension::kAngle}) {
+    for (const Difference& each :
+         LargestDifferences(result, difference, dimension)) {
+      parts.push_back(DifferenceText(each));
+    }
+  }
+  const std::string names = ShortSolverTitle(other.summary.solver) + " minus " +
+                            ShortSolverTitle(first.summary.solver);
+  if (parts.empty()) return names + ": the values are the same to the last bit";
+  return names + ", largest differences: " + Join(parts, ", ");
+}
+
+std::string Differences(const JobResult& result) {
+  std::string text;
+  for (std::size_t i = 1; i < result.runs.size(); ++i) {
+    const std::string sentence = DifferenceSentence(result, result.runs[i]);
+    if (!sentence.empty()) text += "\n" + Paragraph(sentence);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string FormatComparison(const JobResult& result) {
+  if (result.runs.empty()) return "No solver has run.\n";
+  return OutcomeTable(result.runs) + IterationTable(result.runs) +
+         Differences(result);
+}
+
+}  // namespace alidade

@@ -1,0 +1,92 @@
+#include <string>
+#include <vector>
+
+#include "alidade/report/report.h"
+#include "src/report/text.h"
+
+namespace alidade {
+namespace {
+
+struct JointColumn {
+  std::string title;
+  double unit;
+};
+
+std::vector<JointColumn> JointColumns(const EvaluatedSet& set) {
+  std::vector<JointColumn> columns;
+  for (std::size_t j = 0; j < set.joint_dimensions.size(); ++j) {
+    const bool angle = set.joint_dimensions[j] == Dimension::kAngle;
+    columns.push_back({"q" + std::to_string(j + 1) + (angle ? "_deg" : "_mm"),
+                       angle ? kDegree : kMillimetre});
+  }
+  return columns;
+}
+
+std::string Millimetres(double metres) {
+  return ShortestNumber(metres / kMillimetre);
+}
+
+std::string VectorCells(const Eigen::Vector3d& metres) {
+  std::string cells;
+  for (const double coordinate : metres) {
+    cells += "," + Millimetres(coordinate);
+  }
+  return cells;
+}
+
+std::string FormatPoses(const EvaluatedSet& set) {
+  const std::vector<JointColumn> joints = JointColumns(set);
+  std::string text = "pose";
+  for (const JointColumn& joint : joints) text += "," + joint.title;
+  text +=
+      ",x_mm,y_mm,z_mm"
+      ",before_dx_mm,before_dy_mm,before_dz_mm,before_error_mm"
+      ",after_dx_mm,after_dy_mm,after_dz_mm,after_error_mm\n";
+  for (Eigen::Index i = 0; i < set.positions.cols(); ++i) {
+    text += std::to_string(i + 1);
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      const double value = set.joint_values(static_cast<Eigen::Index>(j), i);
+      text += "," + ShortestNumber(value / joints[j].unit);
+    }
+    text += VectorCells(set.positions.col(i));
+    text += VectorCells(set.residual_before.col(i));
+    text += "," + Millimetres(set.residual_before.col(i).norm());
+    text += VectorCells(set.residual_after.col(i));
+    text += "," + Millimetres(set.residual_after.col(i).norm());
+    text += "\n";
+  }
+  return text;
+}
+
+// Solver names are identifiers, so that no cell needs quotes.
+std::string FormatIterations(const std::vector<SolverRun>& runs) {
+  std::string text =
+      "solver,iteration,cost,max_error_mm,rms_error_mm,step_norm,accepted,"
+      "time_s\n";
+  for (const SolverRun& run : runs) {
+    for (const IterationRecord& record : run.summary.iterations) {
+      text += run.summary.solver + "," + std::to_string(record.iteration) +
+              "," + ShortestNumber(record.cost) + "," +
+              Millimetres(record.max_error) + "," +
+              Millimetres(record.rms_error) + "," +
+              ShortestNumber(record.step_norm) + "," +
+              (record.accepted ? "true" : "false") + "," +
+              ShortestNumber(record.time_s) + "\n";
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+std::vector<ReportFile> MakeCsvFiles(const JobResult& result) {
+  std::vector<ReportFile> files;
+  files.push_back({"residuals.csv", FormatPoses(result.train)});
+  if (result.heldout) {
+    files.push_back({"heldout.csv", FormatPoses(*result.heldout)});
+  }
+  files.push_back({"iterations.csv", FormatIterations(result.runs)});
+  return files;
+}
+
+}  // namespace alidade

@@ -1,0 +1,250 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "alidade/report/format.h"
+#include "alidade/report/svg_chart.h"
+#include "src/report/chart_frame.h"
+#include "src/report/chart_scale.h"
+#include "src/report/map_cells.h"
+#include "src/report/svg_writer.h"
+#include "src/report/text.h"
+
+namespace alidade {
+namespace {
+
+constexpr double kHeight = 500.0;
+constexpr double kBottomMargin = 56.0;
+constexpr int kMaxLabels = 7;
+constexpr double kBarGap = 24.0;
+constexpr double kBarWidth = 18.0;
+constexpr double kTickGap = 8.0;
+// Odd, so that equal values, which lie in the middle, have one colour.
+constexpr int kNumColours = 63;
+// Cells reach under their neighbours, so that no seam shows.
+constexpr double kCellOverlap = 0.3;
+
+// Viridis (van der Walt, Smith 2015), every ninth part of it: readable by
+// colour-blind people and in grey.
+struct Rgb {
+  double red, green, blue;
+};
+constexpr std::array<Rgb, 10> kViridis = {{{68, 1, 84},
+                                           {72, 40, 120},
+                                           {62, 73, 137},
+                                           {49, 104, 142},
+                                           {38, 130, 142},
+                                           {31, 158, 137},
+                                           {53, 183, 121},
+                                           {110, 206, 88},
+                                           {181, 222, 43},
+                                           {253, 231, 37}}};
+
+std::string HexByte(double value) {
+  constexpr char kDigits[] = "0123456789abcdef";
+  const int byte = static_cast<int>(std::lround(value));
+  return {kDigits[byte / 16], kDigits[byte % 16]};
+}
+
+// `fraction` from 0 to 1.
+std::string Colour(double fraction) {
+  const double place = fraction * (kViridis.size() - 1);
+  const auto below =
+      std::min(static_cast<std::size_t>(place), kViridis.size() - 2);
+  const double t = place - static_cast<double>(below);
+  const Rgb& a = kViridis[below];
+  const Rgb& b = kViridis[below + 1];
+  return "#" + HexByte(a.red + t * (b.red - a.red)) +
+         HexByte(a.green + t * (b.green - a.green)) +
+         HexByte(a.blue + t * (b.blue - a.blue));
+}
+
+std::string LevelColour(int level) {
+  return Colour(static_cast<double>(level) / (kNumColours - 1));
+}
+
+int LevelOf(const AxisScale& colour, double value) {
+  const int level = static_cast<int>(colour.Fraction(value) * kNumColours);
+  return std::clamp(level, 0, kNumColours - 1);
+}
+
+struct MapPoint {
+  double x;
+  double y;
+  double value;
+};
+
+std::vector<MapPoint> DrawablePoints(const MapChart& chart) {
+  std::vector<MapPoint> points;
+  const std::size_t size =
+      std::min({chart.px.size(), chart.py.size(), chart.value.size()});
+  for (std::size_t i = 0; i < size; ++i) {
+    if (IsDrawable(chart.x, chart.px[i]) && IsDrawable(chart.y, chart.py[i]) &&
+        IsDrawable(chart.colour, chart.value[i])) {
+      points.push_back({chart.px[i], chart.py[i], chart.value[i]});
+    }
+  }
+  return points;
+}
+
+struct MapExtent {
+  ValueRange x;
+  ValueRange y;
+  ValueRange value;
+};
+
+MapExtent ExtentOf(const std::vector<MapPoint>& points) {
+  MapExtent extent;
+  for (const MapPoint& point : points) {
+    extent.x.Include(point.x);
+    extent.y.Include(point.y);
+    extent.value.Include(point.value);
+  }
+  return extent;
+}
+
+std::string Describe(const MapChart& chart, const MapExtent& extent,
+                     std::size_t count) {
+  std::string text = chart.subtitle;
+  if (!text.empty()) text += ". ";
+  text += "Map of " + chart.colour.label + " over " + chart.x.label + " and " +
+          chart.y.label + ": " +
+          Count(static_cast<std::int64_t>(count), "point");
+  if (count == 0) return text + ".";
+  return text + " from " + FormatSignificant(extent.value.min, 4) + " to " +
+         FormatSignificant(extent.value.max, 4) + ".";
+}
+
+// Widens the shorter axis about its middle until a unit has the same length
+// in pixels on both.
+void Equalize(SvgBox box, ChartAxis* x, ChartAxis* y) {
+  const double unit_x = (x->upper - x->lower) / box.width;
+  const double unit_y = (y->upper - y->lower) / box.height;
+  ChartAxis* axis = unit_x < unit_y ? x : y;
+  const double grow = std::max(unit_x, unit_y) / std::min(unit_x, unit_y);
+  const double middle = 0.5 * (axis->lower + axis->upper);
+  const double half = 0.5 * grow * (axis->upper - axis->lower);
+  axis->lower = middle - half;
+  axis->upper = middle + half;
+}
+
+ChartAxis Ranged(ChartAxis axis, ValueRange data) {
+  const AxisScale scale(axis, data, AxisScale::Fit::kPlace, kMaxLabels);
+  axis.lower = scale.lower();
+  axis.upper = scale.upper();
+  return axis;
+}
+
+PlotArea MakePlot(const MapChart& chart, const MapExtent& extent, double top,
+                  double right_margin) {
+  ChartAxis x = Ranged(chart.x, extent.x);
+  ChartAxis y = Ranged(chart.y, extent.y);
+  const double left =
+      LeftMargin(AxisScale(y, extent.y, AxisScale::Fit::kPlace, kMaxLabels));
+  const SvgBox box{left, top, kChartWidth - right_margin - left,
+                   kHeight - kBottomMargin - top};
+  if (chart.equal_scale && !x.logarithmic && !y.logarithmic) {
+    Equalize(box, &x, &y);
+  }
+  return {box, AxisScale(x, extent.x, AxisScale::Fit::kPlace, kMaxLabels + 3),
+          AxisScale(y, extent.y, AxisScale::Fit::kPlace, kMaxLabels)};
+}
+
+std::vector<MapSample> Samples(const std::vector<MapPoint>& points,
+                               const PlotArea& plot) {
+  std::vector<MapSample> samples;
+  samples.reserve(points.size());
+  for (const MapPoint& point : points) {
+    samples.push_back({plot.At(point.x, point.y), point.value});
+  }
+  return samples;
+}
+
+// Cells of one colour are strokes of one path, neighbours in a row one stroke:
+// that keeps the document small.
+void DrawCells(SvgWriter* svg, const MapCells& map, const AxisScale& colour) {
+  std::array<std::string, kNumColours> paths;
+  for (auto first = map.cells.begin(); first != map.cells.end();) {
+    const int level = LevelOf(colour, first->value);
+    auto last = first;
+    for (auto next = first + 1;
+         next != map.cells.end() && LevelOf(colour, next->value) == level &&
+         next->at.y == first->at.y && next->at.x == last->at.x + map.side;
+         ++next) {
+      last = next;
+    }
+    paths[static_cast<std::size_t>(level)] +=
+        "M" + SvgNumber(first->at.x - map.side / 2.0) + " " +
+        SvgNumber(first->at.y) + "h" +
+        SvgNumber(last->at.x - first->at.x + map.side + kCellOverlap);
+    first = last + 1;
+  }
+  for (int level = 0; level < kNumColours; ++level) {
+    const std::string& path = paths[static_cast<std::size_t>(level)];
+    if (path.empty()) continue;
+    svg->Strokes(path, {LevelColour(level), map.side + kCellOverlap});
+  }
+}
+
+double BarRoom(const AxisScale& colour) {
+  return kBarGap + kBarWidth + 2.0 * kTickGap + TickLabelWidth(colour) +
+         1.6 * kLabelSize;
+}
+
+void DrawBar(SvgWriter* svg, const AxisScale& colour, const SvgBox& bar) {
+  const double height = bar.height / kNumColours;
+  for (int level = 0; level < kNumColours; ++level) {
+    // Each overlaps the one above it, so that no seam shows.
+    const double top = bar.bottom() - (level + 1) * height;
+    const double overlap = level == 0 ? 0.0 : 1.0;
+    svg->Box({bar.left, top, bar.width, height + overlap}, LevelColour(level));
+  }
+  for (const AxisTick& tick : colour.ticks()) {
+    const double y = bar.bottom() - tick.fraction * bar.height;
+    svg->Line({bar.right(), y}, {bar.right() + 4.0, y}, {kFrameColour});
+    if (tick.label.empty()) continue;
+    svg->Text({bar.right() + kTickGap, y + 0.36 * kTickSize}, tick.label,
+              {kTickSize, SvgText::Anchor::kStart, kTextColour});
+  }
+  SvgText style{kLabelSize, SvgText::Anchor::kMiddle, kInkColour};
+  style.upwards = true;
+  svg->Text(
+      {bar.right() + 2.0 * kTickGap + TickLabelWidth(colour) + 0.9 * kLabelSize,
+       bar.top + bar.height / 2.0},
+      colour.label(), style);
+}
+
+void DrawMap(SvgWriter* svg, const MapChart& chart,
+             const std::vector<MapPoint>& points, double top) {
+  const MapExtent extent = ExtentOf(points);
+  const AxisScale colour(chart.colour, extent.value, AxisScale::Fit::kColour,
+                         kMaxLabels);
+  const PlotArea plot =
+      MakePlot(chart, extent, top, kChartMargin + BarRoom(colour));
+  DrawAxes(svg, plot);
+  DrawCells(svg, MakeMapCells(Samples(points, plot), plot.box), colour);
+  DrawBar(svg, colour,
+          {plot.box.right() + kBarGap, top, kBarWidth, plot.box.height});
+}
+
+}  // namespace
+
+std::string RenderSvg(const MapChart& chart) {
+  const std::vector<MapPoint> points = DrawablePoints(chart);
+  SvgWriter svg({kChartWidth, kHeight}, chart.title,
+                Describe(chart, ExtentOf(points), points.size()));
+  const double top = DrawHeader(&svg, chart.title, chart.subtitle) + 8.0;
+  if (points.empty()) {
+    DrawNoData(&svg, {kChartMargin, top, kChartWidth - 2.0 * kChartMargin,
+                      kHeight - kChartMargin - top});
+  } else {
+    DrawMap(&svg, chart, points, top);
+  }
+  return svg.Finish();
+}
+
+}  // namespace alidade
