@@ -1,0 +1,197 @@
+#include "alidade/model/parameter_layout.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "alidade/base/random.h"
+#include "tests/support/matrix_kinematics.h"
+#include "tests/support/random_arms.h"
+#include "tests/support/random_datasets.h"
+
+namespace alidade {
+namespace {
+
+std::vector<std::string> Names(const ParameterLayout& layout) {
+  std::vector<std::string> names;
+  for (const Parameter& parameter : layout.parameters()) {
+    names.push_back(parameter.name);
+  }
+  return names;
+}
+
+TEST(ParameterLayoutTest, NamesFollowTheBlocks) {
+  const std::vector<std::string> expected = {
+      "beta1",  "beta2",   "alpha1",  "alpha2",  "d1",     "d2",
+      "theta1", "theta2",  "r1",      "r2",      "base_x", "base_y",
+      "base_z", "base_rx", "base_ry", "base_rz", "tool_x", "tool_y",
+      "tool_z", "tool_rx", "tool_ry", "tool_rz"};
+  EXPECT_EQ(Names(ParameterLayout(2)), expected);
+}
+
+TEST(ParameterLayoutTest, JointNumbersMayHaveTwoDigits) {
+  const ParameterLayout layout(12);
+  EXPECT_EQ(layout.parameter(*layout.Find("theta12")).index, 11);
+  EXPECT_EQ(layout.parameter(*layout.Find("theta1")).index, 0);
+}
+
+TEST(ParameterLayoutTest, BlocksCoverAllColumnsInOrder) {
+  for (const int n : {1, 5, 12}) {
+    const ParameterLayout layout(n);
+    EXPECT_EQ(layout.num_joints(), n);
+    EXPECT_EQ(layout.size(), 5 * n + 12);
+    std::vector<std::string> names;
+    int next_column = 0;
+    for (const ParameterBlock& block : layout.blocks()) {
+      EXPECT_EQ(block.first_column, next_column) << block.name;
+      next_column += block.size;
+      names.push_back(block.name);
+      EXPECT_EQ(block.size, names.size() <= 5 ? n : 6) << block.name;
+    }
+    EXPECT_EQ(next_column, layout.size());
+    EXPECT_EQ(names, (std::vector<std::string>{"beta", "alpha", "d", "theta",
+                                               "r", "base", "tool"}));
+  }
+}
+
+TEST(ParameterLayoutTest, ColumnAndFindInvertTheParameters) {
+  for (const int n : {1, 5, 12}) {
+    const ParameterLayout layout(n);
+    for (int column = 0; column < layout.size(); ++column) {
+      const Parameter& parameter = layout.parameter(column);
+      EXPECT_EQ(layout.Column(parameter.kind, parameter.index), column);
+      EXPECT_EQ(layout.Find(parameter.name), column);
+    }
+  }
+}
+
+TEST(ParameterLayoutTest, UnknownNamesAreNotFound) {
+  const ParameterLayout layout(5);
+  for (const char* name :
+       {"", "beta", "beta0", "beta6", "beta01", "Beta1", "beta1 ", " beta1",
+        "r-1", "base", "base_w", "tool_rw", "base_rx1"}) {
+    EXPECT_FALSE(layout.Find(name).has_value()) << "'" << name << "'";
+  }
+}
+
+TEST(ParameterLayoutTest, LengthsAndAnglesAreToldApart) {
+  const ParameterLayout layout(3);
+  for (const char* name : {"d1", "r3", "base_x", "base_z", "tool_y"}) {
+    EXPECT_EQ(layout.parameter(*layout.Find(name)).dimension,
+              Dimension::kLength)
+        << name;
+  }
+  for (const char* name :
+       {"beta1", "alpha2", "theta3", "base_rx", "base_rz", "tool_ry"}) {
+    EXPECT_EQ(layout.parameter(*layout.Find(name)).dimension, Dimension::kAngle)
+        << name;
+  }
+}
+
+TEST(ParameterLayoutTest, JointKindsAreTheFirstFive) {
+  const ParameterLayout layout(2);
+  for (int column = 0; column < layout.size(); ++column) {
+    EXPECT_EQ(ParameterLayout::IsJointKind(layout.parameter(column).kind),
+              column < 5 * layout.num_joints())
+        << layout.parameter(column).name;
+  }
+}
+
+TEST(ParameterLayoutTest, ValuesStandInTheirColumns) {
+  Arm arm;
+  arm.joints.resize(2);
+  arm.joints[1].beta = 1.0;
+  arm.joints[1].alpha = 2.0;
+  arm.joints[1].d = 3.0;
+  arm.joints[1].theta = 4.0;
+  arm.joints[1].r = 5.0;
+  arm.instrument_from_base.translation() = Eigen::Vector3d(6.0, 7.0, 8.0);
+  arm.last_from_target.translation() = Eigen::Vector3d(9.0, 10.0, 11.0);
+  Eigen::VectorXd expected(22);
+  expected << 0, 1, 0, 2, 0, 3, 0, 4, 0, 5, 6, 7, 8, 0, 0, 0, 9, 10, 11, 0, 0,
+      0;
+  EXPECT_EQ(ParameterLayout(2).Values(arm), expected);
+}
+
+TEST(ParameterLayoutTest, RotationValuesAreZeroAtAnyArm) {
+  Random random(201);
+  const Arm arm = testing::RandomArm(3, &random);
+  const ParameterLayout layout(3);
+  const Eigen::VectorXd values = layout.Values(arm);
+  for (const ParameterKind kind :
+       {ParameterKind::kBaseRotation, ParameterKind::kToolRotation}) {
+    EXPECT_TRUE(values.segment<3>(layout.Column(kind, 0)).isZero(0.0));
+  }
+}
+
+// Everything that parameters do not touch.
+void ExpectSameFixedParts(const Arm& actual, const Arm& expected) {
+  EXPECT_EQ(actual.name, expected.name);
+  ASSERT_EQ(actual.num_joints(), expected.num_joints());
+  for (int j = 0; j < expected.num_joints(); ++j) {
+    EXPECT_EQ(actual.joints[j].type, expected.joints[j].type);
+    EXPECT_EQ(actual.joints[j].lower, expected.joints[j].lower);
+    EXPECT_EQ(actual.joints[j].upper, expected.joints[j].upper);
+  }
+}
+
+TEST(ParameterLayoutTest, RoundTripKeepsEveryBit) {
+  for (const int n : {1, 5, 12}) {
+    Random random(202, n);
+    const Arm arm = testing::RandomArm(n, &random);
+    const ParameterLayout layout(n);
+    const Eigen::VectorXd values = layout.Values(arm);
+    const Arm again = layout.WithValues(arm, values);
+    ExpectSameFixedParts(again, arm);
+    EXPECT_EQ(layout.Values(again), values);
+    EXPECT_EQ(again.instrument_from_base.matrix(),
+              arm.instrument_from_base.matrix());
+    EXPECT_EQ(again.last_from_target.matrix(), arm.last_from_target.matrix());
+  }
+}
+
+TEST(ParameterLayoutTest, WithValuesReplacesTheGeometryOnly) {
+  Random random(203);
+  const Arm nominal = testing::RandomArm(4, &random);
+  const Arm other = testing::RandomArm(4, &random);
+  const ParameterLayout layout(4);
+  const Eigen::VectorXd values = layout.Values(other);
+  const Arm arm = layout.WithValues(nominal, values);
+  ExpectSameFixedParts(arm, nominal);
+  EXPECT_EQ(layout.Values(arm), values);
+  // Rotation values are zero, so the nominal rotations stay.
+  EXPECT_EQ(arm.instrument_from_base.linear(),
+            nominal.instrument_from_base.linear());
+  EXPECT_EQ(arm.last_from_target.linear(), nominal.last_from_target.linear());
+}
+
+TEST(ParameterLayoutTest, RotationsActOnTheLeftOfTheNominalOnes) {
+  Random random(204);
+  for (const double length : testing::RotationLengths()) {
+    const Arm nominal = testing::RandomArm(2, &random);
+    const ParameterLayout layout(2);
+    const Eigen::VectorXd values =
+        testing::ValuesWithRotations(nominal, length, &random);
+    const Arm arm = layout.WithValues(nominal, values);
+    const auto expected = [&](ParameterKind kind,
+                              const Eigen::Isometry3d& frame) {
+      const testing::Vector3l w =
+          values.segment<3>(layout.Column(kind, 0)).cast<long double>();
+      const testing::Matrix3l rotation =
+          testing::MatrixFromVector(w) * frame.linear().cast<long double>();
+      return Eigen::Matrix3d(rotation.cast<double>());
+    };
+    // Products of two rotation matrices: a few units of eps.
+    EXPECT_TRUE(arm.instrument_from_base.linear().isApprox(
+        expected(ParameterKind::kBaseRotation, nominal.instrument_from_base),
+        2e-15));
+    EXPECT_TRUE(arm.last_from_target.linear().isApprox(
+        expected(ParameterKind::kToolRotation, nominal.last_from_target),
+        2e-15));
+  }
+}
+
+}  // namespace
+}  // namespace alidade

@@ -1,0 +1,183 @@
+#ifndef ALIDADE_TESTS_SUPPORT_MATRIX_KINEMATICS_H_
+#define ALIDADE_TESTS_SUPPORT_MATRIX_KINEMATICS_H_
+
+#include <Eigen/Core>
+#include <cmath>
+
+#include "alidade/model/arm.h"
+#include "alidade/model/parameter_layout.h"
+
+namespace alidade::testing {
+
+/// An independent forward kinematics: the convention of docs/conventions.md
+/// written out as products of 4 x 4 matrices, in long double (64 bits of
+/// mantissa on x86), and its derivatives by differences. It shares nothing
+/// with the library but the structs Arm and ParameterLayout.
+using VectorXl = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
+using Vector3l = Eigen::Matrix<long double, 3, 1>;
+using Matrix3l = Eigen::Matrix<long double, 3, 3>;
+using Matrix4l = Eigen::Matrix<long double, 4, 4>;
+using Matrix3Xl = Eigen::Matrix<long double, 3, Eigen::Dynamic>;
+
+inline Matrix4l RotationX(long double angle) {
+  const long double c = std::cos(angle);
+  const long double s = std::sin(angle);
+  Matrix4l matrix;
+  matrix << 1, 0, 0, 0, 0, c, -s, 0, 0, s, c, 0, 0, 0, 0, 1;
+  return matrix;
+}
+
+inline Matrix4l RotationY(long double angle) {
+  const long double c = std::cos(angle);
+  const long double s = std::sin(angle);
+  Matrix4l matrix;
+  matrix << c, 0, s, 0, 0, 1, 0, 0, -s, 0, c, 0, 0, 0, 0, 1;
+  return matrix;
+}
+
+inline Matrix4l RotationZ(long double angle) {
+  const long double c = std::cos(angle);
+  const long double s = std::sin(angle);
+  Matrix4l matrix;
+  matrix << c, -s, 0, 0, s, c, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1;
+  return matrix;
+}
+
+inline Matrix4l Translation(const Vector3l& offset) {
+  Matrix4l matrix = Matrix4l::Identity();
+  matrix.topRightCorner<3, 1>() = offset;
+  return matrix;
+}
+
+/// The rotation matrix of a rotation vector, by way of its unit quaternion.
+inline Matrix3l MatrixFromVector(const Vector3l& w) {
+  const long double angle = w.norm();
+  if (angle == 0.0L) return Matrix3l::Identity();
+  const long double c = std::cos(0.5L * angle);
+  const Vector3l v = w * (std::sin(0.5L * angle) / angle);
+  Matrix3l m;
+  m << 1 - 2 * (v.y() * v.y() + v.z() * v.z()), 2 * (v.x() * v.y() - c * v.z()),
+      2 * (v.x() * v.z() + c * v.y()), 2 * (v.x() * v.y() + c * v.z()),
+      1 - 2 * (v.x() * v.x() + v.z() * v.z()), 2 * (v.y() * v.z() - c * v.x()),
+      2 * (v.x() * v.z() - c * v.y()), 2 * (v.y() * v.z() + c * v.x()),
+      1 - 2 * (v.x() * v.x() + v.y() * v.y());
+  return m;
+}
+
+/// The values of an arm, one per column of its layout; rotations of base and
+/// tool are zero (they act on the arm's own).
+inline VectorXl MatrixValues(const Arm& arm) {
+  const ParameterLayout layout(arm.num_joints());
+  VectorXl values = VectorXl::Zero(layout.size());
+  for (int j = 0; j < arm.num_joints(); ++j) {
+    const Joint& joint = arm.joints[j];
+    values[layout.Column(ParameterKind::kBeta, j)] = joint.beta;
+    values[layout.Column(ParameterKind::kAlpha, j)] = joint.alpha;
+    values[layout.Column(ParameterKind::kD, j)] = joint.d;
+    values[layout.Column(ParameterKind::kTheta, j)] = joint.theta;
+    values[layout.Column(ParameterKind::kR, j)] = joint.r;
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    values[layout.Column(ParameterKind::kBaseTranslation, axis)] =
+        arm.instrument_from_base.translation()[axis];
+    values[layout.Column(ParameterKind::kToolTranslation, axis)] =
+        arm.last_from_target.translation()[axis];
+  }
+  return values;
+}
+
+/// T(j, j + 1) of the joint with index `j` from 0.
+inline Matrix4l JointMatrix(const Arm& nominal, const ParameterLayout& layout,
+                            const VectorXl& values, int j, double q) {
+  const auto value = [&](ParameterKind kind) {
+    return values[layout.Column(kind, j)];
+  };
+  const bool revolute = nominal.joints[j].type == JointType::kRevolute;
+  const long double turn = revolute ? q : 0.0;
+  const long double travel = revolute ? 0.0 : q;
+  return RotationY(value(ParameterKind::kBeta)) *
+         RotationX(value(ParameterKind::kAlpha)) *
+         Translation({value(ParameterKind::kD), 0.0L, 0.0L}) *
+         RotationZ(value(ParameterKind::kTheta) + turn) *
+         Translation({0.0L, 0.0L, value(ParameterKind::kR) + travel});
+}
+
+/// Base or tool with its translation and small rotation taken from `values`.
+inline Matrix4l FrameMatrix(const Eigen::Isometry3d& nominal,
+                            const VectorXl& values, int translation_column,
+                            int rotation_column) {
+  Matrix4l frame = Matrix4l::Identity();
+  frame.topLeftCorner<3, 3>() =
+      MatrixFromVector(values.segment<3>(rotation_column)) *
+      nominal.linear().cast<long double>();
+  frame.topRightCorner<3, 1>() = values.segment<3>(translation_column);
+  return frame;
+}
+
+/// instrument_from_target of `nominal` with its parameters replaced by
+/// `values`, at `joint_values` (n values).
+inline Matrix4l MatrixTargetFrame(const Arm& nominal, const VectorXl& values,
+                                  const double* joint_values) {
+  const ParameterLayout layout(nominal.num_joints());
+  Matrix4l frame =
+      FrameMatrix(nominal.instrument_from_base, values,
+                  layout.Column(ParameterKind::kBaseTranslation, 0),
+                  layout.Column(ParameterKind::kBaseRotation, 0));
+  for (int j = 0; j < nominal.num_joints(); ++j) {
+    frame = frame * JointMatrix(nominal, layout, values, j, joint_values[j]);
+  }
+  return frame * FrameMatrix(nominal.last_from_target, values,
+                             layout.Column(ParameterKind::kToolTranslation, 0),
+                             layout.Column(ParameterKind::kToolRotation, 0));
+}
+
+/// instrument_from_target of an arm as it is.
+inline Matrix4l MatrixTargetFrame(const Arm& arm, const double* joint_values) {
+  return MatrixTargetFrame(arm, MatrixValues(arm), joint_values);
+}
+
+/// The target's position (m).
+inline Vector3l MatrixPosition(const Arm& nominal, const VectorXl& values,
+                               const double* joint_values) {
+  return MatrixTargetFrame(nominal, values, joint_values)
+      .topRightCorner<3, 1>();
+}
+
+inline Vector3l MatrixPosition(const Arm& arm, const double* joint_values) {
+  return MatrixPosition(arm, MatrixValues(arm), joint_values);
+}
+
+/// d position / d parameters, 3 x (columns of the layout), by central
+/// differences over h, h / 2 and h / 4 with two Richardson extrapolations.
+///
+/// With h = 2^-9 = 2e-3 the truncation is of order h^6 / (64 * 5040), about
+/// 2e-22; a few dozen roundings of 5e-20 divided by h / 4 make about 1e-14.
+/// Both are in units of the reach for derivatives by angles, of one for those
+/// by lengths.
+inline Matrix3Xl MatrixJacobian(const Arm& nominal, const VectorXl& values,
+                                const double* joint_values) {
+  Matrix3Xl jacobian(3, values.size());
+  for (Eigen::Index column = 0; column < values.size(); ++column) {
+    const auto difference = [&](long double step) -> Vector3l {
+      VectorXl above = values;
+      VectorXl below = values;
+      above[column] += step;
+      below[column] -= step;
+      return (MatrixPosition(nominal, above, joint_values) -
+              MatrixPosition(nominal, below, joint_values)) /
+             (above[column] - below[column]);
+    };
+    const long double h = 0x1p-9L;
+    const Vector3l coarse = difference(h);
+    const Vector3l middle = difference(h / 2);
+    const Vector3l fine = difference(h / 4);
+    const Vector3l first = (4 * middle - coarse) / 3;
+    const Vector3l second = (4 * fine - middle) / 3;
+    jacobian.col(column) = (16 * second - first) / 15;
+  }
+  return jacobian;
+}
+
+}  // namespace alidade::testing
+
+#endif  // ALIDADE_TESTS_SUPPORT_MATRIX_KINEMATICS_H_

@@ -1,0 +1,62 @@
+#ifndef ALIDADE_TESTS_SUPPORT_RANDOM_DATASETS_H_
+#define ALIDADE_TESTS_SUPPORT_RANDOM_DATASETS_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "alidade/base/random.h"
+#include "alidade/base/units.h"
+#include "alidade/measurement/dataset.h"
+#include "alidade/model/arm.h"
+#include "alidade/model/parameter_layout.h"
+#include "tests/support/matrix_kinematics.h"
+#include "tests/support/random_arms.h"
+
+namespace alidade::testing {
+
+/// Lengths of rotation vectors (rad) at which formulas change their character:
+/// none, tiny, on both sides of where the series of Exp and of its derivative
+/// end (1e-6, 1e-4), of the order of one, and near a half turn.
+inline std::vector<double> RotationLengths() {
+  return {0.0, 1e-12, 1e-8, 9e-7, 1.1e-6, 9e-5, 1.1e-4, 1.0, kPi - 1e-6};
+}
+
+/// The values of `arm` with small rotations of base and tool that are
+/// `rotation_length` long (rad), each about an axis of its own.
+inline Eigen::VectorXd ValuesWithRotations(const Arm& arm,
+                                           double rotation_length,
+                                           Random* random) {
+  const ParameterLayout layout(arm.num_joints());
+  Eigen::VectorXd values = layout.Values(arm);
+  for (const ParameterKind kind :
+       {ParameterKind::kBaseRotation, ParameterKind::kToolRotation}) {
+    values.segment<3>(layout.Column(kind, 0)) =
+        rotation_length * RandomDirection(random);
+  }
+  return values;
+}
+
+/// Positions that `arm` with `values` takes by the independent kinematics,
+/// rounded to double, at random joint values; every sigma is its own.
+inline Dataset RandomDataset(const Arm& arm, const Eigen::VectorXd& values,
+                             int num_poses, Random* random) {
+  Dataset data;
+  data.name = "random";
+  data.joint_values = RandomJointValues(arm, num_poses, random);
+  data.positions.resize(3, num_poses);
+  data.sigmas.resize(3, num_poses);
+  const VectorXl exact_values = values.cast<long double>();
+  for (int i = 0; i < num_poses; ++i) {
+    data.positions.col(i) =
+        MatrixPosition(arm, exact_values, data.joint_values.col(i).data())
+            .cast<double>();
+    for (int axis = 0; axis < 3; ++axis) {
+      data.sigmas(axis, i) = random->Uniform(1e-5, 1e-3);
+    }
+  }
+  return data;
+}
+
+}  // namespace alidade::testing
+
+#endif  // ALIDADE_TESTS_SUPPORT_RANDOM_DATASETS_H_
