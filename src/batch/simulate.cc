@@ -27,18 +27,19 @@ double ValueAt(const Range& range, int i) {
   return range.from + (range.to - range.from) * i / (range.count - 1);
 }
 
-double UnitOf(const Joint& joint) {
-  return joint.type == JointType::kRevolute ? kDegree : kMillimetre;
-}
-
-// Joint values as a data set with so many decimals states them: the measured
-// arm stands exactly where the file says.
+// Joint values as a data set with so many decimals states them, to the bits
+// that its reader makes of them: the arm is measured exactly where the file
+// says.
 void RoundJointValues(const Arm& arm, int decimals, Eigen::MatrixXd* q) {
   const double scale = std::pow(10.0, decimals);
   for (Eigen::Index i = 0; i < q->cols(); ++i) {
     for (int j = 0; j < arm.num_joints(); ++j) {
-      const double unit = UnitOf(arm.joints[j]);
-      (*q)(j, i) = std::round((*q)(j, i) / unit * scale) / scale * unit;
+      double& value = (*q)(j, i);
+      if (arm.joints[j].type == JointType::kRevolute) {
+        value = std::round(value / kDegree * scale) / scale * kDegree;
+      } else {
+        value = std::round(value / kMillimetre * scale) / (scale * 1000.0);
+      }
     }
   }
 }
