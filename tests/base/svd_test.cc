@@ -1,0 +1,51 @@
+#include "alidade/base/svd.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <utility>
+
+#include "alidade/base/random.h"
+
+namespace alidade {
+namespace {
+
+Eigen::MatrixXd RandomMatrix(int rows, int columns, Random* random) {
+  return Eigen::MatrixXd::NullaryExpr(rows, columns,
+                                      [&] { return random->Normal(); });
+}
+
+TEST(SvdTest, FactorsReproduceTheMatrixAndAreOrthonormal) {
+  Random random(3);
+  for (const auto& [rows, columns] : {std::pair(1, 1), std::pair(5, 5),
+                                      std::pair(168, 17), std::pair(9, 8)}) {
+    const Eigen::MatrixXd a = RandomMatrix(rows, columns, &random);
+    const Svd svd = ComputeSvd(a);
+    const Eigen::MatrixXd identity =
+        Eigen::MatrixXd::Identity(columns, columns);
+    EXPECT_LT((svd.u * svd.values.asDiagonal() * svd.v.transpose() - a)
+                  .cwiseAbs()
+                  .maxCoeff(),
+              1e-13);
+    EXPECT_LT((svd.u.transpose() * svd.u - identity).cwiseAbs().maxCoeff(),
+              1e-14 * rows);
+    EXPECT_LT((svd.v.transpose() * svd.v - identity).cwiseAbs().maxCoeff(),
+              1e-14 * rows);
+    for (int i = 1; i < columns; ++i) {
+      EXPECT_LE(svd.values[i], svd.values[i - 1]);
+    }
+  }
+}
+
+TEST(SvdTest, SingularValuesOfKnownMatrices) {
+  Eigen::MatrixXd a(3, 2);
+  a << 3, 0, 0, 4, 0, 0;
+  EXPECT_NEAR(SingularValues(a)[0], 4.0, 1e-15);
+  EXPECT_NEAR(SingularValues(a)[1], 3.0, 1e-15);
+  EXPECT_NEAR(SingularValues(a.transpose())[1], 3.0, 1e-15);
+  EXPECT_EQ(SingularValues(Eigen::MatrixXd(0, 0)).size(), 0);
+  EXPECT_EQ(SingularValues(Eigen::MatrixXd::Zero(4, 2)).maxCoeff(), 0.0);
+}
+
+}  // namespace
+}  // namespace alidade
