@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "alidade/measurement/position_cost.h"
@@ -95,6 +96,71 @@ void AddResiduals(const CalibrationProblem& problem, double* values,
   }
 }
 
+// (value - nominal) / prior for some entries of one parameter block.
+class PriorResidual : public ceres::CostFunction {
+ public:
+  struct Entry {
+    int index;  // in the block
+    double nominal;
+    double prior;
+  };
+
+  PriorResidual(int block_size, std::vector<Entry> entries)
+      : entries_(std::move(entries)) {
+    mutable_parameter_block_sizes()->push_back(block_size);
+    set_num_residuals(static_cast<int>(entries_.size()));
+  }
+
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override {
+    const int size = parameter_block_sizes()[0];
+    const bool wants_jacobian = jacobians != nullptr && jacobians[0] != nullptr;
+    if (wants_jacobian) {
+      std::fill_n(jacobians[0], num_residuals() * size, 0.0);
+    }
+    for (std::size_t k = 0; k < entries_.size(); ++k) {
+      const Entry& entry = entries_[k];
+      residuals[k] = (parameters[0][entry.index] - entry.nominal) / entry.prior;
+      if (wants_jacobian) {
+        jacobians[0][k * size + entry.index] = 1.0 / entry.prior;
+      }
+    }
+    return true;
+  }
+
+ private:
+  std::vector<Entry> entries_;
+};
+
+void AddPriors(const CalibrationProblem& problem, double* values,
+               ceres::Problem* ceres_problem) {
+  const std::vector<int> with_prior = problem.ColumnsWithPrior();
+  const Eigen::VectorXd nominal = problem.model.NominalValues();
+  for (const ParameterBlock& block : problem.model.layout().blocks()) {
+    std::vector<PriorResidual::Entry> entries;
+    for (const int column : with_prior) {
+      const int index = column - block.first_column;
+      if (index < 0 || index >= block.size) continue;
+      entries.push_back({index, nominal[column], problem.priors[column]});
+    }
+    if (entries.empty()) continue;
+    ceres_problem->AddResidualBlock(
+        new PriorResidual(block.size, std::move(entries)), nullptr,
+        values + block.first_column);
+  }
+}
+
+// What the linear model expected chi-square to lose, from what it lost and the
+// ratio of the two.
+double PredictedDecrease(const ceres::IterationSummary& iteration) {
+  // An invalid step, with which Ceres deals by a smaller trust region, says
+  // nothing: count it as large.
+  if (!iteration.step_is_valid) return 2.0 * iteration.cost;
+  // Nothing changed to the last bit: no step can be smaller.
+  if (iteration.relative_decrease == 0.0) return 0.0;
+  return 2.0 * iteration.cost_change / iteration.relative_decrease;
+}
+
 // Hands every iteration of Ceres to the shared stopping rules. Ceres' cost is
 // half of chi-square, and so is its predicted decrease.
 class StoppingRules : public ceres::IterationCallback {
@@ -108,12 +174,7 @@ class StoppingRules : public ceres::IterationCallback {
     IterationStep step;
     step.norm = iteration.step_norm;
     step.accepted = iteration.step_is_successful;
-    // An invalid step predicted no decrease at all: rounding, or a linear solve
-    // that failed, which Ceres deals with by a smaller trust region.
-    step.predicted_decrease =
-        iteration.step_is_valid && iteration.relative_decrease != 0.0
-            ? 2.0 * iteration.cost_change / iteration.relative_decrease
-            : 2.0 * iteration.cost;
+    step.predicted_decrease = PredictedDecrease(iteration);
     return progress_->Record(step, values_)
                ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
                : ceres::SOLVER_CONTINUE;
@@ -168,6 +229,7 @@ SolverSummary SolveCeres(const CalibrationProblem& problem,
   if (progress.Start(current)) {
     ceres::Problem ceres_problem;
     AddResiduals(problem, current.data(), &ceres_problem);
+    AddPriors(problem, current.data(), &ceres_problem);
     HoldFrozenParameters(problem, current.data(), &ceres_problem);
     const double given = options.initial_trust_region_radius;
     const double radius =

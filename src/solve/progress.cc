@@ -2,8 +2,18 @@
 
 #include <cmath>
 #include <string>
+#include <vector>
 
 namespace alidade {
+
+std::vector<int> CalibrationProblem::ColumnsWithPrior() const {
+  std::vector<int> columns;
+  if (priors.size() == 0) return columns;
+  for (const int column : free_columns) {
+    if (std::isfinite(priors[column])) columns.push_back(column);
+  }
+  return columns;
+}
 
 double Stopwatch::Seconds() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() -
@@ -13,7 +23,9 @@ double Stopwatch::Seconds() const {
 
 Progress::Progress(const CalibrationProblem& problem,
                    const SolverOptions& options, const std::string& solver)
-    : problem_(problem), options_(options) {
+    : problem_(problem),
+      options_(options),
+      nominal_(problem.model.NominalValues()) {
   summary_.solver = solver;
   summary_.num_poses = static_cast<int>(problem.data.num_poses());
   summary_.num_residuals = static_cast<int>(problem.data.num_rows());
@@ -42,7 +54,12 @@ bool Progress::CheckProblem(const Eigen::VectorXd& values) {
              std::to_string(problem_.model.layout().num_joints()));
   } else if (summary_.num_free == 0) {
     Stop(SolverStatus::kUnusable, "no parameter is free");
-  } else if (summary_.num_residuals < summary_.num_free) {
+  } else if (problem_.priors.size() != 0 &&
+             problem_.priors.size() != values.size()) {
+    Stop(SolverStatus::kUnusable, "priors must be empty or one per parameter");
+  } else if (summary_.num_residuals +
+                 static_cast<int>(problem_.ColumnsWithPrior().size()) <
+             summary_.num_free) {
     Stop(SolverStatus::kUnusable,
          std::to_string(summary_.num_poses) + " poses give " +
              std::to_string(summary_.num_residuals) + " equations for " +
@@ -74,7 +91,7 @@ IterationRecord Progress::Evaluate(const Eigen::VectorXd& values) const {
   const Eigen::Matrix3Xd errors = problem_.model.Errors(values, problem_.data);
   const Eigen::VectorXd norms = errors.colwise().norm();
   IterationRecord record;
-  record.cost = ChiSquare(errors, problem_.data);
+  record.cost = ChiSquare(errors, problem_.data) + PriorCost(values);
   record.max_error = norms.maxCoeff();
   record.rms_error =
       norms.norm() / std::sqrt(static_cast<double>(norms.size()));
@@ -82,11 +99,29 @@ IterationRecord Progress::Evaluate(const Eigen::VectorXd& values) const {
   return record;
 }
 
+double Progress::PriorCost(const Eigen::VectorXd& values) const {
+  double cost = 0.0;
+  for (const int column : problem_.ColumnsWithPrior()) {
+    const double whitened =
+        (values[column] - nominal_[column]) / problem_.priors[column];
+    cost += whitened * whitened;
+  }
+  return cost;
+}
+
 bool Progress::ReachedPrecision(const IterationRecord& record) {
   if (!(record.max_error <= options_.wanted_precision)) return false;
   Stop(SolverStatus::kConverged, "the wanted precision is reached");
   return true;
 }
+
+namespace {
+
+// A cost of so many rounding floors is still that of data without noise: the
+// last step may leave a little more than the floor.
+constexpr double kExactData = 100.0;
+
+}  // namespace
 
 bool Progress::Record(const IterationStep& step,
                       const Eigen::VectorXd& values) {
@@ -103,15 +138,25 @@ bool Progress::Record(const IterationStep& step,
   } else if (step.accepted && options_.wanted_precision > 0.0 &&
              ReachedPrecision(record)) {
     return true;
-  } else if (step.predicted_decrease <= floor_cost_) {
-    Stop(SolverStatus::kRoundingFloor,
+  } else if (options_.rounding_floor_factor > 0.0 &&
+             step.predicted_decrease <= floor_cost_) {
+    // With noise in the data the cost is far above the floor: a minimum, found
+    // as exactly as rounding allows.
+    const bool exact_data = record.cost <= kExactData * floor_cost_;
+    Stop(exact_data ? SolverStatus::kRoundingFloor : SolverStatus::kConverged,
          "the last step changed the residuals by less than their rounding "
          "errors");
-  } else if (step.accepted && options_.function_tolerance > 0.0 &&
+  } else if (options_.function_tolerance > 0.0 &&
              step.predicted_decrease <=
                  options_.function_tolerance * record.cost) {
     Stop(SolverStatus::kConverged,
          "the last step lowered the cost by less than function_tolerance");
+  } else if (!step.accepted && step.predicted_decrease <=
+                                   2.0 * std::sqrt(record.cost * floor_cost_)) {
+    // Rounding of the residuals, times twice their norm, is rounding of the
+    // cost: whether such a step is accepted is chance.
+    Stop(SolverStatus::kConverged,
+         "the cost cannot tell steps this small from its rounding errors");
   } else if (record.iteration >= options_.max_iterations) {
     Stop(SolverStatus::kIterationLimit,
          "max_iterations = " + std::to_string(options_.max_iterations) +
@@ -126,7 +171,7 @@ void Progress::Stop(SolverStatus status, const std::string& message) {
 }
 
 void Progress::Finish() {
-  summary_.threads_used = options_.num_threads;
+  summary_.threads_used = problem_.model.num_threads();
   if (!summary_.iterations.empty()) {
     summary_.final_cost = summary_.iterations.back().cost;
   }

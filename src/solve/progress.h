@@ -57,10 +57,12 @@ class Progress {
  private:
   bool CheckProblem(const Eigen::VectorXd& values);
   IterationRecord Evaluate(const Eigen::VectorXd& values) const;
+  double PriorCost(const Eigen::VectorXd& values) const;
   bool ReachedPrecision(const IterationRecord& record);
 
   const CalibrationProblem& problem_;
   const SolverOptions& options_;
+  const Eigen::VectorXd nominal_;
   SolverSummary summary_;
   Stopwatch stopwatch_;
   double floor_cost_ = 0.0;

@@ -1,14 +1,12 @@
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
+#include <vector>
 
+#include "alidade/base/svd.h"
 #include "alidade/solve/solver.h"
 #include "progress.h"
 
 namespace alidade {
 namespace {
-
-using Svd = Eigen::BDCSVD<Eigen::MatrixXd>;
 
 // Singular values of later steps that are left to count: all but rounding.
 // What second-order effects tell apart grows from zero as the geometry leaves
@@ -21,34 +19,39 @@ Eigen::Index CountedRank(const Eigen::VectorXd& singular_values,
   return (singular_values.array() > tolerance * singular_values[0]).count();
 }
 
-// W = Q R, and the singular value decomposition of the small R: that of W, at
-// a cost that grows with the poses only in the one pass that makes R.
-struct Decomposition {
-  Svd svd;
-  Eigen::VectorXd rotated_residuals;  // the first p entries of Q^T r
-};
-
-Decomposition Decompose(const Linearization& linearization) {
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(linearization.jacobian);
-  const Eigen::Index p = linearization.jacobian.cols();
-  const Eigen::MatrixXd factor =
-      qr.matrixQR().topRows(p).triangularView<Eigen::Upper>();
-  const Eigen::VectorXd rotated =
-      qr.householderQ().adjoint() * linearization.residuals;
-  return {Svd(factor, Eigen::ComputeThinU | Eigen::ComputeThinV),
-          rotated.head(p)};
+// The whitened poses, and below them a row (value - nominal) / prior for every
+// free parameter that has one.
+void LinearizeWithPriors(const CalibrationProblem& problem,
+                         const Eigen::VectorXd& values, Linearization* out) {
+  problem.model.Linearize(values, problem.data, problem.free_columns, out);
+  const std::vector<int> with_prior = problem.ColumnsWithPrior();
+  if (with_prior.empty()) return;
+  const Eigen::VectorXd nominal = problem.model.NominalValues();
+  const Eigen::Index first = out->jacobian.rows();
+  const Eigen::Index rows =
+      first + static_cast<Eigen::Index>(with_prior.size());
+  out->jacobian.conservativeResize(rows, Eigen::NoChange);
+  out->jacobian.bottomRows(rows - first).setZero();
+  out->residuals.conservativeResize(rows);
+  for (std::size_t k = 0; k < with_prior.size(); ++k) {
+    const int column = with_prior[k];
+    const Eigen::Index row = first + static_cast<Eigen::Index>(k);
+    const auto position = std::lower_bound(problem.free_columns.begin(),
+                                           problem.free_columns.end(), column) -
+                          problem.free_columns.begin();
+    out->jacobian(row, position) = 1.0 / problem.priors[column];
+    out->residuals[row] =
+        (values[column] - nominal[column]) / problem.priors[column];
+  }
 }
 
 // The least-squares step of minimum norm, W+ r, with the first `rank` singular
 // values.
-Eigen::VectorXd PseudoInverseStep(const Decomposition& decomposition,
+Eigen::VectorXd PseudoInverseStep(const Svd& svd,
+                                  const Eigen::VectorXd& residuals,
                                   Eigen::Index rank) {
-  const Svd& svd = decomposition.svd;
-  const Eigen::VectorXd& singular_values = svd.singularValues();
-  const Eigen::VectorXd rotated = svd.matrixU().leftCols(rank).transpose() *
-                                  decomposition.rotated_residuals;
-  return svd.matrixV().leftCols(rank) *
-         rotated.cwiseQuotient(singular_values.head(rank));
+  const Eigen::VectorXd rotated = svd.u.leftCols(rank).transpose() * residuals;
+  return svd.v.leftCols(rank) * rotated.cwiseQuotient(svd.values.head(rank));
 }
 
 }  // namespace
@@ -65,26 +68,30 @@ SolverSummary SolvePseudoInverse(const CalibrationProblem& problem,
   progress.summary().pseudo_inverse_tolerance_used = tolerance;
   Linearization linearization;
   while (!progress.stopped()) {
-    problem.model.Linearize(current, problem.data, problem.free_columns,
-                            &linearization);
+    LinearizeWithPriors(problem, current, &linearization);
     if (!linearization.jacobian.allFinite()) {
       progress.Stop(SolverStatus::kFailed, "the Jacobian is not finite");
       break;
     }
-    const Decomposition decomposition = Decompose(linearization);
-    const Eigen::VectorXd& singular_values = decomposition.svd.singularValues();
-    if (!(singular_values[0] > 0.0)) {
+    const Svd svd = ComputeSvd(linearization.jacobian);
+    if (!(svd.values[0] > 0.0)) {
       progress.Stop(SolverStatus::kFailed,
                     "no measured position depends on a free parameter");
       break;
     }
-    Eigen::Index rank = CountedRank(singular_values, tolerance);
+    Eigen::Index rank = CountedRank(svd.values, tolerance);
     if (progress.summary().first_step_rank < 0) {
       const Eigen::Index start_rank = problem.start_rank.rank;
-      if (automatic && start_rank > 0) rank = std::min(rank, start_rank);
+      // With a prior on every parameter no direction is left untold.
+      const bool short_rank =
+          problem.ColumnsWithPrior().size() < problem.free_columns.size();
+      if (automatic && short_rank && start_rank > 0) {
+        rank = std::min(rank, start_rank);
+      }
       progress.summary().first_step_rank = static_cast<int>(rank);
     }
-    const Eigen::VectorXd step = PseudoInverseStep(decomposition, rank);
+    const Eigen::VectorXd step =
+        PseudoInverseStep(svd, linearization.residuals, rank);
     for (Eigen::Index k = 0; k < step.size(); ++k) {
       current[problem.free_columns[k]] -= step[k];
     }

@@ -17,12 +17,13 @@ namespace {
 
 using Jet = ceres::Jet<double, 3>;
 
-// Angles (rad) from nothing to more than a turn; 1e-6 is where the series of
-// Exp ends.
+// Angles (rad) from nothing to more than a turn; 1e-6 and 1e-2 are where the
+// series of Exp and of its Jacobian end.
 const std::vector<double>& Angles() {
   static const std::vector<double> angles = {
-      0.0, 1e-300, 1e-100, 1e-12, 1e-8,       9.9e-7,     1.01e-6, 1e-4,
-      0.1, 1.0,    2.0,    3.0,   kPi - 1e-6, kPi - 1e-9, kPi,     5.0};
+      0.0,     1e-300, 1e-100,     1e-12,      1e-8, 9.9e-7,
+      1.01e-6, 1e-4,   9.9e-3,     1.01e-2,    0.1,  1.0,
+      2.0,     3.0,    kPi - 1e-6, kPi - 1e-9, kPi,  5.0};
   return angles;
 }
 
@@ -132,6 +133,36 @@ TEST(RotationFromVectorTest, DerivativeByJetsAgreesWithDifferences) {
             << "angle " << angle << ", entry " << i << ", axis " << k;
       }
     }
+  }
+}
+
+TEST(LeftJacobianOfRotationTest, IsTheIdentityAtZero) {
+  EXPECT_EQ(LeftJacobianOfRotation(Eigen::Vector3d::Zero()),
+            Eigen::Matrix3d::Identity());
+}
+
+TEST(LeftJacobianOfRotationTest, AgreesWithDifferencesOfTheQuaternion) {
+  Random random(308);
+  for (const double angle : Angles()) {
+    const Eigen::Vector3d w = angle * testing::RandomDirection(&random);
+    const Eigen::Matrix3d jacobian = LeftJacobianOfRotation(w);
+    for (int k = 0; k < 3; ++k) {
+      // dExp / dw_k = [J e_k]x Exp; the differences are good to 2e-15.
+      const Eigen::Matrix3d turn = ExactDerivative(w, k) * Exact(w).transpose();
+      EXPECT_LT((turn - Skew(jacobian.col(k))).cwiseAbs().maxCoeff(), 1e-14)
+          << "angle " << angle << ", axis " << k;
+    }
+  }
+}
+
+TEST(LeftJacobianOfRotationTest, LeavesTheAxisAlone) {
+  Random random(309);
+  for (const double angle : Angles()) {
+    const Eigen::Vector3d axis = testing::RandomDirection(&random);
+    // Growing along itself, a rotation vector turns about itself.
+    EXPECT_LT((LeftJacobianOfRotation(angle * axis) * axis - axis).norm(),
+              2e-15)
+        << angle;
   }
 }
 

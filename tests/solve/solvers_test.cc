@@ -117,17 +117,8 @@ TEST_P(SolverTest, ErrorsOfNoisyDataAreThoseOfTheCovariance) {
   double sum = 0.0;
   int count = 0;
   for (int trial = 0; trial < kTrials; ++trial) {
-    Calibration calibration = testing::NoisyFlangeCalibration(trial, 100);
-    for (int c = 0; c < calibration.model.layout().size(); ++c) {
-      const bool free = std::binary_search(calibration.free_columns.begin(),
-                                           calibration.free_columns.end(), c);
-      if (!free)
-        calibration.true_values[c] = calibration.model.NominalValues()[c];
-    }
-    calibration.data.positions = calibration.model.Predict(
-        calibration.true_values, calibration.data.joint_values);
-    Random random(17, trial);
-    testing::AddNoise(&random, &calibration.data);
+    const Calibration calibration =
+        testing::NoisyFlangeCalibration(100 + trial, 100);
     Eigen::VectorXd values = calibration.model.NominalValues();
     calibration.Solve(GetParam(), &values);
     const testing::ReferenceSolution reference = calibration.Reference();

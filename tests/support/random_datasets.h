@@ -16,9 +16,9 @@ namespace alidade::testing {
 
 /// Lengths of rotation vectors (rad) at which formulas change their character:
 /// none, tiny, on both sides of where the series of Exp and of its derivative
-/// end (1e-6, 1e-4), of the order of one, and near a half turn.
+/// end (1e-6, 1e-2), of the order of one, and near a half turn.
 inline std::vector<double> RotationLengths() {
-  return {0.0, 1e-12, 1e-8, 9e-7, 1.1e-6, 9e-5, 1.1e-4, 1.0, kPi - 1e-6};
+  return {0.0, 1e-12, 1e-8, 9e-7, 1.1e-6, 9.9e-3, 1.01e-2, 1.0, kPi - 1e-6};
 }
 
 /// The values of `arm` with small rotations of base and tool that are

@@ -10,16 +10,16 @@ struct SolverOptions {
   /// Most iterations, accepted and rejected together. All solvers. >= 1.
   int max_iterations = 50;
 
-  /// Converged when a step's predicted relative decrease of the cost falls
-  /// below this. All solvers. The default asks for all that double precision
-  /// can tell in a cost with noise; exact data stop at the rounding floor
-  /// instead. >= 0; 0 = never.
+  /// Converged when the predicted relative decrease of the cost by a step,
+  /// accepted or not, falls below this. All solvers. The default asks for all
+  /// that double precision can tell in a cost with noise; exact data stop at
+  /// the rounding floor instead. >= 0; 0 = never.
   double function_tolerance = 1e-15;
 
-  /// Stop where rounding begins: when every residual, or the change of the
-  /// residuals that a step predicts, is in the root mean square below this many
-  /// times the rounding error of the model (eps * reach). All solvers. Past
-  /// that point steps are noise. >= 0; 0 = never stop there.
+  /// Stop where rounding begins: when the change of the residuals that a step
+  /// predicts is in the root mean square below this many times the rounding
+  /// error of the model (eps * reach). All solvers. Past that point steps are
+  /// noise. >= 0; 0 = never stop there.
   double rounding_floor_factor = 4.0;
 
   /// Converged when the largest position error falls below this (m). All

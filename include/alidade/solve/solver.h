@@ -18,9 +18,9 @@ namespace alidade {
 /// all other values staying as they are in the starting point.
 ///
 ///   PositionModel model(arm);
-///   const IdentifiabilityResult pass = ApplyRules(model, data, {});
-///   CalibrationProblem problem{model, data, FreeColumns(pass),
-///                              pass.nominal_rank};
+///   const IdentifiabilityResult pass = AnalyzeIdentifiability(model, data,
+///   {}); CalibrationProblem problem{model, data, FreeColumns(pass),
+///                              pass.nominal_rank, PriorsOf(pass)};
 ///   Eigen::VectorXd values = model.NominalValues();
 ///   SolverSummary summary = SolveCeres(problem, SolverOptions(), &values);
 ///   if (summary.IsSolutionUsable()) arm = model.layout().WithValues(arm,
@@ -34,7 +34,15 @@ struct CalibrationProblem {
   /// Rank of the free columns at the starting point, from the identifiability
   /// pass; it decides the automatic tolerances. Left empty, the rank is taken
   /// as full.
-  RankReport start_rank;
+  RankReport start_rank = {};
+  /// Gaussian priors: the standard deviation of each parameter about its
+  /// nominal value, one entry per column; NaN or infinite where there is none,
+  /// empty for none at all. With priors the solution is a maximum a posteriori
+  /// estimate, and cost is chi-square plus sum ((value - nominal) / prior)^2.
+  Eigen::VectorXd priors = {};
+
+  /// Free columns that have a prior, in ascending order.
+  std::vector<int> ColumnsWithPrior() const;
 };
 
 /// Levenberg-Marquardt by Ceres over one autodiff residual per pose

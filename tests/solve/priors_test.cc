@@ -1,0 +1,88 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "alidade/identifiability/analysis.h"
+#include "alidade/identifiability/rules.h"
+#include "alidade/solve/solver.h"
+#include "tests/support/study.h"
+
+namespace alidade {
+namespace {
+
+using Solver = SolverSummary (*)(const CalibrationProblem&,
+                                 const SolverOptions&, Eigen::VectorXd*);
+
+class PriorsTest : public ::testing::TestWithParam<Solver> {};
+
+TEST_P(PriorsTest, GradientOfChiSquareAndPriorVanishesAtTheSolution) {
+  const Arm arm = testing::Rv2ajWrist();
+  const PositionModel model(arm);
+  const Dataset data = testing::MeasureStudyPoses(arm, {5, 2e-5});
+  const IdentifiabilityResult pass = AnalyzeIdentifiability(model, data, {});
+  const CalibrationProblem problem{model, data, FreeColumns(pass),
+                                   pass.nominal_rank, PriorsOf(pass)};
+  Eigen::VectorXd values = model.NominalValues();
+  const SolverSummary summary = GetParam()(problem, SolverOptions(), &values);
+  ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
+  // An independent evaluation of cost and gradient: central differences of
+  // chi-square by Errors(), and the priors by hand.
+  const auto cost = [&](const Eigen::VectorXd& v) {
+    double sum = ChiSquare(model.Errors(v, data), data);
+    for (const int c : problem.free_columns) {
+      sum += std::pow((v[c] - model.NominalValues()[c]) / problem.priors[c], 2);
+    }
+    return sum;
+  };
+  EXPECT_NEAR(summary.final_cost / cost(values), 1.0, 1e-12);
+  const Eigen::VectorXd deviations = [&] {
+    Eigen::VectorXd d(model.layout().size());
+    for (int c = 0; c < d.size(); ++c) d[c] = pass.decisions[c].predicted_std;
+    return d;
+  }();
+  for (const int c : problem.free_columns) {
+    // A step of a hundredth of a standard deviation changes the cost by 1e-4
+    // at a minimum, to either side alike.
+    const double step = 0.01 * deviations[c];
+    Eigen::VectorXd above = values;
+    Eigen::VectorXd below = values;
+    above[c] += step;
+    below[c] -= step;
+    const double slope = (cost(above) - cost(below)) / 2.0;
+    EXPECT_NEAR(slope, 0.0, 1e-3 * 0.01) << model.layout().parameter(c).name;
+  }
+}
+
+TEST_P(PriorsTest, TightPriorHoldsAParameterAndAWideOneDoesNothing) {
+  const Arm arm = testing::Rv2ajFlange();
+  const PositionModel model(arm);
+  const Dataset data = testing::MeasureStudyPoses(arm, {5, 2e-5});
+  const std::vector<int> free = testing::ColumnsOf(
+      model.layout(), {"d2", "d3", "theta2", "theta3", "r1"});
+  const int d3 = free[1];
+  CalibrationProblem problem{model, data, {}, {}, {}};
+  problem.free_columns = free;
+  std::sort(problem.free_columns.begin(), problem.free_columns.end());
+  Eigen::VectorXd without = model.NominalValues();
+  ASSERT_TRUE(GetParam()(problem, {}, &without).IsSolutionUsable());
+  problem.priors = Eigen::VectorXd::Constant(
+      model.layout().size(), std::numeric_limits<double>::quiet_NaN());
+  problem.priors[d3] = 1e-12;
+  Eigen::VectorXd held = model.NominalValues();
+  ASSERT_TRUE(GetParam()(problem, {}, &held).IsSolutionUsable());
+  EXPECT_NEAR(held[d3], model.NominalValues()[d3], 1e-9);
+  problem.priors[d3] = 1e3;
+  Eigen::VectorXd wide = model.NominalValues();
+  ASSERT_TRUE(GetParam()(problem, {}, &wide).IsSolutionUsable());
+  EXPECT_NEAR((wide - without).cwiseAbs().maxCoeff(), 0.0, 1e-10);
+}
+
+INSTANTIATE_TEST_SUITE_P(Both, PriorsTest,
+                         ::testing::Values(&SolveCeres, &SolvePseudoInverse));
+
+}  // namespace
+}  // namespace alidade
