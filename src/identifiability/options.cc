@@ -25,7 +25,8 @@ bool IdentifiabilityOptions::IsValid(std::string* error) const {
                  "relative_tolerance", relative_tolerance,
                  "above 0 and below 1", error) &&
          Require(perturbation > 0.0 && perturbation < 0.5, "perturbation",
-                 perturbation, "above 0 and below 0.5", error);
+                 perturbation, "above 0 and below 0.5", error) &&
+         priors.IsValid(error);
 }
 
 }  // namespace alidade

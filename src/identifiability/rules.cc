@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
 
-#include "alidade/base/random.h"
+#include "alidade/identifiability/factor.h"
 #include "alidade/identifiability/rank.h"
+#include "perturbation.h"
 
 namespace alidade {
 namespace {
@@ -120,35 +120,24 @@ class Pass {
 
   void ApplyUserChoice() {
     for (const std::string& name : options_.fix) {
-      Freeze(*layout_.Find(name), "fixed_by_user", "fixed by the user");
+      Freeze(layout_.Find(name).value(), "fixed_by_user", "fixed by the user");
     }
   }
 
-  Eigen::VectorXd PerturbedValues(int draw) const {
-    Random random(options_.seed, static_cast<std::uint64_t>(draw));
-    const double reach = Reach(model_.nominal());
-    Eigen::VectorXd values = model_.NominalValues();
-    for (int c = 0; c < layout_.size(); ++c) {
-      const Parameter& parameter = layout_.parameter(c);
-      if (!ParameterLayout::IsJointKind(parameter.kind)) continue;
-      const double unit =
-          parameter.dimension == Dimension::kAngle ? 1.0 : reach;
-      values[c] += options_.perturbation * unit * random.Uniform(-1.0, 1.0);
-    }
-    return values;
-  }
-
-  // The draw of largest rank; its values tell the exact dependencies.
-  Eigen::VectorXd FindPerturbedRank(const std::vector<int>& free) {
-    Eigen::VectorXd best;
+  // The factor at the perturbed geometry of largest rank, columns in canonical
+  // order.
+  Eigen::MatrixXd FindPerturbedRank(const std::vector<int>& free) {
+    const std::vector<int> order = InCanonicalOrder(layout_, free);
+    Eigen::MatrixXd best;
     for (int draw = 0; draw < kPerturbations; ++draw) {
-      const Eigen::VectorXd values = PerturbedValues(draw);
+      const Eigen::MatrixXd factor = ScaledFactor(
+          model_, PerturbedValues(model_, options_.perturbation, draw), data_,
+          order);
       const RankReport report =
-          AnalyzeRank(ScaledFactor(model_, values, data_, free),
-                      options_.relative_tolerance);
+          AnalyzeRank(factor, options_.relative_tolerance);
       if (draw == 0 || report.rank > result_.perturbed_rank.rank) {
         result_.perturbed_rank = report;
-        best = values;
+        best = factor;
       }
     }
     return best;
@@ -160,10 +149,9 @@ class Pass {
     result_.nominal_rank =
         AnalyzeRank(ScaledFactor(model_, model_.NominalValues(), data_, free),
                     options_.relative_tolerance);
-    const Eigen::VectorXd perturbed = FindPerturbedRank(free);
+    const Eigen::MatrixXd perturbed = FindPerturbedRank(free);
     if (result_.perturbed_rank.rank < result_.num_free) {
-      ReportExcess(FindDependencies(model_, perturbed, data_, free,
-                                    result_.perturbed_rank.MiddleOfGap()));
+      ReportExcess(free, perturbed);
     }
     if (result_.nominal_rank.rank < result_.num_free) {
       ReportWeak(FindDependencies(model_, model_.NominalValues(), data_, free,
@@ -171,21 +159,30 @@ class Pass {
     }
   }
 
-  // The names alone: at a perturbed geometry the coefficients mean nothing to
-  // people.
-  void ReportExcess(const std::vector<Dependency>& dependencies) {
+  // The columns that do not raise the rank of those before them. Their names
+  // alone: at a perturbed geometry the coefficients mean nothing to people.
+  void ReportExcess(const std::vector<int>& free,
+                    const Eigen::MatrixXd& factor) {
+    const std::vector<int> order = InCanonicalOrder(layout_, free);
     result_.exceeds_rank = true;
     std::string names;
-    for (const Dependency& dependency : dependencies) {
+    std::vector<int> independent;
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      independent.push_back(static_cast<int>(k));
+      const int rank = AnalyzeRank(SelectColumns(factor, independent),
+                                   options_.relative_tolerance)
+                           .rank;
+      if (rank == static_cast<int>(independent.size())) continue;
+      independent.pop_back();
       if (!names.empty()) names += ", ";
-      names += layout_.parameter(dependency.column).name;
+      names += layout_.parameter(order[k]).name;
     }
     result_.refusal =
         "the rules keep " + std::to_string(result_.num_free) +
         " parameters, but these poses tell only " +
         std::to_string(result_.perturbed_rank.rank) +
         " apart, whatever the geometry: " + names +
-        (dependencies.size() == 1 ? " depends" : " depend") +
+        (independent.size() + 1 == order.size() ? " depends" : " depend") +
         " on the others. Fix as many (identifiability: fix: [" + names +
         "]), measure more varied poses, or set proceed_beyond_rank: true to "
         "solve all the same";

@@ -4,17 +4,13 @@
 #include <cmath>
 
 namespace alidade {
-namespace {
-
-double Percentile(const Eigen::VectorXd& sorted, double fraction) {
+double SortedPercentile(const Eigen::VectorXd& sorted, double fraction) {
   const double position = fraction * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<Eigen::Index>(position);
   const Eigen::Index above = std::min(below + 1, sorted.size() - 1);
   const double weight = position - static_cast<double>(below);
   return (1.0 - weight) * sorted[below] + weight * sorted[above];
 }
-
-}  // namespace
 
 Accuracy SummarizeErrors(const Eigen::VectorXd& errors) {
   Accuracy accuracy;
@@ -29,8 +25,8 @@ Accuracy SummarizeErrors(const Eigen::VectorXd& errors) {
     accuracy.stddev =
         (errors.array() - accuracy.mean).matrix().norm() / std::sqrt(n - 1.0);
   }
-  accuracy.median = Percentile(sorted, 0.5);
-  accuracy.p95 = Percentile(sorted, 0.95);
+  accuracy.median = SortedPercentile(sorted, 0.5);
+  accuracy.p95 = SortedPercentile(sorted, 0.95);
   accuracy.min = sorted[0];
   accuracy.max = sorted[sorted.size() - 1];
   return accuracy;

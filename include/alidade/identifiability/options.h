@@ -5,10 +5,40 @@
 #include <string>
 #include <vector>
 
+#include "alidade/identifiability/priors.h"
+
 namespace alidade {
 
-/// How the identifiability pass decides. See rules.h.
+enum class IdentifiabilityMethod {
+  kRules,  ///< the published study's three rules (rules.h)
+  kRank,   ///< ranks over generic and given poses (analysis.h)
+};
+
+/// What is done with directions that the measurements tell badly.
+enum class WeakPolicy {
+  kAutomatic,  ///< keep for the rules, as published; prior for the ranks
+  kFreeze,     ///< hold them at their nominal values
+  kPrior,      ///< free with a Gaussian prior: a maximum a posteriori estimate
+  kKeep,       ///< free, without any
+};
+
+/// Which parameters are to be identified, where nothing else says so.
+struct CandidateGroups {
+  bool joints = true;
+  bool base = false;
+  bool tool = false;
+};
+
+/// How the identifiability pass decides. See rules.h and analysis.h.
 struct IdentifiabilityOptions {
+  IdentifiabilityMethod method = IdentifiabilityMethod::kRank;
+  WeakPolicy policy = WeakPolicy::kAutomatic;
+  CandidateGroups candidates;
+  /// Kept in preference to parameters they depend on, first to last.
+  std::vector<std::string> prefer;
+  /// Must be free; refused with the reason where they cannot be. Rank method.
+  std::vector<std::string> free;
+  PriorTolerances priors;
   /// Parameters the user holds at their nominal values, by name.
   std::vector<std::string> fix;
   /// Go on although more parameters are kept than can be told apart. The

@@ -2,9 +2,11 @@
 #define ALIDADE_IDENTIFIABILITY_RANK_H_
 
 #include <Eigen/Core>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "alidade/identifiability/elimination.h"
 #include "alidade/measurement/position_model.h"
 #include "alidade/results/identifiability_result.h"
 
@@ -32,20 +34,47 @@ struct Dependency {
   std::vector<std::pair<int, double>> terms;  ///< empty: no effect at all
 };
 
-/// Walks through the columns in canonical order (lengths before angles: d, r,
-/// base and tool lengths, theta, alpha, beta, then the frames' rotations; from
-/// the base outwards within each) and returns those that depend on the ones
-/// before, so that lengths are kept in preference to angles. A column depends
-/// when the part of it that is orthogonal to those kept is below `tolerance`
-/// times its norm. Terms below 1e-4 of the column's effect are left out.
+/// The canonical order: lengths before angles (d, r, base and tool lengths,
+/// theta, alpha, beta, then the frames' rotations), from the base outwards
+/// within each, so that lengths are kept in preference to angles that they
+/// stand for.
+std::vector<int> InCanonicalOrder(const ParameterLayout& layout,
+                                  std::vector<int> columns);
+
+/// A dependent column of a scaled factor in units of the layout. Column i of
+/// the factor belongs to parameter order[i]. Terms below 1e-4 of the column's
+/// effect are left out.
+Dependency ToDependency(const PositionModel& model,
+                        const Eigen::MatrixXd& factor,
+                        const std::vector<int>& order,
+                        const std::vector<int>& kept,
+                        const DependentColumn& dependent);
+
+/// Eliminates the columns in canonical order and returns those that depend on
+/// the ones kept before them (elimination.h).
 std::vector<Dependency> FindDependencies(const PositionModel& model,
                                          const Eigen::VectorXd& values,
                                          const Dataset& data,
                                          const std::vector<int>& columns,
                                          double tolerance);
 
-/// "alpha5 acts as -72 mm * r2", "theta4 acts as 0.5 mm/rad ...", in mm and
-/// rad; "alpha5 has no effect".
+/// coefficient * name, the coefficient turning a change of parameter `from`
+/// into one of parameter `to` (columns of the layout).
+struct Term {
+  double coefficient = 0.0;
+  int from = 0;
+  int to = 0;
+  int named = 0;  ///< whose name is printed
+};
+
+/// "r3", "-r3", "0.5 * r3", "-72 mm * r2" (from an angle to a length), "0.02
+/// /mm * theta1" (the other way): mm and rad, four significant digits.
+std::string FormatTerm(const ParameterLayout& layout, const Term& term);
+
+/// Adds a term to a sum: "r2", "-72 mm * alpha5" -> "r2 - 72 mm * alpha5".
+std::string AppendTerm(std::string sum, const std::string& term);
+
+/// "alpha5 acts as -72 mm * r2", "alpha5 has no effect".
 std::string DescribeDependency(const ParameterLayout& layout,
                                const Dependency& dependency);
 

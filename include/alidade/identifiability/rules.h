@@ -32,7 +32,8 @@ namespace alidade {
 /// (`weak`, and a warning).
 ///
 /// Nothing is solved. Cost: a few Jacobians and their factors.
-/// @pre options.IsValid(), data has a pose and the model's joint count.
+/// @pre options.IsValid(), names in `fix` exist, data has a pose and the
+/// model's joint count.
 IdentifiabilityResult ApplyRules(const PositionModel& model,
                                  const Dataset& data,
                                  const IdentifiabilityOptions& options);

@@ -19,6 +19,10 @@ struct Accuracy {
   std::int64_t n = 0;  ///< 0 = nothing was evaluated; all else is zero
 };
 
+/// Percentile of values in ascending order, linear between order statistics.
+/// @pre not empty; fraction in [0, 1].
+double SortedPercentile(const Eigen::VectorXd& sorted, double fraction);
+
 /// Statistics of `errors` (m, not negative). O(n log n).
 Accuracy SummarizeErrors(const Eigen::VectorXd& errors);
 

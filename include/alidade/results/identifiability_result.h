@@ -2,7 +2,9 @@
 #define ALIDADE_RESULTS_IDENTIFIABILITY_RESULT_H_
 
 #include <Eigen/Core>
+#include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace alidade {
@@ -20,14 +22,46 @@ const char* ToString(ParameterState state);
 struct ParameterDecision {
   std::string name;
   ParameterState state = ParameterState::kFree;
-  /// Short key of what decided: "beta_rule", "zero_column", "parallel_r",
-  /// "dependent", "fixed_by_user", or empty for a free parameter.
+  /// Short key of what decided, empty for a plainly free parameter:
+  /// "beta_rule", "zero_column", "parallel_r" (the study's rules),
+  /// "no_effect", "structural", "at_geometry", "not_excited", "not_practical"
+  /// (the levels of the rank method; a free one may carry the last three),
+  /// "fixed_by_user".
   std::string rule;
   /// A sentence for people.
   std::string reason;
   /// What a free parameter stands for once others are frozen
   /// ("r2 + r3 + r4"), or empty.
   std::string stands_for;
+  /// Known beforehand; NaN where no prior applies.
+  double prior_std = std::numeric_limits<double>::quiet_NaN();
+  /// Predicted from these poses and their sigmas, priors included where the
+  /// policy uses them; infinite where nothing tells, NaN where frozen.
+  double predicted_std = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// A parameter that can be left out, and the combination of others that acts
+/// as it does: moving `parameter` by 1 moves every measured point as moving
+/// each term's parameter by its coefficient does (SI units).
+struct Relation {
+  std::string parameter;
+  std::string
+      level;  ///< "no_effect", "structural", "at_geometry", "not_excited"
+  std::vector<std::pair<std::string, double>> terms;
+  std::string text;  ///< "alpha5 acts as -72 mm * r2"
+  /// The parameters were moved along it and the points stayed, but for
+  /// second-order terms.
+  bool verified = false;
+};
+
+/// Observability indices (observability.h).
+struct ObservabilityIndices {
+  double o1 = 0.0;
+  double o2 = 0.0;
+  double o3 = 0.0;
+  double o4 = 0.0;
+  double o5 = 0.0;
+  double condition = 0.0;
 };
 
 /// Singular values of a Jacobian with scaled columns, and the rank read from
@@ -48,7 +82,8 @@ struct RankReport {
 };
 
 struct IdentifiabilityResult {
-  std::string method;  ///< "rules"
+  std::string method;  ///< "rules" or "rank"
+  std::string policy;  ///< "freeze", "prior" or "keep", as used
   /// One entry per column of the parameter layout.
   std::vector<ParameterDecision> decisions;
   /// Of the kept parameters, at the nominal geometry and these poses.
@@ -64,6 +99,20 @@ struct IdentifiabilityResult {
   std::vector<std::string> warnings;
   /// Kept parameters that depend on others at the nominal geometry only.
   std::vector<std::string> weak;
+
+  /// Rank method only: over generic poses, at the nominal geometry and at
+  /// perturbed ones (the structural rank), of all candidates.
+  int num_candidates = 0;
+  RankReport generic_rank;
+  RankReport structural_rank;
+  std::vector<Relation> relations;
+  /// Joint motions that would tell apart what these poses do not.
+  std::vector<std::string> advice;
+
+  /// Of the free parameters over these poses, columns as they are (m and m/rad)
+  /// and scaled by the reach.
+  ObservabilityIndices unscaled;
+  ObservabilityIndices scaled;
 };
 
 }  // namespace alidade

@@ -1,0 +1,296 @@
+#include "data_analysis.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "alidade/identifiability/elimination.h"
+#include "alidade/identifiability/factor.h"
+#include "alidade/identifiability/observability.h"
+#include "alidade/identifiability/rank.h"
+#include "alidade/model/joint_draw.h"
+#include "perturbation.h"
+
+namespace alidade {
+namespace {
+
+// Poses that questions about ranks and orders of magnitude are asked of; with
+// more the answer is the same.
+constexpr Eigen::Index kEnoughPoses = 256;
+
+// Perturbed arms that second-order deviations are taken over.
+constexpr int kSecondOrderDraws = 9;
+
+// Ratio of neighbouring singular values above which a gap is clear.
+constexpr double kClearGap = 100.0;
+
+Dataset Subset(const Dataset& data) {
+  if (data.num_poses() <= kEnoughPoses) return data;
+  Dataset subset;
+  subset.joint_values.resize(data.num_joints(), kEnoughPoses);
+  subset.sigmas.resize(3, kEnoughPoses);
+  for (Eigen::Index k = 0; k < kEnoughPoses; ++k) {
+    const Eigen::Index i = k * data.num_poses() / kEnoughPoses;
+    subset.joint_values.col(k) = data.joint_values.col(i);
+    subset.sigmas.col(k) = data.sigmas.col(i);
+  }
+  return subset;
+}
+
+Eigen::MatrixXd WhitenedFactor(const PositionModel& model,
+                               const Eigen::VectorXd& values,
+                               const Dataset& data,
+                               const std::vector<int>& columns) {
+  const PoseSet poses{data.joint_values, MeasurementKind::kPosition,
+                      &data.sigmas};
+  return JacobianFactor(model, values, poses, columns);
+}
+
+Eigen::VectorXd NoPriors(Eigen::Index size) {
+  return Eigen::VectorXd::Constant(size,
+                                   std::numeric_limits<double>::infinity());
+}
+
+class DataAnalyzer {
+ public:
+  DataAnalyzer(const PositionModel& model, const Dataset& data,
+               const std::vector<int>& kept, const std::vector<int>& weak,
+               const IdentifiabilityOptions& options)
+      : model_(model),
+        data_(data),
+        kept_(kept),
+        weak_(weak),
+        options_(options),
+        subset_(Subset(data)) {}
+
+  DataAnalysis Run() {
+    analysis_.columns = kept_;
+    if (kept_.empty()) return analysis_;
+    analysis_.whitened_factor =
+        WhitenedFactor(model_, model_.NominalValues(), data_, kept_);
+    const Eigen::MatrixXd scaled =
+        ScaleColumns(model_, kept_, analysis_.whitened_factor);
+    analysis_.rank = AnalyzeRank(scaled, options_.relative_tolerance);
+    const Elimination elimination =
+        Eliminate(scaled, analysis_.rank.MiddleOfGap());
+    for (const DependentColumn& dependent : elimination.dependent) {
+      AddRelation(
+          ToDependency(model_, scaled, kept_, elimination.kept, dependent));
+    }
+    if (!analysis_.relations.empty()) Advise();
+    if (!analysis_.relations.empty() || !weak_.empty()) {
+      DescribeSecondOrder();
+    }
+    return analysis_;
+  }
+
+ private:
+  void AddRelation(const Dependency& dependency) {
+    const ParameterLayout& layout = model_.layout();
+    Relation relation;
+    relation.parameter = layout.parameter(dependency.column).name;
+    relation.level = "not_excited";
+    relation.text = DescribeDependency(layout, dependency);
+    // The factor itself showed it, over all poses.
+    relation.verified = true;
+    for (const auto& [column, coefficient] : dependency.terms) {
+      relation.terms.emplace_back(layout.parameter(column).name, coefficient);
+    }
+    analysis_.relations.push_back(std::move(relation));
+  }
+
+  int RankWithJointMoved(int joint) const {
+    constexpr std::uint64_t kSeed = 1;
+    Dataset moved = subset_;
+    moved.joint_values.row(joint) =
+        DrawJointValues(model_.nominal(),
+                        static_cast<int>(moved.joint_values.cols()), kSeed)
+            .row(joint);
+    const Eigen::MatrixXd factor =
+        WhitenedFactor(model_, model_.NominalValues(), moved, kept_);
+    return AnalyzeRank(ScaleColumns(model_, kept_, factor),
+                       options_.relative_tolerance)
+        .rank;
+  }
+
+  // The joints that would raise the rank if they moved through their range
+  // while the others stay as measured.
+  void Advise() {
+    for (int j = 0; j < model_.layout().num_joints(); ++j) {
+      const int gain = RankWithJointMoved(j) - analysis_.rank.rank;
+      if (gain <= 0) continue;
+      analysis_.advice.push_back(
+          "moving joint " + std::to_string(j + 1) +
+          " through its range, the others as measured, would tell " +
+          std::to_string(gain) + " more " +
+          (gain == 1 ? "parameter" : "parameters") + " apart");
+    }
+    if (!analysis_.advice.empty()) return;
+    analysis_.advice.push_back(
+        "no joint alone would help: vary several of them together");
+  }
+
+  // Median standard deviations, over arms perturbed by the tolerances, of the
+  // parameters that take part in a relation: what a solve without priors or
+  // freezing would leave.
+  void DescribeSecondOrder() {
+    std::vector<int> all = kept_;
+    all.insert(all.end(), weak_.begin(), weak_.end());
+    // Uniform draws of this half width have the tolerance as their standard
+    // deviation. Where base and tool are is no matter of tolerances.
+    Eigen::VectorXd sizes =
+        std::sqrt(3.0) * options_.priors.Deviations(model_.layout());
+    for (Eigen::Index c = 0; c < sizes.size(); ++c) {
+      const Parameter& parameter =
+          model_.layout().parameter(static_cast<int>(c));
+      if (!ParameterLayout::IsJointKind(parameter.kind)) sizes[c] = 0.0;
+    }
+    Eigen::MatrixXd draws(static_cast<Eigen::Index>(all.size()),
+                          kSecondOrderDraws);
+    for (int draw = 0; draw < kSecondOrderDraws; ++draw) {
+      const Eigen::MatrixXd factor = WhitenedFactor(
+          model_, PerturbedValues(model_, sizes, draw), subset_, all);
+      draws.col(draw) = PredictDeviations(factor, NoPriors(factor.cols()));
+    }
+    const double share =
+        std::sqrt(static_cast<double>(subset_.joint_values.cols()) /
+                  static_cast<double>(data_.num_poses()));
+    std::string list;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      Eigen::VectorXd row = draws.row(static_cast<Eigen::Index>(k));
+      std::sort(row.data(), row.data() + row.size());
+      const Parameter& parameter = model_.layout().parameter(all[k]);
+      const double median = share * row[kSecondOrderDraws / 2];
+      if (!(median > options_.priors.Of(parameter.kind))) continue;
+      if (!list.empty()) list += ", ";
+      list +=
+          parameter.name + " " + FormatDeviation(median, parameter.dimension);
+    }
+    if (list.empty()) return;
+    analysis_.second_order =
+        "without priors the noise would leave standard deviations of about " +
+        list + " in an arm within its tolerances";
+  }
+
+  const PositionModel& model_;
+  const Dataset& data_;
+  const std::vector<int>& kept_;
+  const std::vector<int>& weak_;
+  const IdentifiabilityOptions& options_;
+  const Dataset subset_;
+  DataAnalysis analysis_;
+};
+
+bool HasClearGap(const RankReport& report) {
+  return report.rank == 0 || report.gap >= kClearGap;
+}
+
+// One sigma for all lets the factor be unwhitened without another pass.
+bool HasOneSigma(const Dataset& data) {
+  return (data.sigmas.array() == data.sigmas(0, 0)).all();
+}
+
+Eigen::MatrixXd Unwhitened(const PositionModel& model, const Dataset& data,
+                           const std::vector<int>& free,
+                           const Eigen::MatrixXd& whitened) {
+  if (HasOneSigma(data)) return whitened * data.sigmas(0, 0);
+  const PoseSet poses{data.joint_values};
+  return JacobianFactor(model, model.NominalValues(), poses, free);
+}
+
+}  // namespace
+
+Eigen::VectorXd DataAnalysis::Deviations(const std::vector<int>& some) const {
+  std::vector<int> indices;
+  for (const int column : some) {
+    indices.push_back(static_cast<int>(
+        std::find(columns.begin(), columns.end(), column) - columns.begin()));
+  }
+  const Eigen::MatrixXd factor = SelectColumns(whitened_factor, indices);
+  return PredictDeviations(factor, NoPriors(factor.cols()));
+}
+
+DataAnalysis AnalyzeData(const PositionModel& model, const Dataset& data,
+                         const std::vector<int>& kept,
+                         const std::vector<int>& weak,
+                         const IdentifiabilityOptions& options) {
+  return DataAnalyzer(model, data, kept, weak, options).Run();
+}
+
+Eigen::VectorXd FreeAnalysis::Deviations(bool with_priors) const {
+  return PredictDeviations(whitened_factor,
+                           with_priors ? priors : NoPriors(priors.size()));
+}
+
+FreeAnalysis AnalyzeFree(const PositionModel& model, const Dataset& data,
+                         const std::vector<int>& free,
+                         const IdentifiabilityOptions& options) {
+  FreeAnalysis analysis;
+  analysis.whitened_factor =
+      WhitenedFactor(model, model.NominalValues(), data, free);
+  analysis.rank =
+      AnalyzeRank(ScaleColumns(model, free, analysis.whitened_factor),
+                  options.relative_tolerance);
+  const Eigen::MatrixXd perturbed =
+      WhitenedFactor(model, PerturbedValues(model, options.perturbation, 0),
+                     Subset(data), free);
+  analysis.perturbed_rank = AnalyzeRank(ScaleColumns(model, free, perturbed),
+                                        options.relative_tolerance);
+  const Eigen::MatrixXd plain =
+      Unwhitened(model, data, free, analysis.whitened_factor);
+  analysis.unscaled = ComputeObservability(plain, data.num_poses());
+  analysis.scaled =
+      ComputeObservability(ScaleColumns(model, free, plain), data.num_poses());
+  analysis.priors.resize(static_cast<Eigen::Index>(free.size()));
+  for (std::size_t k = 0; k < free.size(); ++k) {
+    analysis.priors[static_cast<Eigen::Index>(k)] =
+        options.priors.Of(model.layout().parameter(free[k]).kind);
+  }
+  return analysis;
+}
+
+void WarnAboutFree(const PositionModel& model, const Dataset& data,
+                   const FreeAnalysis& analysis,
+                   IdentifiabilityResult* result) {
+  const std::array<std::pair<const char*, const RankReport*>, 3> reports = {
+      {{"of the free parameters over these poses", &analysis.rank},
+       {"over generic poses", &result->generic_rank},
+       {"at perturbed geometries", &result->structural_rank}}};
+  for (const auto& [where, report] : reports) {
+    if (HasClearGap(*report)) continue;
+    result->warnings.push_back(
+        std::string("the rank ") + where + " is not clear: it is read as " +
+        std::to_string(report->rank) +
+        ", but neighbouring singular values are only a factor of " +
+        std::to_string(static_cast<int>(report->gap)) + " apart");
+  }
+  const Arm& arm = model.nominal();
+  const double off_axis = arm.last_from_target.translation().head<2>().norm();
+  if (arm.joints.back().type == JointType::kRevolute &&
+      off_axis <= 1e-6 * Reach(arm)) {
+    result->warnings.push_back(
+        "the target lies on the axis of the last joint, whose rotation "
+        "therefore moves no measured point: two parameters fewer can be "
+        "identified than with a target off the axis");
+  }
+  if (data.num_rows() < result->num_free) {
+    result->warnings.push_back(
+        std::to_string(data.num_poses()) + " poses give " +
+        std::to_string(data.num_rows()) + " equations for " +
+        std::to_string(result->num_free) + " parameters");
+  }
+}
+
+std::string FormatDeviation(double value, Dimension dimension) {
+  if (!std::isfinite(value)) return "nothing";
+  std::array<char, 32> text{};
+  const bool angle = dimension == Dimension::kAngle;
+  std::snprintf(text.data(), text.size(), "%.2g %s",
+                value / (angle ? kMilliradian : kMillimetre),
+                angle ? "mrad" : "mm");
+  return text.data();
+}
+
+}  // namespace alidade

@@ -1,0 +1,64 @@
+#include "alidade/identifiability/observability.h"
+
+#include <cmath>
+#include <limits>
+
+#include "alidade/base/svd.h"
+
+namespace alidade {
+
+ObservabilityIndices ComputeObservability(const Eigen::MatrixXd& factor,
+                                          Eigen::Index num_poses) {
+  ObservabilityIndices indices;
+  indices.condition = std::numeric_limits<double>::infinity();
+  if (factor.cols() == 0 || num_poses == 0) return indices;
+  const Eigen::VectorXd s = SingularValues(factor);
+  const double largest = s[0];
+  const double smallest = s[s.size() - 1];
+  const double rounding =
+      std::numeric_limits<double>::epsilon() * static_cast<double>(s.size());
+  if (factor.rows() < factor.cols() || !(smallest > rounding * largest)) {
+    return indices;
+  }
+  // By logarithms: a product of forty singular values may overflow.
+  indices.o1 = std::exp(s.array().log().mean()) /
+               std::sqrt(static_cast<double>(num_poses));
+  indices.o2 = smallest / largest;
+  indices.o3 = smallest;
+  indices.o4 = smallest * smallest / largest;
+  indices.o5 = 1.0 / s.cwiseInverse().sum();
+  indices.condition = largest / smallest;
+  return indices;
+}
+
+Eigen::VectorXd PredictDeviations(const Eigen::MatrixXd& whitened_factor,
+                                  const Eigen::VectorXd& prior) {
+  constexpr double kUntold = 1e-12;
+  // Rounding leaves this much of a direction in parameters it has no part in.
+  constexpr double kNoPart = 1e-6;
+  const Eigen::Index p = whitened_factor.cols();
+  Eigen::MatrixXd stacked(whitened_factor.rows() + p, p);
+  stacked.topRows(whitened_factor.rows()) = whitened_factor;
+  stacked.bottomRows(p) = prior.cwiseInverse().asDiagonal();
+  Eigen::VectorXd norms = stacked.colwise().norm();
+  for (double& norm : norms) norm = norm > 0.0 ? norm : 1.0;
+  stacked *= norms.cwiseInverse().asDiagonal();
+  const Svd svd = ComputeSvd(stacked);
+  const Eigen::VectorXd& s = svd.values;
+  Eigen::VectorXd deviations(p);
+  for (Eigen::Index k = 0; k < p; ++k) {
+    double variance = 0.0;
+    for (Eigen::Index i = 0; i < p; ++i) {
+      const double part = svd.v(k, i);
+      if (s[i] > kUntold * s[0]) {
+        variance += part * part / (s[i] * s[i]);
+      } else if (std::abs(part) > kNoPart) {
+        variance = std::numeric_limits<double>::infinity();
+      }
+    }
+    deviations[k] = std::sqrt(variance) / norms[k];
+  }
+  return deviations;
+}
+
+}  // namespace alidade

@@ -1,0 +1,173 @@
+#include "alidade/identifiability/analysis.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "alidade/identifiability/rules.h"
+#include "tests/support/classic_arms.h"
+#include "tests/support/study.h"
+
+namespace alidade {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::UnorderedElementsAre;
+
+Dataset StudyData(const Arm& arm) {
+  Dataset data = testing::MeasureStudyPoses(arm);
+  data.sigmas.setConstant(0.02 * kMillimetre);
+  return data;
+}
+
+const ParameterDecision& Find(const IdentifiabilityResult& result,
+                              const std::string& name) {
+  return *std::find_if(
+      result.decisions.begin(), result.decisions.end(),
+      [&](const ParameterDecision& d) { return d.name == name; });
+}
+
+std::vector<std::string> FreeNames(const IdentifiabilityResult& result) {
+  std::vector<std::string> names;
+  for (const int c : FreeColumns(result)) {
+    names.push_back(result.decisions[c].name);
+  }
+  return names;
+}
+
+IdentifiabilityOptions WithPolicy(WeakPolicy policy) {
+  IdentifiabilityOptions options;
+  options.policy = policy;
+  return options;
+}
+
+TEST(AnalysisTest, DefaultFreesTheStructuralRankWithPriors) {
+  const Arm arm = testing::Rv2ajWrist();
+  const PositionModel model(arm);
+  const IdentifiabilityResult result =
+      AnalyzeIdentifiability(model, StudyData(arm), {});
+  EXPECT_EQ(result.method, "rank");
+  EXPECT_EQ(result.policy, "prior");
+  EXPECT_EQ(result.num_free, 18);
+  EXPECT_FALSE(result.exceeds_rank);
+  const Eigen::VectorXd priors = PriorsOf(result);
+  ASSERT_EQ(priors.size(), model.layout().size());
+  EXPECT_EQ(priors[*model.layout().Find("beta4")], 5e-3);
+  EXPECT_EQ(priors[*model.layout().Find("r2")], 1e-3);
+  EXPECT_TRUE(std::isnan(priors[*model.layout().Find("r3")]));
+}
+
+TEST(AnalysisTest, WarnsBeforeASolveAndNamesWhatTheNoiseDrowns) {
+  const Arm arm = testing::Rv2ajWrist();
+  const IdentifiabilityResult result =
+      AnalyzeIdentifiability(PositionModel(arm), StudyData(arm), {});
+  EXPECT_THAT(result.warnings,
+              Contains(AllOf(HasSubstr("beta4 acts as -160 mm * r2"),
+                             HasSubstr("alpha2 acts as 85 mm * r2"))));
+  EXPECT_THAT(result.warnings, Contains(HasSubstr("last joint")));
+  EXPECT_THAT(result.weak, UnorderedElementsAre("alpha4", "beta4", "alpha2"));
+  EXPECT_THAT(result.advice, Contains(HasSubstr("joint 2")));
+}
+
+TEST(AnalysisTest, FreezeHoldsWhatIsToldBadlyAndSaysWhatStandsForIt) {
+  const Arm arm = testing::Rv2ajWrist();
+  const IdentifiabilityResult result = AnalyzeIdentifiability(
+      PositionModel(arm), StudyData(arm), WithPolicy(WeakPolicy::kFreeze));
+  EXPECT_EQ(result.num_free, 15);
+  EXPECT_EQ(Find(result, "beta4").rule, "at_geometry");
+  EXPECT_EQ(Find(result, "alpha2").rule, "not_excited");
+  EXPECT_EQ(Find(result, "alpha5").rule, "no_effect");
+  EXPECT_EQ(Find(result, "r2").stands_for,
+            "r2 + r3 + r4 - 160 mm * beta4 + 85 mm * alpha2");
+  EXPECT_EQ(PriorsOf(result).size(), 0);
+}
+
+TEST(AnalysisTest, KeepRefusesNothingThatSecondOrderEffectsTell) {
+  const Arm arm = testing::Rv2ajFlange();
+  const IdentifiabilityResult result = AnalyzeIdentifiability(
+      PositionModel(arm), StudyData(arm), WithPolicy(WeakPolicy::kKeep));
+  EXPECT_EQ(result.num_free, 18);
+  EXPECT_FALSE(result.exceeds_rank) << result.refusal;
+}
+
+TEST(AnalysisTest, RulesKeepTheirPublishedAnswer) {
+  const Arm arm = testing::Rv2ajWrist();
+  IdentifiabilityOptions options;
+  options.method = IdentifiabilityMethod::kRules;
+  const IdentifiabilityResult result =
+      AnalyzeIdentifiability(PositionModel(arm), StudyData(arm), options);
+  EXPECT_EQ(result.policy, "keep");
+  EXPECT_EQ(result.num_free, 17);
+  EXPECT_EQ(PriorsOf(result).size(), 0);
+}
+
+TEST(AnalysisTest, PreferIsRespectedAndImpossibleFreeIsRefusedWithTheReason) {
+  const Arm arm = testing::Rv2ajFlange();
+  IdentifiabilityOptions options;
+  options.prefer = {"r4"};
+  EXPECT_THAT(FreeNames(AnalyzeIdentifiability(PositionModel(arm),
+                                               StudyData(arm), options)),
+              AllOf(Contains("r4"), ::testing::Not(Contains("r2"))));
+  options.prefer.clear();
+  options.free = {"r2", "r3"};
+  const IdentifiabilityResult refused =
+      AnalyzeIdentifiability(PositionModel(arm), StudyData(arm), options);
+  EXPECT_TRUE(refused.exceeds_rank);
+  EXPECT_THAT(refused.refusal, AllOf(HasSubstr("r3"), HasSubstr("acts as r2")));
+}
+
+TEST(AnalysisTest, FixedParametersStayOutOfTheAnalysis) {
+  const Arm arm = testing::Rv2ajWrist();
+  IdentifiabilityOptions options;
+  options.fix = {"r2"};
+  const IdentifiabilityResult result =
+      AnalyzeIdentifiability(PositionModel(arm), StudyData(arm), options);
+  EXPECT_EQ(Find(result, "r2").rule, "fixed_by_user");
+  EXPECT_EQ(Find(result, "r3").state, ParameterState::kFree);
+  EXPECT_THAT(Find(result, "r4").reason, HasSubstr("acts as r3"));
+}
+
+TEST(AnalysisTest, LargeNoiseMakesParametersImpractical) {
+  const Arm arm = testing::Ur10();
+  const PositionModel model(arm);
+  Dataset data = testing::MeasureGenericPoses(arm, model.NominalValues(), 60);
+  data.sigmas.setConstant(1e-6);
+  EXPECT_THAT(AnalyzeIdentifiability(model, data, {}).weak, IsEmpty());
+  data.sigmas.setConstant(0.5);
+  const IdentifiabilityResult noisy =
+      AnalyzeIdentifiability(model, data, WithPolicy(WeakPolicy::kFreeze));
+  EXPECT_GT(noisy.weak.size(), 5u);
+  EXPECT_EQ(Find(noisy, noisy.weak.front()).rule, "not_practical");
+  EXPECT_THAT(Find(noisy, noisy.weak.front()).reason,
+              HasSubstr("known beforehand"));
+}
+
+TEST(AnalysisTest, RowsInAnyOrderAndThreadsGiveTheSameAnswer) {
+  const Arm arm = testing::Rv2ajWrist();
+  const Dataset data = StudyData(arm);
+  Dataset reversed = data;
+  reversed.joint_values = data.joint_values.rowwise().reverse();
+  reversed.positions = data.positions.rowwise().reverse();
+  const IdentifiabilityResult first =
+      AnalyzeIdentifiability(PositionModel(arm), data, {});
+  for (const IdentifiabilityResult& other :
+       {AnalyzeIdentifiability(PositionModel(arm), reversed, {}),
+        AnalyzeIdentifiability(PositionModel(arm, 8), data, {})}) {
+    EXPECT_EQ(FreeNames(other), FreeNames(first));
+    EXPECT_EQ(other.warnings, first.warnings);
+    ASSERT_EQ(other.relations.size(), first.relations.size());
+    for (std::size_t i = 0; i < first.relations.size(); ++i) {
+      EXPECT_EQ(other.relations[i].text, first.relations[i].text);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace alidade
