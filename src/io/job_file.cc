@@ -33,21 +33,92 @@ SolverName ReadSolverName(const YamlValue& value) {
   return name == "ceres" ? SolverName::kCeres : SolverName::kPseudoInverse;
 }
 
-std::vector<std::string> ReadFix(const YamlValue& value, const Arm& arm) {
+std::vector<std::string> ReadParameterNames(const YamlValue& value,
+                                            const Arm& arm) {
   const ParameterLayout layout(arm.num_joints());
   std::vector<std::string> names;
   for (const Parameter& parameter : layout.parameters()) {
     names.push_back(parameter.name);
   }
-  std::vector<std::string> fix;
+  std::vector<std::string> chosen;
   for (const YamlValue& item : value.List()) {
     const std::string name = item.Choice("parameter", names);
-    if (std::find(fix.begin(), fix.end(), name) != fix.end()) {
+    if (std::find(chosen.begin(), chosen.end(), name) != chosen.end()) {
       item.Fail(Quote(name) + " is repeated, expected each name once");
     }
-    fix.push_back(name);
+    chosen.push_back(name);
   }
-  return fix;
+  return chosen;
+}
+
+// A parameter cannot be both held and free.
+void CheckDisjoint(const IdentifiabilityOptions& options, const YamlMap& map) {
+  for (const std::string& name : options.fix) {
+    for (const auto* list : {&options.free, &options.prefer}) {
+      if (std::find(list->begin(), list->end(), name) == list->end()) continue;
+      map.Fail(Quote(name) + " stands in `fix` and in `" +
+               (list == &options.free ? "free" : "prefer") +
+               "`, expected in one of them");
+    }
+  }
+}
+
+// What the published rules do not know is not read over in silence.
+void CheckMethod(const IdentifiabilityOptions& options, const YamlMap& map) {
+  if (options.method == IdentifiabilityMethod::kRank) return;
+  if (!options.prefer.empty() || !options.free.empty()) {
+    map.Fail("`prefer` and `free` go with `method: rank`");
+  }
+  if (options.candidates.base || options.candidates.tool ||
+      !options.candidates.joints) {
+    map.Fail("`parameters` other than [joints] go with `method: rank`");
+  }
+  if (options.policy == WeakPolicy::kFreeze) {
+    map.Fail("`policy: freeze` goes with `method: rank`");
+  }
+}
+
+WeakPolicy ReadPolicy(const YamlValue& value) {
+  const std::string name = value.Choice("policy", {"freeze", "prior", "keep"});
+  if (name == "freeze") return WeakPolicy::kFreeze;
+  return name == "prior" ? WeakPolicy::kPrior : WeakPolicy::kKeep;
+}
+
+CandidateGroups ReadCandidates(const YamlValue& value) {
+  CandidateGroups groups{false, false, false};
+  for (const YamlValue& item : value.List()) {
+    const std::string name =
+        item.Choice("group of parameters", {"joints", "base", "tool"});
+    bool& group = name == "joints" ? groups.joints
+                  : name == "base" ? groups.base
+                                   : groups.tool;
+    if (group) item.Fail(Quote(name) + " is repeated, expected once");
+    group = true;
+  }
+  return groups;
+}
+
+void ReadPriors(const Context& context, const YamlMap& identifiability,
+                PriorTolerances* priors) {
+  const std::optional<YamlValue> value = identifiability.Optional("priors");
+  if (!value) return;
+  const std::vector<std::tuple<const char*, Dimension, double*>> fields = {
+      {"beta", Dimension::kAngle, &priors->beta},
+      {"alpha", Dimension::kAngle, &priors->alpha},
+      {"d", Dimension::kLength, &priors->d},
+      {"theta", Dimension::kAngle, &priors->theta},
+      {"r", Dimension::kLength, &priors->r},
+      {"frame_length", Dimension::kLength, &priors->frame_length},
+      {"frame_angle", Dimension::kAngle, &priors->frame_angle}};
+  std::vector<std::string> keys;
+  for (const auto& field : fields) keys.emplace_back(std::get<0>(field));
+  const YamlMap map = value->Map(keys);
+  for (const auto& [key, dimension, target] : fields) {
+    if (const auto entry = map.Optional(key)) {
+      *target = entry->Quantity(dimension, context.units);
+    }
+  }
+  CheckOptions(*priors, map);
 }
 
 void ReadIdentifiability(const Context& context, const Arm& arm,
@@ -56,12 +127,30 @@ void ReadIdentifiability(const Context& context, const Arm& arm,
       context.file.Optional("identifiability");
   if (!value) return;
   const YamlMap map =
-      value->Map({"method", "fix", "proceed_beyond_rank", "angle_tolerance",
+      value->Map({"method", "policy", "parameters", "fix", "prefer", "free",
+                  "priors", "proceed_beyond_rank", "angle_tolerance",
                   "relative_tolerance", "perturbation", "seed"});
   if (const auto method = map.Optional("method")) {
-    method->Choice("method", {"rules"});
+    options->method = method->Choice("method", {"rules", "rank"}) == "rules"
+                          ? IdentifiabilityMethod::kRules
+                          : IdentifiabilityMethod::kRank;
   }
-  if (const auto fix = map.Optional("fix")) options->fix = ReadFix(*fix, arm);
+  if (const auto policy = map.Optional("policy")) {
+    options->policy = ReadPolicy(*policy);
+  }
+  if (const auto groups = map.Optional("parameters")) {
+    options->candidates = ReadCandidates(*groups);
+  }
+  for (const auto& [key, names] :
+       {std::pair("fix", &options->fix), std::pair("prefer", &options->prefer),
+        std::pair("free", &options->free)}) {
+    if (const auto list = map.Optional(key)) {
+      *names = ReadParameterNames(*list, arm);
+    }
+  }
+  CheckDisjoint(*options, map);
+  CheckMethod(*options, map);
+  ReadPriors(context, map, &options->priors);
   map.ReadBoolean("proceed_beyond_rank", &options->proceed_beyond_rank);
   if (const auto tolerance = map.Optional("angle_tolerance")) {
     options->angle_tolerance =
@@ -209,6 +298,23 @@ void ReadTruth(Context* context, JobConfig* job) {
   job->truth = layout.Values(job->arm) + deviations;
 }
 
+void ReadNoiseStudy(const Context& context, JobConfig* job) {
+  const std::optional<YamlValue> value = context.file.Optional("noise_study");
+  if (!value) return;
+  const YamlMap map = value->Map({"trials", "workspace_poses", "seed"});
+  if (!job->truth) {
+    map.Fail("a noise study compares with the real arm, expected `truth` too");
+  }
+  NoiseStudyConfig study;
+  map.ReadInteger("trials", &study.trials);
+  map.ReadInteger("workspace_poses", &study.workspace_poses);
+  map.ReadSeed("seed", &study.seed);
+  if (study.trials < 1 || study.workspace_poses < 1) {
+    map.Fail("trials and workspace_poses must be 1 or more");
+  }
+  job->noise_study = study;
+}
+
 }  // namespace
 
 const std::vector<std::string>& PublishedQuantityNames() {
@@ -224,7 +330,7 @@ JobConfig LoadJob(const std::string& path) {
       ReadConfigFile(path, FileFormat::kJob)
           .Map({"format", "title", "units", "arm", "data", "measurement",
                 "truth", "validation", "identifiability", "solver",
-                "compare_with", "acceptance", "published"});
+                "compare_with", "acceptance", "published", "noise_study"});
   Context context{file, Units(file), NamedFiles(path)};
   JobConfig job;
   job.path = path;
@@ -237,6 +343,7 @@ JobConfig LoadJob(const std::string& path) {
   ReadTruth(&context, &job);
   ReadAcceptance(context, &job);
   ReadPublished(context, &job);
+  ReadNoiseStudy(context, &job);
   job.input_files = context.files.paths();
   return job;
 }

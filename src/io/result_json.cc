@@ -59,6 +59,8 @@ Json ToJson(const ParameterResult& parameter) {
   json["rule"] = decision.rule;
   json["reason"] = decision.reason;
   json["stands_for"] = decision.stands_for;
+  json["prior_std"] = decision.prior_std;
+  json["predicted_std"] = decision.predicted_std;
   return json;
 }
 
@@ -68,8 +70,35 @@ Json ToJson(const RankReport& report) {
           {"singular_values", ToJson(report.singular_values)}};
 }
 
+Json ToJson(const Relation& relation) {
+  Json terms = Json::array();
+  for (const auto& [name, coefficient] : relation.terms) {
+    terms.push_back({{"parameter", name}, {"coefficient", coefficient}});
+  }
+  return {{"parameter", relation.parameter},
+          {"level", relation.level},
+          {"terms", terms},
+          {"text", relation.text},
+          {"verified", relation.verified}};
+}
+
+Json ToJson(const ObservabilityIndices& indices) {
+  return {{"o1", indices.o1}, {"o2", indices.o2},
+          {"o3", indices.o3}, {"o4", indices.o4},
+          {"o5", indices.o5}, {"condition", indices.condition}};
+}
+
 Json ToJson(const IdentifiabilityResult& result) {
   return {{"method", result.method},
+          {"policy", result.policy},
+          {"num_candidates", result.num_candidates},
+          {"generic_rank", ToJson(result.generic_rank)},
+          {"structural_rank", ToJson(result.structural_rank)},
+          {"relations", ToJsonList(result.relations, ToJson)},
+          {"advice", result.advice},
+          {"observability",
+           {{"unscaled", ToJson(result.unscaled)},
+            {"scaled", ToJson(result.scaled)}}},
           {"num_free", result.num_free},
           {"exceeds_rank", result.exceeds_rank},
           {"refusal", result.refusal},
@@ -109,6 +138,7 @@ Json ToJson(const SolverSummary& summary) {
       {"pseudo_inverse_tolerance_given",
        summary.pseudo_inverse_tolerance_given},
       {"pseudo_inverse_tolerance_used", summary.pseudo_inverse_tolerance_used},
+      {"first_step_rank", summary.first_step_rank},
       {"rounding_floor", summary.rounding_floor},
       {"time_s", summary.setup_time_s + summary.solve_time_s},
       {"setup_time_s", summary.setup_time_s},

@@ -175,6 +175,8 @@ ParameterResult ReadParameter(const JsonValue& json) {
   decision.rule = json["rule"].Text();
   decision.reason = json["reason"].Text();
   decision.stands_for = json["stands_for"].Text();
+  decision.prior_std = json["prior_std"].Number();
+  decision.predicted_std = json["predicted_std"].Number();
   return parameter;
 }
 
@@ -186,10 +188,42 @@ RankReport ReadRankReport(const JsonValue& json) {
   return report;
 }
 
+Relation ReadRelation(const JsonValue& json) {
+  Relation relation;
+  relation.parameter = json["parameter"].Text();
+  relation.level = json["level"].Text();
+  relation.terms = ReadList(json["terms"], [](const JsonValue& term) {
+    return std::pair(term["parameter"].Text(), term["coefficient"].Number());
+  });
+  relation.text = json["text"].Text();
+  relation.verified = json["verified"].Boolean();
+  return relation;
+}
+
+ObservabilityIndices ReadObservability(const JsonValue& json) {
+  ObservabilityIndices indices;
+  indices.o1 = json["o1"].Number();
+  indices.o2 = json["o2"].Number();
+  indices.o3 = json["o3"].Number();
+  indices.o4 = json["o4"].Number();
+  indices.o5 = json["o5"].Number();
+  indices.condition =
+      json["condition"].Number(std::numeric_limits<double>::infinity());
+  return indices;
+}
+
 IdentifiabilityResult ReadIdentifiability(
     const JsonValue& json, const std::vector<ParameterResult>& parameters) {
   IdentifiabilityResult result;
   result.method = json["method"].Text();
+  result.policy = json["policy"].Text();
+  result.num_candidates = json["num_candidates"].Integer();
+  result.generic_rank = ReadRankReport(json["generic_rank"]);
+  result.structural_rank = ReadRankReport(json["structural_rank"]);
+  result.relations = ReadList(json["relations"], ReadRelation);
+  result.advice = json["advice"].Texts();
+  result.unscaled = ReadObservability(json["observability"]["unscaled"]);
+  result.scaled = ReadObservability(json["observability"]["scaled"]);
   result.num_free = json["num_free"].Integer();
   result.exceeds_rank = json["exceeds_rank"].Boolean();
   result.refusal = json["refusal"].Text();
@@ -236,6 +270,7 @@ SolverSummary ReadSummary(const JsonValue& json) {
       json["pseudo_inverse_tolerance_given"].Number();
   summary.pseudo_inverse_tolerance_used =
       json["pseudo_inverse_tolerance_used"].Number();
+  summary.first_step_rank = json["first_step_rank"].Integer();
   summary.rounding_floor = json["rounding_floor"].Number();
   summary.setup_time_s = json["setup_time_s"].Number();
   summary.solve_time_s = json["solve_time_s"].Number();

@@ -46,6 +46,14 @@ struct AcceptanceLimits {
   std::optional<double> heldout_max;
 };
 
+/// Many calibrations of the same poses with fresh noise, where the real arm is
+/// known: how a method fares that is not helped by exact data.
+struct NoiseStudyConfig {
+  int trials = 1000;
+  int workspace_poses = 2000;  ///< drawn within the limits
+  std::uint64_t seed = 1;
+};
+
 /// A calibration job, its files loaded and checked against each other.
 struct JobConfig {
   std::string path;
@@ -63,6 +71,8 @@ struct JobConfig {
   std::vector<SolverName> compare_with;
   AcceptanceLimits acceptance;
   std::optional<PublishedStudy> published;
+  /// What `compare` runs besides, with the sigmas of the data set.
+  std::optional<NoiseStudyConfig> noise_study;
   /// Every file read for this job, the job file first.
   std::vector<std::string> input_files;
 };
