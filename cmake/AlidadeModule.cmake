@@ -14,7 +14,9 @@ function(alidade_compile_options target)
   if(ALIDADE_SANITIZE)
     target_compile_options(${target} PRIVATE
       -fsanitize=${ALIDADE_SANITIZE} -fno-sanitize-recover=all
-      -fno-omit-frame-pointer)
+      -fno-omit-frame-pointer
+      # GCC 12 sees uninitialized members in std::regex when it sanitizes.
+      -Wno-maybe-uninitialized)
     target_link_options(${target} PUBLIC -fsanitize=${ALIDADE_SANITIZE})
   endif()
 endfunction()

@@ -1,5 +1,7 @@
 #include "alidade/batch/job.h"
 
+#include <glog/logging.h>
+
 #include <chrono>
 #include <optional>
 #include <utility>
@@ -7,6 +9,7 @@
 
 #include "alidade/base/version.h"
 #include "alidade/batch/evaluate.h"
+#include "alidade/identifiability/analysis.h"
 #include "alidade/identifiability/rules.h"
 #include "alidade/io/files.h"
 #include "alidade/solve/solver.h"
@@ -78,8 +81,11 @@ class JobRunner {
   bool Identify() {
     const auto begin = std::chrono::steady_clock::now();
     result().identifiability =
-        ApplyRules(model_, config_.data, config_.identifiability);
+        AnalyzeIdentifiability(model_, config_.data, config_.identifiability);
     result().identify_time_s = SecondsSince(begin);
+    for (const std::string& warning : result().identifiability.warnings) {
+      LOG(WARNING) << "warning: " << warning;
+    }
     if (result().identifiability.exceeds_rank &&
         !config_.identifiability.proceed_beyond_rank) {
       outcome_.status = JobStatus::kRefused;
@@ -94,7 +100,8 @@ class JobRunner {
     options.num_threads = model_.num_threads();
     problem_.emplace(CalibrationProblem{model_, config_.data,
                                         FreeColumns(result().identifiability),
-                                        result().identifiability.nominal_rank});
+                                        result().identifiability.nominal_rank,
+                                        PriorsOf(result().identifiability)});
     result().runs.push_back(Solve(config_.solver, *problem_, options));
     const SolverSummary& summary = result().runs.front().summary;
     if (!summary.IsSolutionUsable()) {
@@ -167,7 +174,7 @@ JobOutcome RunJob(const JobConfig& config, const std::string& command,
 
 IdentifiabilityResult IdentifyJob(const JobConfig& config, int num_threads) {
   const PositionModel model(config.arm, num_threads);
-  return ApplyRules(model, config.data, config.identifiability);
+  return AnalyzeIdentifiability(model, config.data, config.identifiability);
 }
 
 }  // namespace alidade

@@ -19,9 +19,6 @@ void PrintSummary(const JobResult& result,
   std::cout << result.title << "\n\n"
             << FormatAccuracyTable(result) << "\n"
             << FormatStudyTable(result);
-  for (const std::string& warning : result.identifiability.warnings) {
-    PrintError("warning: " + warning);
-  }
   std::cout << "\nResults\n";
   for (const std::string& path : paths) std::cout << "  " << path << "\n";
 }

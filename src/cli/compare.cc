@@ -1,6 +1,7 @@
 #include <iostream>
 
 #include "alidade/batch/job.h"
+#include "alidade/batch/noise_study.h"
 #include "alidade/batch/result_directory.h"
 #include "alidade/io/job_file.h"
 #include "alidade/report/report.h"
@@ -23,14 +24,20 @@ ExitStatus RunCompare(const CommandLine& line) {
     PrintError(path + ": " + outcome.message);
     return kExitNumerical;
   }
-  const std::string text =
+  std::string text =
       outcome.result.title + "\n\n" + FormatComparison(outcome.result);
+  std::vector<ReportFile> files = MakeCsvFiles(outcome.result);
+  const auto add = [&files](std::vector<ReportFile> more) {
+    for (ReportFile& file : more) files.push_back(std::move(file));
+  };
+  add(MakeFigures(outcome.result));
+  if (config.noise_study) {
+    const NoiseStudyResult study = RunNoiseStudy(config, line.threads);
+    text += "\n" + FormatNoiseStudy(study);
+    add(MakeNoiseFiles(study));
+  }
   std::cout << text;
   if (line.out.empty()) return kExitDone;
-  std::vector<ReportFile> files = MakeCsvFiles(outcome.result);
-  for (ReportFile& figure : MakeFigures(outcome.result)) {
-    files.push_back(std::move(figure));
-  }
   files.push_back({"comparison.txt", text});
   std::cout << "\nResults\n";
   for (const std::string& written : WriteResultDirectory(line.out, files)) {

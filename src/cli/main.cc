@@ -209,6 +209,7 @@ ExitStatus Main(const std::vector<std::string>& arguments) {
 
 int main(int argc, char** argv) {
   FLAGS_logtostderr = true;
+  FLAGS_log_prefix = false;
   google::InitGoogleLogging(argv[0]);
   try {
     const alidade::ExitStatus status = alidade::Main({argv + 1, argv + argc});

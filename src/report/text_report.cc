@@ -17,93 +17,6 @@ namespace {
 using Align = TextTable::Align;
 
 constexpr int kParameterDecimals = 6;
-constexpr int kNamesWidth = 28;
-constexpr int kReasonWidth = 44;
-constexpr int kStandsForWidth = 16;
-
-// Decisions that read the same are one row.
-struct DecisionGroup {
-  std::vector<std::string> names;
-  ParameterDecision decision;
-};
-
-bool ReadTheSame(const ParameterDecision& a, const ParameterDecision& b) {
-  return a.state == b.state && a.reason == b.reason &&
-         a.stands_for == b.stands_for;
-}
-
-std::vector<DecisionGroup> GroupDecisions(
-    const std::vector<ParameterDecision>& decisions) {
-  std::vector<DecisionGroup> groups;
-  for (const ParameterState state :
-       {ParameterState::kFree, ParameterState::kFrozen,
-        ParameterState::kGiven}) {
-    for (const ParameterDecision& decision : decisions) {
-      if (decision.state != state) continue;
-      const auto group = std::find_if(
-          groups.begin(), groups.end(), [&decision](const DecisionGroup& g) {
-            return ReadTheSame(g.decision, decision);
-          });
-      if (group == groups.end()) {
-        groups.push_back({{decision.name}, decision});
-      } else {
-        group->names.push_back(decision.name);
-      }
-    }
-  }
-  return groups;
-}
-
-std::int64_t CountState(const IdentifiabilityResult& result,
-                        ParameterState state) {
-  return std::count_if(result.decisions.begin(), result.decisions.end(),
-                       [state](const ParameterDecision& decision) {
-                         return decision.state == state;
-                       });
-}
-
-std::string DecisionTable(const IdentifiabilityResult& result) {
-  TextTable table({{"parameter"}, {"state"}, {"why"}, {"stands for"}});
-  for (const DecisionGroup& group : GroupDecisions(result.decisions)) {
-    AddWrappedRow({Join(group.names, " "), ToString(group.decision.state),
-                   group.decision.reason, group.decision.stands_for},
-                  {kNamesWidth, 0, kReasonWidth, kStandsForWidth}, &table);
-  }
-  return table.ToString();
-}
-
-std::string FormatGap(const RankReport& report) {
-  if (report.rank == report.singular_values.size()) return "nothing dropped";
-  if (std::isinf(report.gap)) return "exact";
-  return FormatSignificant(report.gap, 2);
-}
-
-std::string RankTable(const IdentifiabilityResult& result) {
-  TextTable table(
-      {{"geometry"}, {"rank", Align::kRight}, {"gap", Align::kRight}});
-  const auto add = [&table](const char* geometry, const RankReport& report) {
-    table.AddRow({geometry,
-                  std::to_string(report.rank) + " of " +
-                      std::to_string(report.singular_values.size()),
-                  FormatGap(report)});
-  };
-  add("nominal", result.nominal_rank);
-  add("perturbed", result.perturbed_rank);
-  return table.ToString();
-}
-
-std::string Remarks(const IdentifiabilityResult& result) {
-  std::string text;
-  if (!result.weak.empty()) {
-    text += Paragraph("Told apart from others by second-order effects only: " +
-                      Join(result.weak, " "));
-  }
-  for (const std::string& warning : result.warnings) {
-    text += Paragraph("Warning: " + warning);
-  }
-  return text;
-}
-
 bool IsUnremarkable(const ParameterResult& parameter) {
   return parameter.decision.state == ParameterState::kGiven &&
          parameter.nominal == 0.0 && parameter.value == 0.0 &&
@@ -274,28 +187,6 @@ std::string Section(const std::string& title, const std::string& body) {
 }
 
 }  // namespace
-
-std::string FormatIdentifiability(const IdentifiabilityResult& result) {
-  const std::int64_t free = CountState(result, ParameterState::kFree);
-  const std::int64_t frozen = CountState(result, ParameterState::kFrozen);
-  std::string text = Paragraph(
-      std::to_string(free) + " of " + Count(free + frozen, "parameter") +
-      " are to be identified, " + std::to_string(frozen) +
-      (frozen == 1 ? " is" : " are") + " held at the nominal value.");
-  if (result.exceeds_rank) {
-    text += Paragraph("More parameters are kept than can be told apart: " +
-                      result.refusal);
-  }
-  text += "\n" + DecisionTable(result) + "\n";
-  text += Paragraph(
-      "Rank of the Jacobian of the kept parameters at these poses, at the "
-      "nominal geometry and at small random changes of it (gap: the smallest "
-      "singular value kept over the largest dropped):");
-  text += RankTable(result);
-  const std::string remarks = Remarks(result);
-  if (!remarks.empty()) text += "\n" + remarks;
-  return text;
-}
 
 std::string FormatParameters(const JobResult& result) {
   ParameterColumns columns;

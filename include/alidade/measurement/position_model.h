@@ -53,8 +53,8 @@ class PositionModel {
   void Linearize(const Eigen::VectorXd& values, const Dataset& data,
                  const std::vector<int>& columns, Linearization* out) const;
 
-  /// The largest rounding error to expect of a predicted coordinate (m): the
-  /// unit in the last place of the arm's reach.
+  /// The size of a predicted coordinate's rounding error (m): the unit in the
+  /// last place of the arm's reach. Single coordinates may be off by twice it.
   double RoundingError() const;
 
  private:

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "alidade/results/job_result.h"
+#include "alidade/results/noise_study.h"
 
 namespace alidade {
 
@@ -25,6 +26,16 @@ std::string FormatStudyTable(const JobResult& result);
 /// Every solver side by side: outcome, cost and error per iteration, time,
 /// and where the values differ.
 std::string FormatComparison(const JobResult& result);
+/// What noise does to each way of calibrating: a table, and in words what it
+/// shows.
+std::string FormatNoiseStudy(const NoiseStudyResult& study);
+/// noise_study.svg: the error over the workspace by trial, sorted, of every
+/// method; noise_study.csv: both errors of every trial.
+std::vector<ReportFile> MakeNoiseFiles(const NoiseStudyResult& study);
+/// singular_values.svg and, where there are relations, relations.svg: what
+/// stands for each parameter that is left out.
+std::vector<ReportFile> MakeIdentifiabilityFigures(
+    const IdentifiabilityResult& result);
 /// The whole report.txt.
 std::string FormatReport(const JobResult& result);
 

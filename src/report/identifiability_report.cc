@@ -1,0 +1,175 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "alidade/report/format.h"
+#include "alidade/report/report.h"
+#include "alidade/report/text_table.h"
+#include "src/report/parameter_names.h"
+#include "src/report/text.h"
+
+namespace alidade {
+namespace {
+
+using Align = TextTable::Align;
+
+constexpr int kNamesWidth = 20;
+constexpr int kReasonWidth = 38;
+constexpr int kStandsForWidth = 16;
+
+// Decisions that read the same are one row.
+struct DecisionGroup {
+  std::vector<std::string> names;
+  ParameterDecision decision;
+};
+
+// Parameters with a predicted deviation of their own are a row each.
+bool ReadTheSame(const ParameterDecision& a, const ParameterDecision& b) {
+  return a.state == b.state && a.reason == b.reason &&
+         a.stands_for == b.stands_for && std::isnan(a.predicted_std) &&
+         std::isnan(b.predicted_std);
+}
+
+std::string FormatDeviation(const ParameterDecision& decision) {
+  if (std::isnan(decision.predicted_std)) return "";
+  if (std::isinf(decision.predicted_std)) return "untold";
+  const bool angle = IsAngleName(decision.name);
+  return FormatSignificant(
+             decision.predicted_std / (angle ? kMilliradian : kMillimetre), 2) +
+         (angle ? " mrad" : " mm");
+}
+
+std::vector<DecisionGroup> GroupDecisions(
+    const std::vector<ParameterDecision>& decisions) {
+  std::vector<DecisionGroup> groups;
+  for (const ParameterState state :
+       {ParameterState::kFree, ParameterState::kFrozen,
+        ParameterState::kGiven}) {
+    for (const ParameterDecision& decision : decisions) {
+      if (decision.state != state) continue;
+      const auto group = std::find_if(
+          groups.begin(), groups.end(), [&decision](const DecisionGroup& g) {
+            return ReadTheSame(g.decision, decision);
+          });
+      if (group == groups.end()) {
+        groups.push_back({{decision.name}, decision});
+      } else {
+        group->names.push_back(decision.name);
+      }
+    }
+  }
+  return groups;
+}
+
+std::int64_t CountState(const IdentifiabilityResult& result,
+                        ParameterState state) {
+  return std::count_if(result.decisions.begin(), result.decisions.end(),
+                       [state](const ParameterDecision& decision) {
+                         return decision.state == state;
+                       });
+}
+
+std::string DecisionTable(const IdentifiabilityResult& result) {
+  TextTable table({{"parameter"},
+                   {"state"},
+                   {"why"},
+                   {"stands for"},
+                   {"predicted std", Align::kRight}});
+  for (const DecisionGroup& group : GroupDecisions(result.decisions)) {
+    AddWrappedRow({Join(group.names, " "), ToString(group.decision.state),
+                   group.decision.reason, group.decision.stands_for,
+                   FormatDeviation(group.decision)},
+                  {kNamesWidth, 0, kReasonWidth, kStandsForWidth, 0}, &table);
+  }
+  return table.ToString();
+}
+
+std::string FormatGap(const RankReport& report) {
+  if (report.rank == report.singular_values.size()) return "nothing dropped";
+  if (std::isinf(report.gap)) return "exact";
+  return FormatSignificant(report.gap, 2);
+}
+
+std::string RankTable(const IdentifiabilityResult& result) {
+  TextTable table({{"rank of what, where, at which geometry"},
+                   {"rank", Align::kRight},
+                   {"gap", Align::kRight}});
+  const auto add = [&table](const char* geometry, const RankReport& report) {
+    table.AddRow({geometry,
+                  std::to_string(report.rank) + " of " +
+                      std::to_string(report.singular_values.size()),
+                  FormatGap(report)});
+  };
+  if (result.structural_rank.rank > 0) {
+    add("all candidates, generic poses, perturbed", result.structural_rank);
+    add("all candidates, generic poses, nominal", result.generic_rank);
+  }
+  add("free ones, these poses, perturbed", result.perturbed_rank);
+  add("free ones, these poses, nominal", result.nominal_rank);
+  return table.ToString();
+}
+
+std::string Remarks(const IdentifiabilityResult& result) {
+  std::string text;
+  if (!result.weak.empty()) {
+    text += Paragraph("Told badly by these poses: " + Join(result.weak, " "));
+  }
+  for (const std::string& warning : result.warnings) {
+    text += Paragraph("Warning: " + warning);
+  }
+  for (const std::string& advice : result.advice) {
+    text += Paragraph("Advice: " + advice);
+  }
+  return text;
+}
+
+std::string IndexTable(const IdentifiabilityResult& result) {
+  if (result.num_free == 0 || result.scaled.condition == 0.0) return "";
+  TextTable table({{"observability"},
+                   {"O1", Align::kRight},
+                   {"O2", Align::kRight},
+                   {"O3", Align::kRight},
+                   {"O4", Align::kRight},
+                   {"O5", Align::kRight},
+                   {"condition", Align::kRight}});
+  const auto add = [&table](const char* name,
+                            const ObservabilityIndices& indices) {
+    std::vector<std::string> row = {name};
+    for (const double value : {indices.o1, indices.o2, indices.o3, indices.o4,
+                               indices.o5, indices.condition}) {
+      row.push_back(FormatSignificant(value, 3));
+    }
+    table.AddRow(row);
+  };
+  add("columns as they are (m, m/rad)", result.unscaled);
+  add("angles scaled by the reach", result.scaled);
+  return "\n" + table.ToString();
+}
+
+}  // namespace
+
+std::string FormatIdentifiability(const IdentifiabilityResult& result) {
+  const std::int64_t free = CountState(result, ParameterState::kFree);
+  const std::int64_t frozen = CountState(result, ParameterState::kFrozen);
+  std::string text = Paragraph(
+      std::to_string(free) + " of " + Count(free + frozen, "parameter") +
+      " are to be identified, " + std::to_string(frozen) +
+      (frozen == 1 ? " is" : " are") + " held at the nominal value.");
+  if (result.exceeds_rank) {
+    text += Paragraph("More parameters are kept than can be told apart: " +
+                      result.refusal);
+  }
+  text += "\n" + DecisionTable(result) + "\n";
+  text += Paragraph(
+      "What can be told apart (gap: the smallest singular value that counts "
+      "over the largest that does not; perturbed: small changes of the "
+      "geometry, at which second-order effects count too):");
+  text += RankTable(result) + IndexTable(result);
+  const std::string remarks = Remarks(result);
+  if (!remarks.empty()) text += "\n" + remarks;
+  return text;
+}
+
+}  // namespace alidade
