@@ -2,7 +2,9 @@
 
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -12,6 +14,7 @@
 #include "alidade/identifiability/analysis.h"
 #include "alidade/identifiability/rules.h"
 #include "alidade/io/files.h"
+#include "alidade/report/format.h"
 #include "alidade/solve/solver.h"
 #include "study.h"
 
@@ -33,6 +36,13 @@ SolverRun Solve(SolverName name, const CalibrationProblem& problem,
   run.train = EvaluateAccuracy(problem.model, problem.data, run.values);
   return run;
 }
+
+// Residuals of so many sigmas in the root mean square are no chance: with ten
+// degrees of freedom the odds are below 1e-6.
+constexpr double kLargeResiduals = 2.5;
+
+// A parameter so many prior standard deviations away was not drawn from it.
+constexpr double kFarFromPrior = 5.0;
 
 std::vector<AcceptanceCheck> CheckAcceptance(const AcceptanceLimits& limits,
                                              const JobResult& result) {
@@ -130,12 +140,57 @@ class JobRunner {
     if (config_.published) {
       result().study = CompareWithStudy({config_, *problem_, result()});
     }
+    DoubtResult(values - nominal);
     result().acceptance = CheckAcceptance(config_.acceptance, result());
     outcome_.status = JobStatus::kDone;
     if (!result().accepted()) {
       outcome_.status = JobStatus::kMissedLimits;
       outcome_.message = "an acceptance limit is missed";
     }
+  }
+
+  void Warn(const std::string& warning) {
+    result().warnings.push_back(warning);
+    LOG(WARNING) << "warning: " << warning;
+  }
+
+  // A solver's minimum may be a bad one: of wrong data, of a wrong arm, or not
+  // reached at all.
+  void DoubtResult(const Eigen::VectorXd& deviations) {
+    const SolverSummary& summary = result().runs.front().summary;
+    if (summary.status == SolverStatus::kIterationLimit) {
+      Warn("the solver " + summary.solver +
+           " was stopped by the number of iterations and may be far from the "
+           "minimum");
+    }
+    const int freedom = summary.num_residuals - summary.num_free;
+    const double ratio =
+        std::sqrt(ChiSquare(result().train.residual_after, config_.data) /
+                  std::max(1, freedom));
+    if (freedom > 0 && ratio > kLargeResiduals) {
+      Warn("the residuals are " + FormatSignificant(ratio, 3) +
+           " times as large as the sigmas say: look for wrong units, columns, "
+           "outliers, sigmas or a wrong arm");
+    }
+    DoubtPriors(deviations);
+  }
+
+  void DoubtPriors(const Eigen::VectorXd& deviations) {
+    std::string names;
+    for (const int column : problem_->ColumnsWithPrior()) {
+      const double times =
+          std::abs(deviations[column]) / problem_->priors[column];
+      if (times <= kFarFromPrior) continue;
+      names += (names.empty() ? "" : ", ") +
+               model_.layout().parameter(column).name + " (" +
+               FormatSignificant(times, 2) + ")";
+    }
+    if (names.empty()) return;
+    Warn(
+        "further from nominal than the priors allow, in standard deviations: " +
+        names +
+        "; correct the nominal arm, widen the priors or use another "
+        "policy");
   }
 
   void ListParameters(const Eigen::VectorXd& nominal,

@@ -149,6 +149,11 @@ Dataset Simulate(const SimulationConfig& config) {
   RoundJointValues(config.arm, config.joint_decimals, &data.joint_values);
   data.positions = TruePositions(config, data.joint_values);
   if (config.noise_sigma > 0.0) AddNoise(config, &data.positions);
+  if (!data.joint_values.allFinite() || !data.positions.allFinite()) {
+    throw InputError({config.path, 0, 0, ""},
+                     "the arm, its limits or its deviations are so large that "
+                     "positions are not finite");
+  }
   data.sigmas.setConstant(3, data.num_poses(),
                           config.noise_sigma > 0.0 ? config.noise_sigma : 1.0);
   return data;

@@ -25,6 +25,18 @@ double RoundTo(double value, double unit, int decimals) {
   return std::round(value * scale) / scale;
 }
 
+// Three digits, thousands apart: "204 000".
+std::string FormatRatio(double ratio) {
+  if (ratio < 1000.0) return FormatSignificant(ratio, 3);
+  const double unit = std::pow(10.0, std::floor(std::log10(ratio)) - 2.0);
+  std::string digits =
+      std::to_string(std::llround(ratio / unit) * std::llround(unit));
+  for (int i = static_cast<int>(digits.size()) - 3; i > 0; i -= 3) {
+    digits.insert(static_cast<std::size_t>(i), " ");
+  }
+  return digits;
+}
+
 class Study {
  public:
   explicit Study(const StudyInput& input)
@@ -211,14 +223,10 @@ class Study {
   }
 
   std::string Time() const {
-    std::string text = FormatDuration(study_.timed_s);
-    if (study_.published_s > 0.0 && study_.timed_s > 0.0) {
-      text += ", " +
-              FormatSignificant(
-                  std::round(study_.published_s / study_.timed_s / 1000.0), 3) +
-              " 000 times less";
-    }
-    return text;
+    const std::string time = FormatDuration(study_.timed_s);
+    if (!(study_.published_s > 0.0 && study_.timed_s > 0.0)) return time;
+    return time + ", " + FormatRatio(study_.published_s / study_.timed_s) +
+           " times less";
   }
 
   std::string Identified() const {

@@ -175,7 +175,7 @@ class RankMethod {
     for (const int c : generic.kept) {
       if (decision(c).rule.empty()) told.push_back(c);
     }
-    for (;;) {
+    while (!told.empty()) {
       const Eigen::VectorXd deviations = data.Deviations(told);
       int worst = -1;
       double worst_ratio = 1.0;

@@ -284,7 +284,7 @@ void WarnAboutFree(const PositionModel& model, const Dataset& data,
 }
 
 std::string FormatDeviation(double value, Dimension dimension) {
-  if (!std::isfinite(value)) return "nothing";
+  if (!std::isfinite(value)) return "no bound";
   std::array<char, 32> text{};
   const bool angle = dimension == Dimension::kAngle;
   std::snprintf(text.data(), text.size(), "%.2g %s",

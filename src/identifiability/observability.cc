@@ -37,6 +37,7 @@ Eigen::VectorXd PredictDeviations(const Eigen::MatrixXd& whitened_factor,
   // Rounding leaves this much of a direction in parameters it has no part in.
   constexpr double kNoPart = 1e-6;
   const Eigen::Index p = whitened_factor.cols();
+  if (p == 0) return {};
   Eigen::MatrixXd stacked(whitened_factor.rows() + p, p);
   stacked.topRows(whitened_factor.rows()) = whitened_factor;
   stacked.bottomRows(p) = prior.cwiseInverse().asDiagonal();

@@ -70,6 +70,14 @@ std::string TemporaryName(const std::string& path) {
          std::to_string(counter.fetch_add(1));
 }
 
+// What a symbolic link points to, so that the link stays one.
+std::string TargetOfLinks(const std::string& path) {
+  std::error_code error;
+  if (!fs::is_symlink(path, error)) return path;
+  const fs::path target = fs::weakly_canonical(path, error);
+  return error ? path : target.string();
+}
+
 // Zero, or the errno of what failed; the file does not exist then.
 int WriteNewFile(const std::string& path, const std::string& content) {
   FileDescriptor file(path, O_WRONLY | O_CREAT | O_EXCL);
@@ -112,7 +120,18 @@ std::string ReadFile(const std::string& path) {
   }
 }
 
-void WriteFileAtomically(const std::string& path, const std::string& content) {
+void WriteFileAtomically(const std::string& given, const std::string& content) {
+  const std::string path = TargetOfLinks(given);
+  // Renaming over a device or a pipe would put a file in its place.
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  if (fs::exists(status) && !fs::is_regular_file(status) &&
+      !fs::is_directory(status)) {
+    SourceLocation location;
+    location.file = given;
+    throw InputError(location,
+                     "is a device or a pipe, expected a file or a new name");
+  }
   int error = EEXIST;
   std::string temporary;
   while (error == EEXIST) {

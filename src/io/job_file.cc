@@ -95,6 +95,9 @@ CandidateGroups ReadCandidates(const YamlValue& value) {
     if (group) item.Fail(Quote(name) + " is repeated, expected once");
     group = true;
   }
+  if (!groups.joints && !groups.base && !groups.tool) {
+    value.Fail("the list is empty, expected some of joints, base and tool");
+  }
   return groups;
 }
 

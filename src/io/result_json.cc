@@ -210,6 +210,7 @@ std::string FormatResultJson(const JobResult& result) {
                {"seed", result.seed},
                {"arm", result.arm},
                {"parameters", ToJsonList(result.parameters, ToJson)},
+               {"warnings", result.warnings},
                {"identifiability", ToJson(result.identifiability)},
                {"accuracy", {{"train", ToJson(result.train)}}}};
   if (result.heldout) json["accuracy"]["heldout"] = ToJson(*result.heldout);

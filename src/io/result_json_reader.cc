@@ -386,6 +386,7 @@ JobResult LoadResultJson(const std::string& path) {
   result.seed = json["seed"].Seed();
   result.arm = json["arm"].Text();
   result.parameters = ReadList(json["parameters"], ReadParameter);
+  result.warnings = json["warnings"].Texts();
   result.identifiability =
       ReadIdentifiability(json["identifiability"], result.parameters);
   const JsonValue accuracy = json["accuracy"];

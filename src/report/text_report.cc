@@ -235,6 +235,9 @@ std::string FormatReport(const JobResult& result) {
   std::string text = Heading(title, '=') + "\n";
   if (!result.arm.empty()) text += Paragraph("Arm: " + result.arm) + "\n";
   text += Paragraph(Verdict(result));
+  for (const std::string& warning : result.warnings) {
+    text += Paragraph("Warning: " + warning + ".");
+  }
   text += Section("Accuracy",
                   FormatAccuracyTable(result) + AcceptanceTable(result));
   text += Section("What can be identified",

@@ -151,8 +151,9 @@ bool Progress::Record(const IterationStep& step,
                  options_.function_tolerance * record.cost) {
     Stop(SolverStatus::kConverged,
          "the last step lowered the cost by less than function_tolerance");
-  } else if (!step.accepted && step.predicted_decrease <=
-                                   2.0 * std::sqrt(record.cost * floor_cost_)) {
+  } else if (!step.accepted &&
+             step.predicted_decrease <=
+                 2.0 * std::sqrt(record.cost) * std::sqrt(floor_cost_)) {
     // Rounding of the residuals, times twice their norm, is rounding of the
     // cost: whether such a step is accepted is chance.
     Stop(SolverStatus::kConverged,

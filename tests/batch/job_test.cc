@@ -15,6 +15,7 @@
 namespace alidade {
 namespace {
 
+using ::testing::Contains;
 using ::testing::HasSubstr;
 
 JobConfig LoadStudy(const std::string& name = "rv2aj_study") {
@@ -98,6 +99,25 @@ TEST(JobTest, SolverThatCannotSolveIsReportedAndLeavesTheArmNominal) {
   EXPECT_EQ(outcome.status, JobStatus::kFailed);
   EXPECT_THAT(outcome.message, HasSubstr("not finite"));
   EXPECT_EQ(outcome.calibrated.joints[0].r, config.arm.joints[0].r);
+}
+
+TEST(JobTest, ResidualsBeyondTheirSigmasAreAWarning) {
+  JobConfig config = LoadStudy();
+  EXPECT_TRUE(RunJob(config, "test", 1).result.warnings.empty());
+  config.data.positions.row(2).array() += 0.5e-3;
+  config.data.positions(0, 3) += 5e-3;
+  const JobOutcome outcome = RunJob(config, "test", 1);
+  EXPECT_THAT(outcome.result.warnings, Contains(HasSubstr("sigmas")));
+}
+
+TEST(JobTest, DefaultMethodWarnsOfParametersFarFromTheirPriors) {
+  JobConfig config = LoadStudy();
+  config.identifiability.method = IdentifiabilityMethod::kRank;
+  EXPECT_TRUE(RunJob(config, "test", 1).result.warnings.empty());
+  config.identifiability.priors.d = 1e-6;
+  const JobOutcome outcome = RunJob(config, "test", 1);
+  EXPECT_THAT(outcome.result.warnings,
+              Contains(HasSubstr("further from nominal")));
 }
 
 TEST(JobTest, LimitsDecideTheStatus) {

@@ -54,7 +54,7 @@ std::string WithoutTimes(const std::string& path) {
   strip(&json);
   // The one row of the study's table that states a time.
   return std::regex_replace(json.dump(1),
-                            std::regex("[0-9.]+ m?s, [0-9 ]+ times less"), "");
+                            std::regex("[0-9.]+ m?s, [0-9. ]+ times less"), "");
 }
 
 TEST(CliTest, WithoutCommandPrintsUsageAndExitsWithTwo) {
@@ -131,7 +131,8 @@ TEST_F(StudyTest, CalibrateWritesTheWholeResultDirectory) {
                        "arm.yaml", "convergence.svg", "error_after.svg",
                        "error_before.svg", "heldout.csv", "iterations.csv",
                        "report.txt", "residuals.csv", "result.json",
-                       "validation_after.svg", "validation_before.svg"}));
+                       "singular_values.svg", "validation_after.svg",
+                       "validation_before.svg"}));
 }
 
 TEST_F(StudyTest, CalibrateEndsOnPublishedAgainstObtainedAndThePaths) {
@@ -175,7 +176,7 @@ TEST_F(StudyTest, CalibratedArmIsAnArmThatValidatesAndShows) {
   EXPECT_TRUE(std::regex_search(validated.out,
                                 std::regex("wrist_56.csv +56 .*e-1[34]\n")))
       << validated.out;
-  EXPECT_THAT(Alidade("show " + arm).out, HasSubstr("250.1"));
+  EXPECT_THAT(Alidade("show " + arm).out, HasSubstr("249"));
   EXPECT_THAT(Alidade("show " + out).out, HasSubstr("beta4"));
 }
 
@@ -212,8 +213,8 @@ TEST_F(StudyTest, FlangeIsRefusedWithoutAChoiceAndSolvedWithOne) {
 TEST_F(StudyTest, CompareShowsBothSolvers) {
   const ProcessResult result = Alidade("compare " + kStudy);
   ASSERT_EQ(result.status, 0) << result.err;
-  EXPECT_THAT(result.out, AllOf(HasSubstr("eres"), HasSubstr("pseudo-inverse"),
-                                HasSubstr("rounding floor")));
+  EXPECT_THAT(result.out, AllOf(HasSubstr("Ceres"), HasSubstr("pseudo-inverse"),
+                                HasSubstr("stopped at the rounding")));
 }
 
 TEST_F(StudyTest, MissedAcceptanceLimitExitsWithOneAndStillWrites) {

@@ -149,6 +149,29 @@ TEST(AnalysisTest, LargeNoiseMakesParametersImpractical) {
               HasSubstr("known beforehand"));
 }
 
+TEST(AnalysisTest, NothingIsLeftWhereTheNoiseDrownsEverything) {
+  const Arm arm = testing::Rv2ajWrist();
+  Dataset data = StudyData(arm);
+  data.sigmas.setConstant(1e6);
+  for (const WeakPolicy policy :
+       {WeakPolicy::kFreeze, WeakPolicy::kPrior, WeakPolicy::kKeep}) {
+    const IdentifiabilityResult result =
+        AnalyzeIdentifiability(PositionModel(arm), data, WithPolicy(policy));
+    EXPECT_EQ(result.num_free, policy == WeakPolicy::kFreeze ? 0 : 18);
+    EXPECT_GE(result.weak.size(), 18u);
+  }
+}
+
+TEST(AnalysisTest, EverythingFixedLeavesNothingFree) {
+  const Arm arm = testing::Rv2ajWrist();
+  const PositionModel model(arm);
+  IdentifiabilityOptions options;
+  for (const int c : testing::JointColumns(model.layout())) {
+    options.fix.push_back(model.layout().parameter(c).name);
+  }
+  EXPECT_EQ(AnalyzeIdentifiability(model, StudyData(arm), options).num_free, 0);
+}
+
 TEST(AnalysisTest, RowsInAnyOrderAndThreadsGiveTheSameAnswer) {
   const Arm arm = testing::Rv2ajWrist();
   const Dataset data = StudyData(arm);

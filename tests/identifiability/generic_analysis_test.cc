@@ -119,8 +119,8 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(testing::Planar3R(), testing::Scara(), testing::Puma560(),
                       testing::Stanford(), testing::Ur10(), testing::Panda(),
                       testing::LiftingColumn()),
-    [](const ::testing::TestParamInfo<Arm>& info) {
-      std::string name = info.param.name;
+    [](const ::testing::TestParamInfo<Arm>& arm) {
+      std::string name = arm.param.name;
       name.erase(std::remove_if(name.begin(), name.end(),
                                 [](unsigned char c) { return !isalnum(c); }),
                  name.end());

@@ -122,13 +122,14 @@ TEST_P(RandomArmRankTest, FactorHasTheGramMatrixOfTheScaledJacobian) {
   ExpectGramMatrixOf(problem.Differences(columns), factor);
 }
 
-TEST_P(RandomArmRankTest, FactorHasFewerRowsWhereMeasurementsAreFew) {
+TEST_P(RandomArmRankTest, FactorIsSquareWhereMeasurementsAreFew) {
   const RandomProblem problem(GetParam(), 1, 1);
   const std::vector<int> columns = JointColumns(problem.model.layout());
   const Eigen::MatrixXd factor = ScaledFactor(
       problem.model, problem.model.NominalValues(), problem.data, columns);
-  EXPECT_EQ(factor.rows(), 3);
+  EXPECT_EQ(factor.rows(), 5 * GetParam());
   EXPECT_EQ(factor.cols(), 5 * GetParam());
+  EXPECT_EQ(AnalyzeRank(factor, 1e-9).rank, 3);
   ExpectGramMatrixOf(problem.Differences(columns), factor);
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <string>
@@ -136,6 +137,28 @@ TEST(ResolvePathTest, KeepsDotsThatLeaveASymbolicLink) {
   const std::string path =
       ResolvePath(directory.Path("link/a.yaml"), "../b.csv");
   EXPECT_EQ(ReadFile(path), "text");
+}
+
+TEST(WriteFileAtomicallyTest, PipesAndDevicesAreNotReplaced) {
+  const std::string pipe = ::testing::TempDir() + "alidade_files_test_pipe";
+  unlink(pipe.c_str());
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THROW(WriteFileAtomically(pipe, "text"), InputError);
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  unlink(pipe.c_str());
+}
+
+TEST(WriteFileAtomicallyTest, LinksStayAndTheirTargetsAreWritten) {
+  const std::string target = ::testing::TempDir() + "alidade_files_test_target";
+  const std::string link = ::testing::TempDir() + "alidade_files_test_link";
+  unlink(link.c_str());
+  WriteFileAtomically(target, "before");
+  std::filesystem::create_symlink(target, link);
+  WriteFileAtomically(link, "after");
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  EXPECT_EQ(ReadFile(target), "after");
+  unlink(link.c_str());
+  unlink(target.c_str());
 }
 
 }  // namespace

@@ -208,9 +208,9 @@ TEST(FormatIdentifiabilityTest, TellsEveryDecisionAndItsReason) {
   EXPECT_TRUE(Contains(flat, "d4 free d4 + 0.004 r4"));
   EXPECT_TRUE(Contains(flat, "r4 frozen the axis of joint 4 is parallel"));
   EXPECT_TRUE(Contains(flat, "base_x given"));
-  EXPECT_TRUE(Contains(flat, "nominal 1 of 2 3.2e+11"));
-  EXPECT_TRUE(Contains(flat, "perturbed 2 of 2 nothing dropped"));
-  EXPECT_TRUE(Contains(flat, "second-order effects only: beta1 d4"));
+  EXPECT_TRUE(Contains(flat, "these poses, nominal 1 of 2 3.2e+11"));
+  EXPECT_TRUE(Contains(flat, "these poses, perturbed 2 of 2 nothing dropped"));
+  EXPECT_TRUE(Contains(flat, "Told badly by these poses: beta1 d4"));
   EXPECT_TRUE(Contains(flat, "Warning: the rank is short"));
 }
 

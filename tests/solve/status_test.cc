@@ -275,7 +275,7 @@ TEST(PseudoInverseStatusTest, DivergenceToInfinityFails) {
     const SolverSummary damped = calibration.Solve(testing::kCeres, &start);
     EXPECT_NE(damped.status, SolverStatus::kFailed) << damped.message;
     EXPECT_TRUE(start.allFinite());
-    EXPECT_LT(damped.final_cost, damped.initial_cost);
+    EXPECT_LT(damped.final_cost, damped.initial_cost) << damped.FullReport();
   }
   EXPECT_GE(diverged, 5);
 }

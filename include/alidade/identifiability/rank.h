@@ -15,8 +15,7 @@ namespace alidade {
 /// The triangular factor of the whitened Jacobian whose angle columns are
 /// divided by the reach, so that every column is "metres moved per metre" (or
 /// per angle that moves the end of the reach by a metre). Singular values and
-/// dependencies of it are those of the scaled Jacobian. columns x columns
-/// (fewer rows where there are fewer measurements than columns).
+/// dependencies of it are those of the scaled Jacobian. columns x columns.
 Eigen::MatrixXd ScaledFactor(const PositionModel& model,
                              const Eigen::VectorXd& values, const Dataset& data,
                              const std::vector<int>& columns);

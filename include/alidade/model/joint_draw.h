@@ -1,9 +1,8 @@
 #ifndef ALIDADE_MODEL_JOINT_DRAW_H_
 #define ALIDADE_MODEL_JOINT_DRAW_H_
 
-#include <cstdint>
-
 #include <Eigen/Core>
+#include <cstdint>
 
 #include "alidade/base/random.h"
 #include "alidade/model/arm.h"

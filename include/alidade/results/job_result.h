@@ -140,6 +140,8 @@ struct JobResult {
   std::optional<EvaluatedSet> heldout;
   std::optional<StudyResult> study;
   std::vector<AcceptanceCheck> acceptance;
+  /// What speaks against the result although a solver calls it usable.
+  std::vector<std::string> warnings;
 
   double identify_time_s = 0.0;
   double total_time_s = 0.0;
