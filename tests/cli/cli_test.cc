@@ -188,6 +188,24 @@ TEST_F(StudyTest, IdentifySaysWhatIsFrozenAndWhy) {
                     HasSubstr("beta4 acts as -160 mm * r2")));
 }
 
+TEST_F(StudyTest, UnitsOfTheFilesDoNotChangeTheAnalysis) {
+  // The same arm and data in metres: every length of
+  // the wrist arm is a whole number of millimetres.
+  std::string arm = ReadWhole(kWristArm);
+  arm = std::regex_replace(arm, std::regex("length: mm"), "length: m");
+  for (const char* length : {"300", "250", "160"}) {
+    arm = std::regex_replace(arm,
+                             std::regex(std::string("([dr]): ") + length + " "),
+                             std::string("$1: 0.") + length + " ");
+  }
+  WriteWhole(directory_ / "arm_m.yaml", arm);
+  const ProcessResult metres =
+      Alidade("identify " + (directory_ / "arm_m.yaml") + " " + kWristData);
+  ASSERT_EQ(metres.status, 0) << metres.err;
+  EXPECT_EQ(metres.out,
+            Alidade("identify " + kWristArm + " " + kWristData).out);
+}
+
 TEST_F(StudyTest, FlangeIsRefusedWithoutAChoiceAndSolvedWithOne) {
   std::string job = ReadWhole(kFlangeJob);
   job = std::regex_replace(job, std::regex("\\.\\./\\.\\./datasets"),

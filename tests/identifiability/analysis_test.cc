@@ -10,6 +10,8 @@
 
 #include "alidade/identifiability/rules.h"
 #include "tests/support/classic_arms.h"
+#include "tests/support/matrix_kinematics.h"
+#include "tests/support/reference_solution.h"
 #include "tests/support/study.h"
 
 namespace alidade {
@@ -147,6 +149,42 @@ TEST(AnalysisTest, LargeNoiseMakesParametersImpractical) {
   EXPECT_EQ(Find(noisy, noisy.weak.front()).rule, "not_practical");
   EXPECT_THAT(Find(noisy, noisy.weak.front()).reason,
               HasSubstr("known beforehand"));
+}
+
+// The study's poses with the tool held vertical.
+Dataset VerticalToolData(const Arm& arm) {
+  SimulationConfig config =
+      testing::MeasurementOf(arm, testing::Rv2ajTrueValues(arm), {});
+  CylinderGrid grid;
+  grid.azimuth = {-140.0 * kDegree, 140.0 * kDegree, 8};
+  grid.radius = {210.0 * kMillimetre, 330.0 * kMillimetre, 7};
+  grid.height = 215.0 * kMillimetre;
+  grid.elevation_from = -90.0 * kDegree;
+  grid.elevation_to = -90.0 * kDegree;
+  grid.start.resize(5);
+  grid.start << 0.0, 40.0, 80.0, 40.0, 0.0;
+  grid.start *= kDegree;
+  config.poses = grid;
+  Dataset data = Simulate(config);
+  data.sigmas.setConstant(0.02 * kMillimetre);
+  return data;
+}
+
+TEST(AnalysisTest, VerticalToolTellsThirteenOfTheStudysSeventeen) {
+  const Arm arm = testing::Rv2ajWrist();
+  const PositionModel model(arm);
+  const Dataset data = VerticalToolData(arm);
+  IdentifiabilityOptions options;
+  options.method = IdentifiabilityMethod::kRules;
+  const IdentifiabilityResult result =
+      AnalyzeIdentifiability(model, data, options);
+  EXPECT_EQ(result.num_free, 17);
+  EXPECT_EQ(result.nominal_rank.rank, 13);
+  // The same from matrix products in extended precision.
+  const testing::VectorXl singular_values =
+      testing::RelativeSingularValues(testing::ScaledDifferences(
+          arm, testing::MatrixValues(arm), data, FreeColumns(result)));
+  EXPECT_EQ((singular_values.array() > 1e-6L).count(), 13);
 }
 
 TEST(AnalysisTest, NothingIsLeftWhereTheNoiseDrownsEverything) {
