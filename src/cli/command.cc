@@ -68,7 +68,9 @@ const std::vector<Command>& Commands() {
        "JOB.yaml",
        "run the same job by every solver, side by side",
        "Prints cost and error per iteration, times and where the solutions\n"
-       "differ. With --out=DIR the curves are written as CSV and figures.",
+       "differ. With --out=DIR the curves are written as CSV and figures. A\n"
+       "job with a `noise_study` is also calibrated many times with fresh\n"
+       "noise, by the published procedure and by Alidade's own.",
        {"out", "seed"},
        1,
        1,

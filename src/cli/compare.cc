@@ -12,7 +12,10 @@ namespace alidade {
 ExitStatus RunCompare(const CommandLine& line) {
   const std::string& path = line.files.front();
   JobConfig config = LoadJob(path);
-  if (line.seed) config.identifiability.seed = *line.seed;
+  if (line.seed) {
+    config.identifiability.seed = *line.seed;
+    if (config.noise_study) config.noise_study->seed = *line.seed;
+  }
   config.compare_with = {SolverName::kCeres, SolverName::kPseudoInverse};
   // Solvers are compared on the data; what a study published, and whether the
   // result is good enough, is for calibrate to say.
