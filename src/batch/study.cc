@@ -223,7 +223,7 @@ class Study {
   }
 
   std::string Time() const {
-    const std::string time = FormatDuration(study_.timed_s);
+    std::string time = FormatDuration(study_.timed_s);
     if (!(study_.published_s > 0.0 && study_.timed_s > 0.0)) return time;
     return time + ", " + FormatRatio(study_.published_s / study_.timed_s) +
            " times less";

@@ -4,16 +4,15 @@
 #include <cctype>
 #include <iostream>
 #include <limits>
+#include <utility>
 
 namespace alidade {
 namespace {
 
 constexpr int kAnyNumber = std::numeric_limits<int>::max();
 
-}  // namespace
-
-const std::vector<Command>& Commands() {
-  static const std::vector<Command> kCommands = {
+std::vector<Command> FileCommands() {
+  return {
       {"show",
        "ARM.yaml [DATA.csv] | JOB.yaml | RESULT.json",
        "print an arm, a data set, a job or a result as a table",
@@ -43,6 +42,11 @@ const std::vector<Command>& Commands() {
        1,
        1,
        RunSimulate},
+  };
+}
+
+std::vector<Command> JobCommands() {
+  return {
       {"identify",
        "JOB.yaml | ARM.yaml DATA.csv",
        "tell which parameters these poses can identify, and why",
@@ -78,15 +82,27 @@ const std::vector<Command>& Commands() {
       {"validate",
        "ARM.yaml DATA.csv... | ARM.yaml REFERENCE.yaml",
        "accuracy of an arm on data, or against another arm",
-       "With data sets: errors of the arm's predictions at their poses. With "
-       "a\n"
-       "second arm: distance between the two over 10 000 joint values drawn\n"
-       "within the limits of the first (--seed).",
+       "With data sets: errors of the arm's predictions at their poses.\n"
+       "With a second arm: distance between the two over 10 000 joint\n"
+       "values drawn within the limits of the first (--seed).",
        {"seed"},
        2,
        kAnyNumber,
        RunValidate},
   };
+}
+
+}  // namespace
+
+const std::vector<Command>& Commands() {
+  static const std::vector<Command> kCommands = [] {
+    std::vector<Command> commands = FileCommands();
+    std::vector<Command> more = JobCommands();
+    for (Command& command : more) {
+      commands.push_back(std::move(command));
+    }
+    return commands;
+  }();
   return kCommands;
 }
 

@@ -121,14 +121,14 @@ class DataAnalyzer {
     for (int j = 0; j < model_.layout().num_joints(); ++j) {
       const int gain = RankWithJointMoved(j) - analysis_.rank.rank;
       if (gain <= 0) continue;
-      analysis_.advice.push_back(
+      analysis_.advice.emplace_back(
           "moving joint " + std::to_string(j + 1) +
           " through its range, the others as measured, would tell " +
           std::to_string(gain) + " more " +
           (gain == 1 ? "parameter" : "parameters") + " apart");
     }
     if (!analysis_.advice.empty()) return;
-    analysis_.advice.push_back(
+    analysis_.advice.emplace_back(
         "no joint alone would help: vary several of them together");
   }
 
@@ -270,7 +270,7 @@ void WarnAboutFree(const PositionModel& model, const Dataset& data,
   const double off_axis = arm.last_from_target.translation().head<2>().norm();
   if (arm.joints.back().type == JointType::kRevolute &&
       off_axis <= 1e-6 * Reach(arm)) {
-    result->warnings.push_back(
+    result->warnings.emplace_back(
         "the target lies on the axis of the last joint, whose rotation "
         "therefore moves no measured point: two parameters fewer can be "
         "identified than with a target off the axis");

@@ -133,7 +133,7 @@ std::string FormatTerm(const ParameterLayout& layout, const Term& term) {
   return FormatNumber(value * kMillimetre) + " /mm * " + name;
 }
 
-std::string AppendTerm(std::string sum, const std::string& term) {
+std::string AppendTerm(const std::string& sum, const std::string& term) {
   if (sum.empty()) return term;
   const bool negative = term[0] == '-';
   return sum + (negative ? " - " : " + ") + term.substr(negative ? 1 : 0);

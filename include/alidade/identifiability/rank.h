@@ -71,7 +71,7 @@ struct Term {
 std::string FormatTerm(const ParameterLayout& layout, const Term& term);
 
 /// Adds a term to a sum: "r2", "-72 mm * alpha5" -> "r2 - 72 mm * alpha5".
-std::string AppendTerm(std::string sum, const std::string& term);
+std::string AppendTerm(const std::string& sum, const std::string& term);
 
 /// "alpha5 acts as -72 mm * r2", "alpha5 has no effect".
 std::string DescribeDependency(const ParameterLayout& layout,
