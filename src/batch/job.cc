@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "alidade/base/chi_square.h"
 #include "alidade/base/version.h"
 #include "alidade/batch/evaluate.h"
 #include "alidade/identifiability/analysis.h"
@@ -16,6 +17,7 @@
 #include "alidade/io/files.h"
 #include "alidade/report/format.h"
 #include "alidade/solve/solver.h"
+#include "preparation.h"
 #include "study.h"
 
 namespace alidade {
@@ -27,11 +29,11 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
 }
 
 SolverRun Solve(SolverName name, const CalibrationProblem& problem,
-                const SolverOptions& options) {
+                LossKind loss, const SolverOptions& options) {
   SolverRun run;
   run.values = problem.model.NominalValues();
   run.summary = name == SolverName::kCeres
-                    ? SolveCeres(problem, options, &run.values)
+                    ? SolveRobust(problem, loss, options, &run.values)
                     : SolvePseudoInverse(problem, options, &run.values);
   run.train = EvaluateAccuracy(problem.model, problem.data, run.values);
   return run;
@@ -60,15 +62,40 @@ std::vector<AcceptanceCheck> CheckAcceptance(const AcceptanceLimits& limits,
   return checks;
 }
 
+// Observations beyond this are outliers: were all residuals Gaussian, one of
+// them would be there in so many of all calibrations.
+constexpr double kChanceOfOutlier = 0.05;
+
+constexpr int kPositionDimension = 3;
+
 class JobRunner {
  public:
-  JobRunner(const JobConfig& config, int num_threads)
-      : config_(config), model_(config.arm, num_threads) {
-    outcome_.calibrated = config.arm;
+  JobRunner(JobConfig config, int num_threads)
+      : config_(std::move(config)),
+        frames_fitted_(FitFrames(&config_, num_threads)),
+        estimated_sigma_(config_.estimate_sigma
+                             ? EstimateSigma(&config_, num_threads)
+                             : 0.0),
+        model_(config_.arm, num_threads) {
+    outcome_.calibrated = config_.arm;
   }
 
   JobOutcome Run(const std::string& command) {
     DescribeInputs(command);
+    result().estimated_sigma = estimated_sigma_;
+    if (config_.estimate_sigma && !(estimated_sigma_ > 0.0)) {
+      outcome_.status = JobStatus::kRefused;
+      outcome_.message =
+          "sigma cannot be estimated: these poses leave no degree of freedom, "
+          "or the data are exact, or no fit succeeded. State `measurement: "
+          "{sigma: ...}`";
+      return std::move(outcome_);
+    }
+    if (frames_fitted_) {
+      result().before_note =
+          "before: base and tool fitted to the training poses, the geometry of "
+          "the joints nominal";
+    }
     if (Identify() && SolveAll()) Evaluate();
     outcome_.result.total_time_s = SecondsSince(start_);
     return std::move(outcome_);
@@ -112,7 +139,8 @@ class JobRunner {
                                         FreeColumns(result().identifiability),
                                         result().identifiability.nominal_rank,
                                         PriorsOf(result().identifiability)});
-    result().runs.push_back(Solve(config_.solver, *problem_, options));
+    result().runs.push_back(
+        Solve(config_.solver, *problem_, config_.loss, options));
     const SolverSummary& summary = result().runs.front().summary;
     if (!summary.IsSolutionUsable()) {
       outcome_.status = JobStatus::kFailed;
@@ -122,7 +150,8 @@ class JobRunner {
     }
     for (const SolverName other : config_.compare_with) {
       if (other == config_.solver) continue;
-      result().runs.push_back(Solve(other, *problem_, options));
+      result().runs.push_back(
+          Solve(other, *problem_, LossKind::kNone, options));
     }
     return true;
   }
@@ -140,6 +169,8 @@ class JobRunner {
     if (config_.published) {
       result().study = CompareWithStudy({config_, *problem_, result()});
     }
+    ListStages(nominal, values);
+    ListOutliers();
     DoubtResult(values - nominal);
     result().acceptance = CheckAcceptance(config_.acceptance, result());
     outcome_.status = JobStatus::kDone;
@@ -163,16 +194,84 @@ class JobRunner {
            " was stopped by the number of iterations and may be far from the "
            "minimum");
     }
-    const int freedom = summary.num_residuals - summary.num_free;
-    const double ratio =
-        std::sqrt(ChiSquare(result().train.residual_after, config_.data) /
-                  std::max(1, freedom));
-    if (freedom > 0 && ratio > kLargeResiduals) {
+    const double freedom =
+        DegreesOfFreedom(*problem_, result().runs.front().values);
+    if (freedom >= 1.0) {
+      result().reduced_chi_square =
+          ChiSquare(result().train.residual_after, config_.data) / freedom;
+    }
+    const double ratio = TypicalResidual();
+    if (ratio > kLargeResiduals) {
       Warn("the residuals are " + FormatSignificant(ratio, 3) +
            " times as large as the sigmas say: look for wrong units, columns, "
            "outliers, sigmas or a wrong arm");
     }
     DoubtPriors(deviations);
+  }
+
+  // In sigmas: the root mean square, or, where the loss expects outliers, what
+  // the median of the norms says.
+  double TypicalResidual() {
+    if (config_.loss == LossKind::kNone) {
+      return std::sqrt(result().reduced_chi_square);
+    }
+    const Eigen::VectorXd squared =
+        SquaredNorms(result().train.residual_after, config_.data);
+    std::vector<double> norms;
+    for (const double s : squared) norms.push_back(std::sqrt(s));
+    return RobustScale(std::move(norms), kPositionDimension);
+  }
+
+  void AddStage(const std::string& name, int num_free,
+                const Eigen::VectorXd& values) {
+    StageResult stage;
+    stage.name = name;
+    stage.num_free = num_free;
+    stage.train = EvaluateAccuracy(model_, config_.data, values);
+    if (config_.validation) {
+      stage.heldout = EvaluateAccuracy(model_, *config_.validation, values);
+    }
+    result().stages.push_back(std::move(stage));
+  }
+
+  // What each part brings. Only where frames are fitted is the first of them
+  // something else than the arm as it was given.
+  void ListStages(const Eigen::VectorXd& nominal,
+                  const Eigen::VectorXd& values) {
+    if (!frames_fitted_) return;
+    const IdentifiabilityOptions& options = config_.identifiability;
+    const Fit frames = FitOnce(config_, model_, FramesOnly(options));
+    AddStage("frames only", frames.num_free(), nominal);
+    if (!options.candidates.joints) return;
+    const Fit offsets =
+        FitOnce(config_, model_, OffsetsOnly(options, config_.arm));
+    if (offsets.summary.IsSolutionUsable()) {
+      AddStage("joint offsets", offsets.num_free(), offsets.values);
+    }
+    AddStage("all geometry", result().identifiability.num_free, values);
+  }
+
+  void ListOutliers() {
+    const Eigen::VectorXd squared =
+        SquaredNorms(result().train.residual_after, config_.data);
+    const auto count = static_cast<double>(squared.size());
+    result().outlier_limit = std::sqrt(
+        ChiSquareUpperQuantile(kChanceOfOutlier / count, kPositionDimension));
+    const RobustLoss loss{
+        config_.loss, config_.loss == LossKind::kNone
+                          ? 1.0
+                          : TuningConstant(config_.loss, kPositionDimension)};
+    for (Eigen::Index i = 0; i < squared.size(); ++i) {
+      const double norm = std::sqrt(squared[i]);
+      if (norm <= result().outlier_limit) continue;
+      result().outliers.push_back({i,
+                                   result().train.residual_after.col(i).norm(),
+                                   norm, loss.Weight(squared[i])});
+    }
+    std::stable_sort(result().outliers.begin(), result().outliers.end(),
+                     [](const Outlier& a, const Outlier& b) {
+                       return a.standardised > b.standardised;
+                     });
   }
 
   void DoubtPriors(const Eigen::VectorXd& deviations) {
@@ -214,7 +313,9 @@ class JobRunner {
 
   const std::chrono::steady_clock::time_point start_ =
       std::chrono::steady_clock::now();
-  const JobConfig& config_;
+  JobConfig config_;
+  const bool frames_fitted_;
+  const double estimated_sigma_;
   PositionModel model_;
   std::optional<CalibrationProblem> problem_;
   JobOutcome outcome_;
@@ -228,8 +329,10 @@ JobOutcome RunJob(const JobConfig& config, const std::string& command,
 }
 
 IdentifiabilityResult IdentifyJob(const JobConfig& config, int num_threads) {
-  const PositionModel model(config.arm, num_threads);
-  return AnalyzeIdentifiability(model, config.data, config.identifiability);
+  JobConfig prepared = config;
+  FitFrames(&prepared, num_threads);
+  const PositionModel model(prepared.arm, num_threads);
+  return AnalyzeIdentifiability(model, prepared.data, prepared.identifiability);
 }
 
 }  // namespace alidade

@@ -14,18 +14,20 @@
 namespace alidade {
 namespace {
 
-// Lengths first: they are what drawings and people state, and a length that
-// stands for an angle reads better than the reverse.
+// Frames first: where an arm stands and what it holds is known worst
+// beforehand, and a joint's number held in their stead would carry its narrow
+// prior over to them. Then lengths: they are what drawings and people state,
+// and a length that stands for an angle reads better than the reverse.
 constexpr std::array<ParameterKind, 9> kCanonicalOrder = {
-    ParameterKind::kD,
-    ParameterKind::kR,
     ParameterKind::kBaseTranslation,
     ParameterKind::kToolTranslation,
+    ParameterKind::kBaseRotation,
+    ParameterKind::kToolRotation,
+    ParameterKind::kD,
+    ParameterKind::kR,
     ParameterKind::kTheta,
     ParameterKind::kAlpha,
-    ParameterKind::kBeta,
-    ParameterKind::kBaseRotation,
-    ParameterKind::kToolRotation};
+    ParameterKind::kBeta};
 
 int CanonicalRank(ParameterKind kind) {
   return static_cast<int>(

@@ -1,6 +1,7 @@
 #include "src/io/config_file.h"
 
 #include <array>
+#include <cstdlib>
 #include <utility>
 
 #include "alidade/io/arm_file.h"
@@ -98,6 +99,22 @@ Arm NamedFiles::ReadArm(const YamlValue& value) {
   Arm arm = Read(value, LoadArm);
   arm_path_ = Resolve(value);
   return arm;
+}
+
+std::string NamedFiles::ExpandVariable(const YamlValue& value) {
+  const std::string text = value.Text();
+  if (text.rfind("${", 0) != 0) return text;
+  const std::size_t end = text.find('}');
+  if (end == std::string::npos) {
+    value.Fail("\"${\" without \"}\", expected ${NAME}/path");
+  }
+  const std::string name = text.substr(2, end - 2);
+  const char* const expansion = std::getenv(name.c_str());
+  if (expansion == nullptr) {
+    value.Fail("the environment variable " + Quote(name) +
+               " is not set, expected it to hold a directory");
+  }
+  return expansion + text.substr(end + 1);
 }
 
 // A file that cannot be read at all is wrong at the key that names it; an error

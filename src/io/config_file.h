@@ -32,9 +32,11 @@ class NamedFiles {
   explicit NamedFiles(const std::string& config_path)
       : config_path_(config_path), paths_{config_path} {}
 
-  /// The path that `value` names, relative to the config file.
+  /// The path that `value` names, relative to the config file. "${NAME}" at its
+  /// beginning stands for an environment variable, for data that are not kept
+  /// with their job. @throws InputError where the variable is not set.
   std::string Resolve(const YamlValue& value) const {
-    return ResolvePath(config_path_, value.Text());
+    return ResolvePath(config_path_, ExpandVariable(value));
   }
 
   /// load(path) of the path that `value` names. @throws InputError.
@@ -55,6 +57,7 @@ class NamedFiles {
   const std::vector<std::string>& paths() const { return paths_; }
 
  private:
+  static std::string ExpandVariable(const YamlValue& value);
   InputError Explain(const InputError& error, const YamlValue& value) const;
 
   std::string config_path_;

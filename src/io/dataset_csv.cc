@@ -23,6 +23,7 @@ struct Quantity {
   std::string base;  // "q1", "x", "std_z"
   Dimension dimension;
   bool must_be_positive = false;
+  std::string mapped = {};  // the only header it has, where a mapping says so
 };
 
 // What a cell of a row is: a quantity in a unit, or nothing of interest.
@@ -64,6 +65,10 @@ std::vector<Quantity> AllQuantities(const Arm& arm) {
 std::vector<std::string> ColumnNames(const std::vector<Quantity>& quantities) {
   std::vector<std::string> names;
   for (const Quantity& quantity : quantities) {
+    if (!quantity.mapped.empty()) {
+      names.push_back(quantity.mapped);
+      continue;
+    }
     for (const std::string& unit : ColumnUnits(quantity.dimension)) {
       names.push_back(quantity.base + "_" + unit);
     }
@@ -74,7 +79,13 @@ std::vector<std::string> ColumnNames(const std::vector<Quantity>& quantities) {
 // "q1_deg or q1_rad"
 std::string Spellings(const Quantity& quantity) {
   const std::vector<std::string> names = ColumnNames({quantity});
-  return names[0] + " or " + names[1];
+  return names.size() == 1 ? names[0] : names[0] + " or " + names[1];
+}
+
+// Whether a header of the file names the quantity, whatever its unit.
+bool IsNamed(const Quantity& quantity, std::string_view header) {
+  if (!quantity.mapped.empty()) return header == quantity.mapped;
+  return header.substr(0, header.rfind('_')) == quantity.base;
 }
 
 // "q12_deg" -> 12; nothing where the name is no joint's.
@@ -171,7 +182,10 @@ class TableReader {
     for (const std::string_view cell : cells_) {
       num_joints = std::max(num_joints, JointNumber(cell).value_or(0));
     }
-    if (num_joints == 0 || num_joints == arm_.num_joints()) return;
+    // A mapping names the joints one by one; what else begins with q is no
+    // matter.
+    const bool is_mapped = !quantities_.front().mapped.empty();
+    if (is_mapped || num_joints == 0 || num_joints == arm_.num_joints()) return;
     lines_.Fail("data set has " + std::to_string(num_joints) +
                 " joints, arm \"" + arm_.name + "\" has " +
                 std::to_string(arm_.num_joints()));
@@ -180,10 +194,8 @@ class TableReader {
   Column ReadColumn(std::string_view cell) const {
     Column column;
     column.name = cell;
-    const std::size_t underscore = cell.rfind('_');
-    const std::string_view base = cell.substr(0, underscore);
     for (std::size_t i = 0; i < quantities_.size(); ++i) {
-      if (quantities_[i].base == base) column.quantity = static_cast<int>(i);
+      if (IsNamed(quantities_[i], cell)) column.quantity = static_cast<int>(i);
     }
     if (column.quantity < 0) {
       if (ignore_others_) return column;
@@ -201,7 +213,7 @@ class TableReader {
   }
 
   const Unit* ReadUnit(std::string_view cell, const Quantity& quantity) const {
-    const std::size_t underscore = quantity.base.size();
+    const std::size_t underscore = std::min(cell.rfind('_'), cell.size());
     const std::string name(cell.substr(std::min(cell.size(), underscore + 1)));
     const std::vector<std::string> fitting = ColumnUnits(quantity.dimension);
     if (std::find(fitting.begin(), fitting.end(), name) == fitting.end()) {
@@ -296,23 +308,40 @@ void AppendPoint(const Eigen::Vector3d& point, std::string* text) {
   }
 }
 
-}  // namespace
-
-Dataset LoadDataset(const std::string& path, const Arm& arm,
-                    double default_sigma) {
-  TableReader reader(path, arm, AllQuantities(arm), false);
-  const Eigen::MatrixXd table = reader.Read();
-  const int num_joints = arm.num_joints();
+Dataset ReadDataset(const std::string& path, int num_joints,
+                    double default_sigma, TableReader* reader) {
+  const Eigen::MatrixXd table = reader->Read();
   Dataset dataset;
   dataset.name = path;
   dataset.joint_values = table.topRows(num_joints);
   dataset.positions = table.middleRows<3>(num_joints);
-  if (reader.Has("std_x")) {
+  if (reader->Has("std_x")) {
     dataset.sigmas = table.bottomRows<3>();
   } else {
     dataset.sigmas.setConstant(3, table.cols(), default_sigma);
   }
   return dataset;
+}
+
+}  // namespace
+
+Dataset LoadDataset(const std::string& path, const Arm& arm,
+                    double default_sigma) {
+  TableReader reader(path, arm, AllQuantities(arm), false);
+  return ReadDataset(path, arm.num_joints(), default_sigma, &reader);
+}
+
+Dataset LoadMappedDataset(const std::string& path, const Arm& arm,
+                          double default_sigma, const ColumnMapping& mapping) {
+  std::vector<Quantity> quantities = AllQuantities(arm);
+  for (std::size_t j = 0; j < mapping.joints.size(); ++j) {
+    quantities[j].mapped = mapping.joints[j];
+  }
+  for (std::size_t axis = 0; axis < mapping.position.size(); ++axis) {
+    quantities[arm.num_joints() + axis].mapped = mapping.position[axis];
+  }
+  TableReader reader(path, arm, std::move(quantities), true);
+  return ReadDataset(path, arm.num_joints(), default_sigma, &reader);
 }
 
 Eigen::MatrixXd LoadJointValues(const std::string& path, const Arm& arm) {

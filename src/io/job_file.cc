@@ -5,6 +5,7 @@
 
 #include "alidade/io/arm_file.h"
 #include "alidade/io/dataset_csv.h"
+#include "alidade/measurement/holdout.h"
 #include "alidade/model/parameter_layout.h"
 #include "src/io/config_file.h"
 #include "src/io/names.h"
@@ -189,6 +190,22 @@ void ReadSolver(const Context& context, JobConfig* job) {
   CheckOptions(options, map);
 }
 
+void ReadRobust(const Context& context, JobConfig* job) {
+  const std::optional<YamlValue> value = context.file.Optional("robust");
+  if (!value) return;
+  const YamlValue loss = value->Map({"loss"}).Required("loss");
+  const std::string name =
+      loss.Choice("loss", {"none", "huber", "cauchy", "tukey"});
+  if (name == "huber") job->loss = LossKind::kHuber;
+  if (name == "cauchy") job->loss = LossKind::kCauchy;
+  if (name == "tukey") job->loss = LossKind::kTukey;
+  if (job->loss != LossKind::kNone && job->solver != SolverName::kCeres) {
+    loss.Fail(
+        "the pseudo-inverse is least squares: a robust loss goes with "
+        "`solver: {name: ceres}`");
+  }
+}
+
 void ReadCompareWith(const Context& context, JobConfig* job) {
   const std::optional<YamlValue> value = context.file.Optional("compare_with");
   if (!value) return;
@@ -277,18 +294,104 @@ void ReadPublished(const Context& context, JobConfig* job) {
   job->published = std::move(study);
 }
 
-void ReadData(Context* context, JobConfig* job) {
-  const double sigma = PositiveLength(
-      context->file.Required("measurement").Map({"sigma"}).Required("sigma"),
-      context->units);
-  const auto load = [&](const std::string& path) {
-    return LoadDataset(path, job->arm, sigma);
-  };
-  job->data = context->files.Read(context->file.Required("data"), load);
-  if (const auto validation = context->file.Optional("validation")) {
-    job->validation =
-        context->files.Read(validation->Map({"data"}).Required("data"), load);
+// A first guess of a sigma that is to be estimated: what an arm's calibration
+// commonly leaves. Only the ratio to the priors hangs on it, until the
+// estimate replaces it.
+constexpr double kFirstSigma = 1e-4;
+
+double ReadSigma(const Context& context, JobConfig* job) {
+  const YamlValue sigma =
+      context.file.Required("measurement").Map({"sigma"}).Required("sigma");
+  if (sigma.Text() == "estimate") {
+    job->estimate_sigma = true;
+    return kFirstSigma;
   }
+  return PositiveLength(sigma, context.units);
+}
+
+std::vector<std::string> ReadHeaders(const YamlValue& value, std::size_t size,
+                                     const std::string& what) {
+  std::vector<std::string> headers;
+  for (const YamlValue& item : value.List(size, what)) {
+    headers.push_back(item.Text());
+    if (std::count(headers.begin(), headers.end(), headers.back()) > 1) {
+      item.Fail("column " + Quote(headers.back()) +
+                " is repeated, expected each once");
+    }
+  }
+  return headers;
+}
+
+ColumnMapping ReadMapping(const YamlValue& value, const Arm& arm) {
+  const YamlMap map = value.Map({"joints", "position"});
+  ColumnMapping mapping;
+  if (const auto joints = map.Optional("joints")) {
+    mapping.joints = ReadHeaders(*joints, arm.joints.size(),
+                                 "the header of each joint's column");
+  }
+  if (const auto position = map.Optional("position")) {
+    mapping.position = ReadHeaders(*position, 3, "the headers of x, y and z");
+  }
+  return mapping;
+}
+
+// A path, or `{file, columns}` where the headers are another program's.
+Dataset ReadDataEntry(Context* context, const YamlValue& value, const Arm& arm,
+                      double sigma) {
+  if (!value.IsMap()) {
+    return context->files.Read(value, [&](const std::string& path) {
+      return LoadDataset(path, arm, sigma);
+    });
+  }
+  const YamlMap map = value.Map({"file", "columns"});
+  const ColumnMapping mapping = ReadMapping(map.Required("columns"), arm);
+  return context->files.Read(
+      map.Required("file"), [&](const std::string& path) {
+        return LoadMappedDataset(path, arm, sigma, mapping);
+      });
+}
+
+void HoldOutPoses(const YamlMap& validation, JobConfig* job) {
+  HoldOutConfig config;
+  const YamlValue fraction = validation.Required("fraction");
+  config.fraction = fraction.Number();
+  if (!(config.fraction > 0.0 && config.fraction < 1.0)) {
+    fraction.Fail("expected a fraction between 0 and 1, found " +
+                  fraction.Text());
+  }
+  validation.ReadSeed("seed", &config.seed);
+  HoldOut split = HoldOutFraction(job->data, config.fraction, config.seed);
+  if (split.train.num_poses() == 0 || split.heldout.num_poses() == 0) {
+    fraction.Fail(
+        "leaves no configuration on one side: the data set has too few "
+        "different ones for it");
+  }
+  job->data = std::move(split.train);
+  job->validation = std::move(split.heldout);
+  job->holdout = config;
+}
+
+void ReadValidation(Context* context, double sigma, JobConfig* job) {
+  const std::optional<YamlValue> value = context->file.Optional("validation");
+  if (!value) return;
+  const YamlMap map = value->Map({"data", "fraction", "seed"});
+  const std::optional<YamlValue> data = map.Optional("data");
+  const bool draws = map.Optional("fraction") || map.Optional("seed");
+  if (data && draws) {
+    map.Fail("expected `data`, or `fraction` and `seed`, not both");
+  }
+  if (data) {
+    job->validation = ReadDataEntry(context, *data, job->arm, sigma);
+  } else {
+    HoldOutPoses(map, job);
+  }
+}
+
+void ReadData(Context* context, JobConfig* job) {
+  const double sigma = ReadSigma(*context, job);
+  job->data =
+      ReadDataEntry(context, context->file.Required("data"), job->arm, sigma);
+  ReadValidation(context, sigma, job);
 }
 
 void ReadTruth(Context* context, JobConfig* job) {
@@ -332,7 +435,7 @@ JobConfig LoadJob(const std::string& path) {
   const YamlMap file =
       ReadConfigFile(path, FileFormat::kJob)
           .Map({"format", "title", "units", "arm", "data", "measurement",
-                "truth", "validation", "identifiability", "solver",
+                "truth", "validation", "identifiability", "solver", "robust",
                 "compare_with", "acceptance", "published", "noise_study"});
   Context context{file, Units(file), NamedFiles(path)};
   JobConfig job;
@@ -341,6 +444,7 @@ JobConfig LoadJob(const std::string& path) {
   job.arm = context.files.ReadArm(file.Required("arm"));
   ReadIdentifiability(context, job.arm, &job.identifiability);
   ReadSolver(context, &job);
+  ReadRobust(context, &job);
   ReadCompareWith(context, &job);
   ReadData(&context, &job);
   ReadTruth(&context, &job);

@@ -41,6 +41,21 @@ Json ToJson(const EvaluatedSet& set) {
           {"after", ToJson(set.after)}};
 }
 
+Json ToJson(const StageResult& stage) {
+  Json json = {{"name", stage.name},
+               {"free", stage.num_free},
+               {"train", ToJson(stage.train)}};
+  if (stage.heldout.n > 0) json["heldout"] = ToJson(stage.heldout);
+  return json;
+}
+
+Json ToJson(const Outlier& outlier) {
+  return {{"pose", outlier.pose},
+          {"error", outlier.error},
+          {"standardised", outlier.standardised},
+          {"weight", outlier.weight}};
+}
+
 Json ToJson(const InputFile& input) {
   return {{"path", input.path}, {"sha256", input.sha256}};
 }
@@ -214,6 +229,12 @@ std::string FormatResultJson(const JobResult& result) {
                {"identifiability", ToJson(result.identifiability)},
                {"accuracy", {{"train", ToJson(result.train)}}}};
   if (result.heldout) json["accuracy"]["heldout"] = ToJson(*result.heldout);
+  json["accuracy"]["before_note"] = result.before_note;
+  json["stages"] = ToJsonList(result.stages, ToJson);
+  json["fit"] = {{"estimated_sigma", result.estimated_sigma},
+                 {"reduced_chi_square", result.reduced_chi_square},
+                 {"outlier_limit", result.outlier_limit},
+                 {"outliers", ToJsonList(result.outliers, ToJson)}};
   json["solver"] = result.runs.empty() ? ToJson(SolverSummary())
                                        : ToJson(result.runs.front().summary);
   json["runs"] = ToJsonList(result.runs, ToJson);

@@ -156,6 +156,20 @@ EvaluatedSet ReadEvaluatedSet(const JsonValue& json) {
   return set;
 }
 
+StageResult ReadStage(const JsonValue& json) {
+  StageResult stage;
+  stage.name = json["name"].Text();
+  stage.num_free = json["free"].Integer();
+  stage.train = ReadAccuracy(json["train"]);
+  if (json.Has("heldout")) stage.heldout = ReadAccuracy(json["heldout"]);
+  return stage;
+}
+
+Outlier ReadOutlier(const JsonValue& json) {
+  return {json["pose"].LongInteger(), json["error"].Number(),
+          json["standardised"].Number(), json["weight"].Number()};
+}
+
 InputFile ReadInput(const JsonValue& json) {
   return {json["path"].Text(), json["sha256"].Text()};
 }
@@ -393,6 +407,18 @@ JobResult LoadResultJson(const std::string& path) {
   result.train = ReadEvaluatedSet(accuracy["train"]);
   if (accuracy.Has("heldout")) {
     result.heldout = ReadEvaluatedSet(accuracy["heldout"]);
+  }
+  if (accuracy.Has("before_note")) {
+    result.before_note = accuracy["before_note"].Text();
+  }
+  // Results written before these keys were there stay readable.
+  if (json.Has("stages")) result.stages = ReadList(json["stages"], ReadStage);
+  if (json.Has("fit")) {
+    const JsonValue fit = json["fit"];
+    result.estimated_sigma = fit["estimated_sigma"].Number();
+    result.reduced_chi_square = fit["reduced_chi_square"].Number();
+    result.outlier_limit = fit["outlier_limit"].Number();
+    result.outliers = ReadList(fit["outliers"], ReadOutlier);
   }
   result.runs = ReadList(json["runs"], ReadRun);
   result.acceptance = ReadList(json["acceptance"], ReadAcceptance);

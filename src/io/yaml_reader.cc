@@ -185,6 +185,8 @@ std::uint64_t YamlValue::Seed() const {
   return *value;
 }
 
+bool YamlValue::IsMap() const { return node_->kind == Kind::kMap; }
+
 std::vector<YamlValue> YamlValue::List() const {
   if (node_->kind != Kind::kList) FailType("a list");
   std::vector<YamlValue> values;

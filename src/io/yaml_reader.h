@@ -82,6 +82,7 @@ class YamlValue {
   /// An integer in [0, 2^64).
   std::uint64_t Seed() const;
 
+  bool IsMap() const;
   /// The items of a list, which may be empty.
   std::vector<YamlValue> List() const;
   /// The items of a list of exactly `size`; `what` describes them.

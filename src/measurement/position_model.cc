@@ -66,6 +66,15 @@ double PositionModel::RoundingError() const {
   return std::numeric_limits<double>::epsilon() * Reach(nominal_);
 }
 
+Eigen::VectorXd SquaredNorms(const Eigen::Matrix3Xd& errors,
+                             const Dataset& data) {
+  return (errors.array() / data.sigmas.array())
+      .square()
+      .colwise()
+      .sum()
+      .transpose();
+}
+
 double ChiSquare(const Eigen::Matrix3Xd& errors, const Dataset& data) {
   return (errors.array() / data.sigmas.array()).square().sum();
 }

@@ -151,6 +151,76 @@ std::string AcceptanceTable(const JobResult& result) {
   return "\n" + table.ToString();
 }
 
+std::string StagesTable(const JobResult& result) {
+  if (result.stages.empty()) return "";
+  const bool heldout = result.heldout.has_value();
+  TextTable table(
+      {{"calibrated"},
+       {"free", Align::kRight},
+       {heldout ? "validation mean" : "training mean", Align::kRight},
+       {"rms", Align::kRight},
+       {"median", Align::kRight},
+       {"p95", Align::kRight},
+       {"max [mm]", Align::kRight}});
+  for (const StageResult& stage : result.stages) {
+    const Accuracy& accuracy = heldout ? stage.heldout : stage.train;
+    std::vector<std::string> row = {stage.name, std::to_string(stage.num_free)};
+    for (const double value : {accuracy.mean, accuracy.rms, accuracy.median,
+                               accuracy.p95, accuracy.max}) {
+      row.push_back(FormatSignificant(value / kMillimetre, 4));
+    }
+    table.AddRow(std::move(row));
+  }
+  return "\n" + Paragraph("What each part of the calibration brings:") +
+         table.ToString();
+}
+
+// Says what "before" is, and how the residuals compare with the sigmas.
+std::string FitNotes(const JobResult& result) {
+  std::string text;
+  if (!result.before_note.empty()) text += Paragraph(result.before_note + ".");
+  if (result.estimated_sigma > 0.0) {
+    text += Paragraph("Sigma of a coordinate, estimated from the residuals: " +
+                      FormatLength(result.estimated_sigma, 3) + ".");
+  }
+  if (result.reduced_chi_square > 0.0) {
+    text += Paragraph("Chi-square by degree of freedom: " +
+                      FormatSignificant(result.reduced_chi_square, 3) +
+                      " (1 where the residuals are as the sigmas say).");
+  }
+  return text.empty() ? "" : "\n" + text;
+}
+
+std::string OutlierTable(const JobResult& result) {
+  if (result.outliers.empty()) return "";
+  constexpr std::size_t kMostRows = 30;
+  TextTable table({{"training pose", Align::kRight},
+                   {"error [mm]", Align::kRight},
+                   {"in sigmas", Align::kRight},
+                   {"weight in the fit", Align::kRight}});
+  for (const Outlier& outlier : result.outliers) {
+    if (static_cast<std::size_t>(&outlier - result.outliers.data()) ==
+        kMostRows) {
+      break;
+    }
+    table.AddRow({std::to_string(outlier.pose + 1),
+                  FormatSignificant(outlier.error / kMillimetre, 4),
+                  FormatSignificant(outlier.standardised, 3),
+                  FormatSignificant(outlier.weight, 2)});
+  }
+  std::string text = Paragraph(
+      Count(static_cast<std::int64_t>(result.outliers.size()), "pose") +
+      " of " + std::to_string(result.train.after.n) + " beyond " +
+      FormatSignificant(result.outlier_limit, 3) +
+      " sigmas, where one in twenty calibrations would have one by chance. "
+      "None was left out of the accuracy; the weight is what the loss left "
+      "them in the fit. residuals.csv has all of them.");
+  if (result.outliers.size() > kMostRows) {
+    text += Paragraph("The worst " + std::to_string(kMostRows) + ":");
+  }
+  return text + table.ToString();
+}
+
 std::string SolverMessages(const JobResult& result) {
   std::string text = "\n";
   for (const SolverRun& run : result.runs) {
@@ -238,8 +308,10 @@ std::string FormatReport(const JobResult& result) {
   for (const std::string& warning : result.warnings) {
     text += Paragraph("Warning: " + warning + ".");
   }
-  text += Section("Accuracy",
-                  FormatAccuracyTable(result) + AcceptanceTable(result));
+  text +=
+      Section("Accuracy", FormatAccuracyTable(result) + StagesTable(result) +
+                              FitNotes(result) + AcceptanceTable(result));
+  text += Section("Outliers", OutlierTable(result));
   text += Section("What can be identified",
                   FormatIdentifiability(result.identifiability));
   text += Section("Parameters", FormatParameters(result));

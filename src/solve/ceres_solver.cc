@@ -1,5 +1,6 @@
 #include <ceres/cost_function.h>
 #include <ceres/iteration_callback.h>
+#include <ceres/loss_function.h>
 #include <ceres/manifold.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
@@ -73,6 +74,18 @@ void HoldFrozenParameters(const CalibrationProblem& problem, double* values,
   }
 }
 
+// Ours, handed to Ceres, so that the loss has one definition.
+class CeresLoss : public ceres::LossFunction {
+ public:
+  explicit CeresLoss(const RobustLoss& loss) : loss_(loss) {}
+  void Evaluate(double s, double* rho) const override {
+    loss_.Evaluate(s, rho);
+  }
+
+ private:
+  RobustLoss loss_;
+};
+
 void AddResiduals(const CalibrationProblem& problem, double* values,
                   ceres::Problem* ceres_problem) {
   const bool with_frames = NeedsFrames(problem);
@@ -84,6 +97,10 @@ void AddResiduals(const CalibrationProblem& problem, double* values,
       blocks.push_back(values + block.first_column);
     }
   }
+  const bool is_robust = problem.loss.kind != LossKind::kNone;
+  // Shared by all residual blocks; the problem owns it.
+  ceres::LossFunction* const loss =
+      is_robust ? new CeresLoss(problem.loss) : nullptr;
   const Dataset& data = problem.data;
   for (Eigen::Index i = 0; i < data.num_poses(); ++i) {
     const PositionObservation observation{data.joint_values.col(i).data(),
@@ -92,7 +109,7 @@ void AddResiduals(const CalibrationProblem& problem, double* values,
     ceres_problem->AddResidualBlock(
         MakePositionCost(problem.model.nominal(), observation, with_frames)
             .release(),
-        nullptr, blocks);
+        loss, blocks);
   }
 }
 

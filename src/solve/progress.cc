@@ -91,12 +91,25 @@ IterationRecord Progress::Evaluate(const Eigen::VectorXd& values) const {
   const Eigen::Matrix3Xd errors = problem_.model.Errors(values, problem_.data);
   const Eigen::VectorXd norms = errors.colwise().norm();
   IterationRecord record;
-  record.cost = ChiSquare(errors, problem_.data) + PriorCost(values);
+  record.cost = RobustCost(errors) + PriorCost(values);
   record.max_error = norms.maxCoeff();
   record.rms_error =
       norms.norm() / std::sqrt(static_cast<double>(norms.size()));
   record.time_s = stopwatch_.Seconds();
   return record;
+}
+
+double Progress::RobustCost(const Eigen::Matrix3Xd& errors) const {
+  if (problem_.loss.kind == LossKind::kNone) {
+    return ChiSquare(errors, problem_.data);
+  }
+  double cost = 0.0;
+  for (const double s : SquaredNorms(errors, problem_.data)) {
+    double rho[3];
+    problem_.loss.Evaluate(s, rho);
+    cost += rho[0];
+  }
+  return cost;
 }
 
 double Progress::PriorCost(const Eigen::VectorXd& values) const {

@@ -57,6 +57,7 @@ class Progress {
  private:
   bool CheckProblem(const Eigen::VectorXd& values);
   IterationRecord Evaluate(const Eigen::VectorXd& values) const;
+  double RobustCost(const Eigen::Matrix3Xd& errors) const;
   double PriorCost(const Eigen::VectorXd& values) const;
   bool ReachedPrecision(const IterationRecord& record);
 

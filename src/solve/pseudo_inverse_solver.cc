@@ -61,7 +61,13 @@ SolverSummary SolvePseudoInverse(const CalibrationProblem& problem,
                                  Eigen::VectorXd* values) {
   Progress progress(problem, options, "pseudo_inverse");
   Eigen::VectorXd current = *values;
-  progress.Start(current);
+  if (problem.loss.kind != LossKind::kNone) {
+    progress.Stop(SolverStatus::kUnusable,
+                  "the pseudo-inverse is least squares and takes no robust "
+                  "loss: use the solver ceres");
+  } else {
+    progress.Start(current);
+  }
   const bool automatic = options.pseudo_inverse_tolerance == 0.0;
   const double tolerance =
       automatic ? kLaterTolerance : options.pseudo_inverse_tolerance;

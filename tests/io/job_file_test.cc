@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "alidade/base/error.h"
 #include "alidade/base/units.h"
 #include "alidade/io/arm_file.h"
 #include "alidade/io/files.h"
@@ -523,7 +525,123 @@ std::vector<std::string> YamlFiles(const std::string& directory) {
   return paths;
 }
 
-// Every file loads; deviations are read for the arm of the study.
+// The smallest job, with `more` behind it.
+std::string WriteJob(const TestDirectory& directory, const std::string& data,
+                     const std::string& more = "") {
+  directory.Write("arm.yaml", kArmText);
+  return directory.Write("job.yaml",
+                         "format: alidade-job-1\n"
+                         "title: A test\n"
+                         "units: {length: mm, angle: deg}\n"
+                         "arm: arm.yaml\n"
+                         "measurement: {sigma: 0.02}\n" +
+                             data + more);
+}
+
+TEST(LoadJobTest, ReadsForeignHeaders) {
+  const TestDirectory directory;
+  directory.Write("foreign.csv",
+                  "id,axis1_deg,q1_deg,slide_m,probe_x_mm,py_mm,pz_m,q9\n"
+                  "first,10,99,0.1,1,2,0.003,\n");
+  const JobConfig job = LoadJob(WriteJob(
+      directory,
+      "data:\n"
+      "  file: foreign.csv\n"
+      "  columns: {joints: [axis1_deg, slide_m], position: [probe_x_mm, py_mm, "
+      "pz_m]}\n"));
+  EXPECT_NEAR(job.data.joint_values(0, 0), 10.0 * kDegree, 1e-15);
+  EXPECT_EQ(job.data.joint_values(1, 0), 0.1);
+  EXPECT_EQ(job.data.positions.col(0), Eigen::Vector3d(0.001, 0.002, 0.003));
+  EXPECT_EQ(job.data.sigmas(2, 0), 2e-5);
+}
+
+TEST(LoadJobTest, NamesTheForeignHeaderThatIsMissing) {
+  const TestDirectory directory;
+  directory.Write("foreign.csv", "a_deg,q2_mm,x_mm,y_mm,z_mm\n1,2,3,4,5\n");
+  const std::string job = WriteJob(
+      directory,
+      "data: {file: foreign.csv, columns: {joints: [b_deg, q2_mm]}}\n");
+  ExpectInputError([&] { LoadJob(job); },
+                   {1, 0, "b_deg", "column is missing, expected b_deg"});
+}
+
+TEST(LoadJobTest, RefusesAForeignHeaderWithoutAUnit) {
+  const TestDirectory directory;
+  directory.Write("foreign.csv", "axis,q2_mm,x_mm,y_mm,z_mm\n1,2,3,4,5\n");
+  const std::string job =
+      WriteJob(directory,
+               "data: {file: foreign.csv, columns: {joints: [axis, q2_mm]}}\n");
+  ExpectInputError([&] { LoadJob(job); }, {1, 1, "axis", "no unit"});
+}
+
+TEST(LoadJobTest, HoldsOutAFractionOfTheConfigurations) {
+  const TestDirectory directory;
+  std::string text = "q1_deg,q2_mm,x_mm,y_mm,z_mm\n";
+  for (int i = 0; i < 20; ++i) {
+    text += std::to_string(i / 2) + ",100,1,2,3\n";
+  }
+  directory.Write("data.csv", text);
+  const JobConfig job = LoadJob(WriteJob(
+      directory, "data: data.csv\n", "validation: {fraction: 0.3, seed: 4}\n"));
+  EXPECT_EQ(job.data.num_poses(), 14);
+  ASSERT_TRUE(job.validation.has_value());
+  EXPECT_EQ(job.validation->num_poses(), 6);
+  EXPECT_EQ(job.holdout->seed, 4U);
+}
+
+TEST(LoadJobTest, RefusesFractionsThatLeaveNothing) {
+  const TestDirectory directory;
+  directory.Write("data.csv", kDataText);
+  const std::string path =
+      WriteJob(directory, "data: data.csv\n", "validation: {fraction: 1.5}\n");
+  ExpectInputError([&] { LoadJob(path); },
+                   {7, 24, "validation.fraction", "between 0 and 1"});
+  WriteJob(directory, "data: data.csv\n", "validation: {fraction: 0.01}\n");
+  ExpectInputError([&] { LoadJob(path); },
+                   {7, 24, "validation.fraction", "no configuration"});
+  WriteJob(directory, "data: data.csv\n",
+           "validation: {fraction: 0.5, data: data.csv}\n");
+  ExpectInputError([&] { LoadJob(path); }, {7, 13, "validation", "not both"});
+}
+
+TEST(LoadJobTest, ReadsLossAndSigmaToEstimate) {
+  const TestDirectory directory;
+  directory.Write("data.csv", kDataText);
+  const std::string path =
+      WriteJob(directory, "data: data.csv\n", "robust: {loss: cauchy}\n");
+  EXPECT_EQ(LoadJob(path).loss, LossKind::kCauchy);
+  EXPECT_FALSE(LoadJob(path).estimate_sigma);
+  std::string text = ReadFile(path);
+  directory.Write("job.yaml", Apply(text, {"sigma: 0.02", "sigma: estimate"}));
+  EXPECT_TRUE(LoadJob(path).estimate_sigma);
+  WriteJob(directory, "data: data.csv\n",
+           "robust: {loss: tukey}\nsolver: {name: pseudo_inverse}\n");
+  ExpectInputError([&] { LoadJob(path); },
+                   {7, 16, "robust.loss", "least squares"});
+}
+
+TEST(LoadJobTest, FindsDataByAnEnvironmentVariable) {
+  const TestDirectory directory;
+  directory.Write("data.csv", kDataText);
+  const std::string path =
+      WriteJob(directory, "data: \"${ALIDADE_TEST_DIRECTORY}/data.csv\"\n");
+  ASSERT_EQ(unsetenv("ALIDADE_TEST_DIRECTORY"), 0);
+  ExpectInputError([&] { LoadJob(path); }, {6, 7, "data", "is not set"});
+  const std::string parent =
+      fs::path(directory.Path("data.csv")).parent_path().string();
+  ASSERT_EQ(setenv("ALIDADE_TEST_DIRECTORY", parent.c_str(), 1), 0);
+  EXPECT_EQ(LoadJob(path).data.num_poses(), 2);
+  unsetenv("ALIDADE_TEST_DIRECTORY");
+}
+
+// The jobs of real arms read data that are not part of the project.
+bool IsWithoutItsData(const std::string& path) {
+  return path.find("/real_arms/") != std::string::npos &&
+         std::getenv("ALIDADE_DATA") == nullptr;
+}
+
+// Every file loads; deviations are read for the arm of the study. A job whose
+// data are elsewhere is read as far as the key that names them.
 TEST(ConfigsTest, EveryFileLoads) {
   const Arm arm = LoadArm(SourcePath("configs/robots/rv2aj_wrist.yaml"));
   const std::vector<std::string> paths = YamlFiles("configs");
@@ -538,7 +656,11 @@ TEST(ConfigsTest, EveryFileLoads) {
         EXPECT_NO_THROW(LoadDeviations(path, arm));
         break;
       case FileFormat::kJob:
-        EXPECT_NO_THROW(LoadJob(path));
+        if (IsWithoutItsData(path)) {
+          EXPECT_THROW(LoadJob(path), InputError);
+        } else {
+          EXPECT_NO_THROW(LoadJob(path));
+        }
         break;
       case FileFormat::kSimulation:
         EXPECT_NO_THROW(LoadSimulation(path));

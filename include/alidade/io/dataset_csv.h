@@ -9,6 +9,14 @@
 
 namespace alidade {
 
+/// Headers of a file that was not written for Alidade: which of its columns
+/// hold what. Each ends in its unit ("q1_cmd_deg", "smr2_x_mm"); all others are
+/// passed over. Empty lists leave the usual names.
+struct ColumnMapping {
+  std::vector<std::string> joints;    ///< one per joint, from the base
+  std::vector<std::string> position;  ///< x, y, z
+};
+
 /// Reads measured positions. Lines that begin with '#' are comments; the first
 /// other line is the header. Columns, in any order: q1_deg or q1_rad
 /// (revolute), q1_mm or q1_m (prismatic) ... for every joint; x_mm y_mm z_mm
@@ -16,6 +24,12 @@ namespace alidade {
 /// (m) is used. @throws InputError with file, line and column name.
 Dataset LoadDataset(const std::string& path, const Arm& arm,
                     double default_sigma);
+
+/// The same of a file with other headers: a mapping of nothing passes over the
+/// columns that are none of the usual ones.
+/// @pre the mapping's lists are empty or as long as they should be.
+Dataset LoadMappedDataset(const std::string& path, const Arm& arm,
+                          double default_sigma, const ColumnMapping& mapping);
 
 /// Reads only the joint columns; others are allowed and ignored.
 Eigen::MatrixXd LoadJointValues(const std::string& path, const Arm& arm);

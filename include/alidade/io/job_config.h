@@ -10,6 +10,7 @@
 
 #include "alidade/identifiability/options.h"
 #include "alidade/measurement/dataset.h"
+#include "alidade/measurement/robust_loss.h"
 #include "alidade/model/arm.h"
 #include "alidade/solve/options.h"
 
@@ -46,6 +47,13 @@ struct AcceptanceLimits {
   std::optional<double> heldout_max;
 };
 
+/// Poses that the fit does not use, drawn from the job's own data set
+/// (holdout.h).
+struct HoldOutConfig {
+  double fraction = 0.3;  ///< of the configurations
+  std::uint64_t seed = 1;
+};
+
 /// Many calibrations of the same poses with fresh noise, where the real arm is
 /// known: how a method fares that is not helped by exact data.
 struct NoiseStudyConfig {
@@ -60,13 +68,19 @@ struct JobConfig {
   std::string title;
   Arm arm;
   Dataset data;
-  /// Poses not used for the fit.
+  /// Poses not used for the fit: of a file of their own, or held out of the
+  /// data's (then they are no longer in `data`).
   std::optional<Dataset> validation;
+  std::optional<HoldOutConfig> holdout;
+  /// The sigma of a coordinate is estimated from the residuals; the sigmas of
+  /// the data are a first guess.
+  bool estimate_sigma = false;
   /// Values of the real arm, one per column of the layout, where it is known.
   std::optional<Eigen::VectorXd> truth;
   IdentifiabilityOptions identifiability;
   SolverName solver = SolverName::kCeres;
   SolverOptions solver_options;
+  LossKind loss = LossKind::kNone;
   /// Further solvers to run on the same data.
   std::vector<SolverName> compare_with;
   AcceptanceLimits acceptance;

@@ -63,6 +63,10 @@ class PositionModel {
   int num_threads_;
 };
 
+/// Squared norm of each whitened position error, one entry per observation.
+Eigen::VectorXd SquaredNorms(const Eigen::Matrix3Xd& errors,
+                             const Dataset& data);
+
 /// Chi-square of position errors: sum of (error / sigma)^2.
 double ChiSquare(const Eigen::Matrix3Xd& errors, const Dataset& data);
 

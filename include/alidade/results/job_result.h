@@ -69,6 +69,22 @@ struct AcceptanceCheck {
   bool met() const { return obtained <= limit; }
 };
 
+/// How accurate the arm is with so much of it calibrated.
+struct StageResult {
+  std::string name;  ///< "frames only", "joint offsets", "all geometry"
+  int num_free = 0;  ///< parameters solved for
+  Accuracy train;
+  Accuracy heldout;  ///< n = 0 without held-out poses
+};
+
+/// An observation of the training data whose residual is beyond chance.
+struct Outlier {
+  std::int64_t pose = 0;      ///< row of the data set that was fitted, from 0
+  double error = 0.0;         ///< |p_predicted - p_measured| (m)
+  double standardised = 0.0;  ///< norm of the whitened residual
+  double weight = 1.0;        ///< that the robust loss left it
+};
+
 /// One line of "published against obtained".
 struct StudyRow {
   std::string quantity;
@@ -138,6 +154,20 @@ struct JobResult {
   std::vector<SolverRun> runs;
   EvaluatedSet train;
   std::optional<EvaluatedSet> heldout;
+  /// What "before" is where it is not the nominal arm as it stands in its file.
+  std::string before_note;
+  /// Where base or tool are fitted: what each part of a calibration brings.
+  std::vector<StageResult> stages;
+  /// Norm of a whitened residual beyond which one of all observations would be
+  /// by chance in 5 % of calibrations; 0 = not looked at.
+  double outlier_limit = 0.0;
+  std::vector<Outlier> outliers;  ///< worst first
+  /// Standard deviation of a coordinate, where the job asked for an estimate
+  /// (m); 0 = given.
+  double estimated_sigma = 0.0;
+  /// Chi-square of the fit over its degrees of freedom, priors accounted for;
+  /// 0 where no freedom is left.
+  double reduced_chi_square = 0.0;
   std::optional<StudyResult> study;
   std::vector<AcceptanceCheck> acceptance;
   /// What speaks against the result although a solver calls it usable.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "alidade/measurement/position_model.h"
+#include "alidade/measurement/robust_loss.h"
 #include "alidade/results/identifiability_result.h"
 #include "alidade/results/solver_summary.h"
 #include "alidade/solve/options.h"
@@ -40,6 +41,10 @@ struct CalibrationProblem {
   /// empty for none at all. With priors the solution is a maximum a posteriori
   /// estimate, and cost is chi-square plus sum ((value - nominal) / prior)^2.
   Eigen::VectorXd priors = {};
+  /// How the cost grows with the whitened residual of an observation:
+  /// chi-square becomes sum_i rho(|r_i|^2). Ceres only; the baseline refuses
+  /// it.
+  RobustLoss loss = {};
 
   /// Free columns that have a prior, in ascending order.
   std::vector<int> ColumnsWithPrior() const;
@@ -56,6 +61,19 @@ struct CalibrationProblem {
 /// kUnusable or kFailed and the message says what to do.
 SolverSummary SolveCeres(const CalibrationProblem& problem,
                          const SolverOptions& options, Eigen::VectorXd* values);
+
+/// SolveCeres with a robust loss, from a start that is good enough for it:
+/// least squares first (or Huber, for the losses after it), then Cauchy, then
+/// Tukey, as far as `loss` asks, each with the tuning constant of 95 %
+/// efficiency and from the solution of the one before. A redescending loss
+/// alone would stop at whatever local minimum is next to the start.
+///
+/// `problem.loss` is not used. The summary is that of the last solve, its
+/// iterations those of all of them; a stage that is not usable ends it. A
+/// solution that gives nearly all observations up is kFailed.
+SolverSummary SolveRobust(const CalibrationProblem& problem, LossKind loss,
+                          const SolverOptions& options,
+                          Eigen::VectorXd* values);
 
 /// The baseline, the study's own algorithm: the whitened Jacobian W of all
 /// poses, its Moore-Penrose inverse W+ by singular value decomposition, and

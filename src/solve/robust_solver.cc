@@ -1,0 +1,96 @@
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "alidade/measurement/robust_loss.h"
+#include "alidade/solve/solver.h"
+
+namespace alidade {
+namespace {
+
+constexpr int kPositionDimension = 3;
+
+// What leads to a loss: each of these is a good enough start for the next.
+std::vector<LossKind> StagesTo(LossKind loss) {
+  switch (loss) {
+    case LossKind::kNone:
+      return {LossKind::kNone};
+    case LossKind::kHuber:
+      return {LossKind::kNone, LossKind::kHuber};
+    case LossKind::kCauchy:
+      return {LossKind::kHuber, LossKind::kCauchy};
+    case LossKind::kTukey:
+      return {LossKind::kHuber, LossKind::kCauchy, LossKind::kTukey};
+  }
+  return {};
+}
+
+// The equations that still have a say, each observation counted by its weight.
+double EffectiveEquations(const CalibrationProblem& problem,
+                          const Eigen::VectorXd& values) {
+  double sum = 0.0;
+  for (const double s :
+       SquaredNorms(problem.model.Errors(values, problem.data), problem.data)) {
+    sum += kPositionDimension * problem.loss.Weight(s);
+  }
+  return sum;
+}
+
+void CheckWeights(const CalibrationProblem& problem,
+                  const Eigen::VectorXd& values, SolverSummary* summary) {
+  if (!summary->IsSolutionUsable()) return;
+  const double equations = EffectiveEquations(problem, values);
+  const auto needed = static_cast<double>(problem.free_columns.size());
+  if (equations >= needed) return;
+  summary->status = SolverStatus::kFailed;
+  summary->message =
+      "the robust loss gives up nearly all observations (what is left weighs "
+      "as " +
+      std::to_string(static_cast<int>(equations)) + " equations for " +
+      std::to_string(problem.free_columns.size()) +
+      " parameters): the sigmas are too small, or the arm or the data are not "
+      "what they are taken for";
+}
+
+// The iterations of `earlier` come before those of `summary`.
+void Prepend(const SolverSummary& earlier, SolverSummary* summary) {
+  std::vector<IterationRecord> all = earlier.iterations;
+  const double time = all.empty() ? 0.0 : all.back().time_s;
+  // Entry 0 of the next stage repeats the state that the last one ended in,
+  // but for its cost.
+  for (IterationRecord record : summary->iterations) {
+    record.iteration = static_cast<int>(all.size());
+    record.time_s += time;
+    all.push_back(record);
+  }
+  summary->iterations = std::move(all);
+  summary->accepted_steps += earlier.accepted_steps;
+  summary->rejected_steps += earlier.rejected_steps;
+  summary->setup_time_s += earlier.setup_time_s;
+  summary->solve_time_s += earlier.solve_time_s;
+}
+
+}  // namespace
+
+SolverSummary SolveRobust(const CalibrationProblem& problem, LossKind loss,
+                          const SolverOptions& options,
+                          Eigen::VectorXd* values) {
+  Eigen::VectorXd current = *values;
+  SolverSummary summary;
+  CalibrationProblem stage = problem;
+  for (const LossKind kind : StagesTo(loss)) {
+    stage.loss = {kind, kind == LossKind::kNone
+                            ? 1.0
+                            : TuningConstant(kind, kPositionDimension)};
+    SolverSummary next = SolveCeres(stage, options, &current);
+    Prepend(summary, &next);
+    summary = std::move(next);
+    if (!summary.IsSolutionUsable()) return summary;
+  }
+  CheckWeights(stage, current, &summary);
+  if (summary.IsSolutionUsable()) *values = current;
+  return summary;
+}
+
+}  // namespace alidade
