@@ -92,10 +92,10 @@ struct PoseStart {
 /// hand-eye calibration, AX = ZB). Starts: the rotations by the largest
 /// singular value of the sum of Kronecker products (Shah 2013, "Solving the
 /// robot-world/hand-eye calibration problem using the Kronecker product"),
-/// by the positions with the target at the last joint, and
-/// with a target frame parallel to the last joint's, kept where the poses do
-/// not tell better; the translations by linear least squares. In the fit, 1 rad
-/// counts as 0.2 m. Nothing for fewer than three poses.
+/// by the positions with the target at the last joint, and with a target frame
+/// parallel to the last joint's, kept where the poses do not tell better; the
+/// translations by linear least squares. In the fit, 1 rad counts as 0.2 m.
+/// Nothing for fewer than three poses.
 std::optional<PoseStart> StartFromPoses(
     const std::vector<Eigen::Isometry3d>& base_from_last,
     const std::vector<Eigen::Isometry3d>& measured_poses);
