@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "alidade/base/svd.h"
 #include "frame_models.h"
@@ -121,6 +120,18 @@ Eigen::Matrix3d BaseRotation(const Poses& base_from_last, const Poses& measured,
   return NearestRotation(sum);
 }
 
+// The target's rotation for a given rotation of the base.
+Eigen::Matrix3d TargetRotation(const Poses& base_from_last,
+                               const Poses& measured,
+                               const Eigen::Matrix3d& base) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    sum +=
+        (base * base_from_last[i].linear()).transpose() * measured[i].linear();
+  }
+  return NearestRotation(sum);
+}
+
 // The place of the base by linear least squares for a target at 0; the first
 // Gauss-Newton step solves for both.
 Eigen::Vector3d BaseTranslation(const Poses& base_from_last,
@@ -131,6 +142,42 @@ Eigen::Vector3d BaseTranslation(const Poses& base_from_last,
     sum += measured[i].translation() - base * base_from_last[i].translation();
   }
   return sum / double(measured.size());
+}
+
+// Three starts: by the orientations alone, by the positions alone, and with
+// the target parallel to the last joint. The first needs turns about two axes,
+// the second places that are not on a line.
+std::vector<PoseStartModel> PoseStarts(const Poses& base_from_last,
+                                       const Poses& measured) {
+  const Eigen::Matrix3d parallel = Eigen::Matrix3d::Identity();
+  std::vector<Eigen::Matrix3d> bases = {
+      BaseRotation(base_from_last, measured, parallel)};
+  std::vector<Eigen::Matrix3d> targets = {parallel};
+  Eigen::Matrix3Xd measured_positions(3, Eigen::Index(measured.size()));
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    measured_positions.col(i) = measured[i].translation();
+  }
+  const auto by_positions =
+      FitRigid(TargetsInBase(base_from_last, Eigen::Vector3d::Zero()),
+               measured_positions);
+  if (by_positions) {
+    bases.push_back(by_positions->b_from_a.linear());
+    targets.push_back(TargetRotation(base_from_last, measured, bases.back()));
+  }
+  bases.emplace_back();
+  targets.emplace_back();
+  StartRotations(base_from_last, measured, &bases.back(), &targets.back());
+  std::vector<PoseStartModel> starts;
+  for (std::size_t k = 0; k < bases.size(); ++k) {
+    PoseStartModel model{&base_from_last, &measured,
+                         Eigen::Isometry3d::Identity(),
+                         Eigen::Matrix3Xd::Zero(3, 1), targets[k]};
+    model.instrument_from_base.linear() = bases[k];
+    model.instrument_from_base.translation() =
+        BaseTranslation(base_from_last, measured, bases[k]);
+    starts.push_back(model);
+  }
+  return starts;
 }
 
 // Anchors from which points x have about the given lengths. With the x
@@ -234,24 +281,7 @@ std::optional<PoseStart> StartFromPoses(
       !AllFinite(base_from_last) || !AllFinite(measured_poses)) {
     return std::nullopt;
   }
-  Eigen::Matrix3d base;
-  Eigen::Matrix3d target;
-  StartRotations(base_from_last, measured_poses, &base, &target);
-  const Eigen::Matrix3d parallel = Eigen::Matrix3d::Identity();
-  std::vector<PoseStartModel> starts;
-  for (const auto& [base_rotation, target_rotation] :
-       {std::pair(BaseRotation(base_from_last, measured_poses, parallel),
-                  parallel),
-        std::pair(base, target)}) {
-    PoseStartModel model{&base_from_last, &measured_poses,
-                         Eigen::Isometry3d::Identity(),
-                         Eigen::Matrix3Xd::Zero(3, 1), target_rotation};
-    model.instrument_from_base.linear() = base_rotation;
-    model.instrument_from_base.translation() =
-        BaseTranslation(base_from_last, measured_poses, base_rotation);
-    starts.push_back(model);
-  }
-  const auto best = FitFromStarts(starts);
+  const auto best = FitFromStarts(PoseStarts(base_from_last, measured_poses));
   if (!best) return std::nullopt;
   PoseStart start;
   start.instrument_from_base = best->instrument_from_base;

@@ -404,6 +404,32 @@ TEST(PoseStartTest, ParallelFlangesLeaveTheTargetAtTheLastJoint) {
   EXPECT_NEAR(TurnBetween(start->instrument_from_base, base), 0.0, kExact);
 }
 
+// The positions tell the base's rotation where turns about one axis do not.
+TEST(PoseStartTest, TurnsAboutOneAxisLeaveTheTargetsHeightAtZero) {
+  for (int seed = 0; seed < 40; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(35, seed);
+    Poses poses = ParallelFlangePoses(12, &random);
+    for (auto& pose : poses) {
+      pose.linear() =
+          Eigen::AngleAxisd(random.Uniform(-kPi, kPi), Eigen::Vector3d::UnitZ())
+              .toRotationMatrix();
+    }
+    const Eigen::Isometry3d base = RandomFrame(5.0, &random);
+    const Eigen::Isometry3d target = RandomFrame(0.2, &random);
+    const auto start =
+        StartFromPoses(poses, MeasuredPoses(poses, base, target));
+    ASSERT_TRUE(start);
+    EXPECT_NEAR(TurnBetween(start->instrument_from_base, base), 0.0, kExact);
+    EXPECT_NEAR(TurnBetween(start->last_from_target, target), 0.0, kExact);
+    Eigen::Vector3d without_height = target.translation();
+    without_height.z() = 0.0;
+    EXPECT_NEAR((start->last_from_target.translation() - without_height).norm(),
+                0.0, 1e-6);
+    EXPECT_NEAR(start->misfit.rms, 0.0, kExact);
+  }
+}
+
 TEST(PoseStartTest, RefusesTooFew) {
   Random random(34);
   const Poses poses = RandomFlangePoses(2, &random);

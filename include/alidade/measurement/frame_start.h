@@ -21,7 +21,7 @@ namespace alidade {
 /// "The Levenberg-Marquardt algorithm"). Weights follow the median misfit,
 /// Huber's among the starts and Tukey's for the best of them, so that some 10 %
 /// of gross outliers do no harm (Huber, Ronchetti 2009, "Robust Statistics",
-/// 7.8).
+/// chapter 7).
 ///
 /// What the data do not fix: a weak prior holds targets at 0 +- 0.5 m, weighed
 /// against the misfit found. It moves an observable target by far less than the
@@ -91,11 +91,11 @@ struct PoseStart {
 /// instrument_from_base base_from_last_i last_from_target (robot-world and
 /// hand-eye calibration, AX = ZB). Starts: the rotations by the largest
 /// singular value of the sum of Kronecker products (Shah 2013, "Solving the
-/// robot-world/hand-eye calibration problem using the Kronecker product",
-/// eq. 28 to 34), and a target frame parallel to the last joint's, kept where
-/// the orientations do not tell better; the translations by linear least
-/// squares. In the fit, 1 rad counts as 0.2 m. Nothing for fewer than three
-/// poses.
+/// robot-world/hand-eye calibration problem using the Kronecker product"),
+/// by the positions with the target at the last joint, and with a target frame
+/// parallel to the last joint's, kept where the poses do not tell better; the
+/// translations by linear least squares. In the fit, 1 rad counts as 0.2 m.
+/// Nothing for fewer than three poses.
 std::optional<PoseStart> StartFromPoses(
     const std::vector<Eigen::Isometry3d>& base_from_last,
     const std::vector<Eigen::Isometry3d>& measured_poses);
