@@ -8,6 +8,8 @@
 
 #include "alidade/base/error.h"
 #include "alidade/base/units.h"
+#include "alidade/io/files.h"
+#include "alidade/io/urdf_file.h"
 #include "alidade/model/dh_conversion.h"
 #include "alidade/model/rotation.h"
 #include "src/io/config_file.h"
@@ -215,6 +217,33 @@ Eigen::Isometry3d ReadFrame(const YamlMap& file, const std::string& key,
   return frame;
 }
 
+Arm ReadRows(const YamlMap& map, const Units& units) {
+  std::string convention = "khalil";
+  const std::optional<YamlValue> named = map.Optional("convention");
+  if (named) {
+    convention = named->Choice("convention", {"khalil", "craig", "standard"});
+  }
+  const std::vector<JointEntry> entries =
+      ReadJoints(map.Required("joints"), convention, units);
+  Arm arm = ArmFromEntries(entries, convention);
+  SetMotorMap(entries, &arm);
+  return arm;
+}
+
+Arm ReadUrdf(const YamlValue& value, const YamlMap& file,
+             const std::string& path) {
+  for (const char* key : {"joints", "convention"}) {
+    if (file.Optional(key)) {
+      value.Fail(std::string("found beside \"") + key +
+                 "\", expected one of both");
+    }
+  }
+  const YamlMap map = value.Map({"file", "base_link", "tip_link"});
+  return ArmFromChain(LoadUrdfChain(
+      ResolvePath(path, map.Required("file").Text()),
+      map.Required("base_link").Text(), map.Required("tip_link").Text()));
+}
+
 // "90 deg", for people.
 std::string Readable(double value, Dimension dimension) {
   const bool is_angle = dimension == Dimension::kAngle;
@@ -317,22 +346,16 @@ std::string FormatFrame(const std::string& key,
 Arm LoadArm(const std::string& path) {
   const YamlMap map = ReadConfigFile(path, FileFormat::kArm)
                           .Map({"format", "name", "units", "convention",
-                                "joints", "motors", "base", "tool"});
+                                "joints", "urdf", "motors", "base", "tool"});
   const Units units(map);
-  std::string convention = "khalil";
-  const std::optional<YamlValue> named = map.Optional("convention");
-  if (named) {
-    convention = named->Choice("convention", {"khalil", "craig", "standard"});
-  }
   const std::string name = map.Required("name").Text();
-  const std::vector<JointEntry> entries =
-      ReadJoints(map.Required("joints"), convention, units);
-  Arm arm = ArmFromEntries(entries, convention);
+  const std::optional<YamlValue> urdf = map.Optional("urdf");
+  Arm arm = urdf ? ReadUrdf(*urdf, map, path) : ReadRows(map, units);
   arm.name = name;
-  SetMotorMap(entries, &arm);
   const std::optional<YamlValue> motors = map.Optional("motors");
   if (motors) ReadMotors(*motors, units, &arm);
-  arm.instrument_from_base = ReadFrame(map, "base", units);
+  arm.instrument_from_base =
+      ReadFrame(map, "base", units) * arm.instrument_from_base;
   // Behind what the standard convention leaves after the last joint.
   arm.last_from_target = arm.last_from_target * ReadFrame(map, "tool", units);
   return arm;

@@ -355,6 +355,23 @@ TEST(LoadArmTest, SignAndOffsetMapMotorsToJoints) {
   EXPECT_LT((MotorsFromJoints(arm, q) - motors).norm(), 1e-15);
 }
 
+TEST(LoadArmTest, ReadsUrdfBetweenBaseAndTool) {
+  const TestDirectory directory;
+  directory.Write("arm.urdf",
+                  "<robot><link name='a'/><link name='b'/>"
+                  "<joint name='j' type='continuous'><parent link='a'/>"
+                  "<child link='b'/><origin xyz='0 0 1'/><axis xyz='0 0 1'/>"
+                  "</joint></robot>");
+  const Arm arm = LoadArm(directory.Write(
+      "arm.yaml", std::string(kHeader) +
+                      "urdf: {file: arm.urdf, base_link: a, tip_link: b}\n"
+                      "base: {x: 5}\ntool: {y: 7}\n"));
+  ASSERT_EQ(arm.num_joints(), 1);
+  EXPECT_EQ(arm.joints[0].r, 1.0);
+  EXPECT_EQ(arm.instrument_from_base.translation().x(), 0.005);
+  EXPECT_EQ(arm.last_from_target.translation().y(), 0.007);
+}
+
 TEST(FormatArmTest, KeepsTheMotorMap) {
   const Arm arm = LoadText(std::string(kHeader) +
                            "joints: [{type: revolute}, {type: revolute}, "
