@@ -1,5 +1,6 @@
 #include "alidade/io/arm_file.h"
 
+#include <Eigen/LU>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -7,6 +8,9 @@
 
 #include "alidade/base/error.h"
 #include "alidade/base/units.h"
+#include "alidade/io/files.h"
+#include "alidade/io/urdf_file.h"
+#include "alidade/model/dh_conversion.h"
 #include "alidade/model/rotation.h"
 #include "src/io/config_file.h"
 #include "src/io/names.h"
@@ -55,32 +59,145 @@ void ReadLimits(const YamlValue& value, const Units& units, Joint* joint) {
   }
 }
 
-Joint ReadJoint(const YamlValue& value, const Units& units) {
-  const YamlMap map =
-      value.Map({"type", "beta", "alpha", "d", "theta", "r", "limits"});
+// The keys of a joint's numbers in a convention. Craig and the standard one
+// call Khalil's d "a" and his r "d".
+std::vector<JointField> FieldsOf(const std::string& convention) {
+  if (convention == "khalil") return {kJointFields.begin(), kJointFields.end()};
+  return {{"theta", Dimension::kAngle, &Joint::theta},
+          {"d", Dimension::kLength, &Joint::r},
+          {"a", Dimension::kLength, &Joint::d},
+          {"alpha", Dimension::kAngle, &Joint::alpha}};
+}
+
+double ReadSign(const YamlValue& value) {
+  const double sign = value.Number();
+  if (std::abs(sign) != 1.0) {
+    value.Fail("expected 1 or -1, found " + value.Text());
+  }
+  return sign;
+}
+
+// A joint as its convention's row, with its own part of the motor map.
+struct JointEntry {
   Joint joint;
+  double sign = 1.0;
+  double offset = 0.0;
+};
+
+JointEntry ReadJoint(const YamlValue& value, const std::string& convention,
+                     const Units& units) {
+  const std::vector<JointField> fields = FieldsOf(convention);
+  std::vector<std::string> keys = {"type"};
+  for (const JointField& field : fields) keys.emplace_back(field.key);
+  keys.insert(keys.end(), {"sign", "offset", "limits"});
+  const YamlMap map = value.Map(keys);
+  JointEntry entry;
+  Joint& joint = entry.joint;
   const std::string type =
       map.Required("type").Choice("joint type", {"revolute", "prismatic"});
   joint.type =
       type == "revolute" ? JointType::kRevolute : JointType::kPrismatic;
-  for (const JointField& field : kJointFields) {
+  for (const JointField& field : fields) {
     ReadQuantity(map, field.key, field.dimension, units,
                  &(joint.*field.member));
   }
+  const std::optional<YamlValue> sign = map.Optional("sign");
+  if (sign) entry.sign = ReadSign(*sign);
+  ReadQuantity(map, "offset", DimensionOf(joint.type), units, &entry.offset);
   const std::optional<YamlValue> limits = map.Optional("limits");
   if (limits) ReadLimits(*limits, units, &joint);
-  return joint;
+  return entry;
 }
 
-std::vector<Joint> ReadJoints(const YamlValue& value, const Units& units) {
+std::vector<JointEntry> ReadJoints(const YamlValue& value,
+                                   const std::string& convention,
+                                   const Units& units) {
   const std::vector<YamlValue> items = value.List();
   if (items.empty() || items.size() > kMaxJoints) {
     value.Fail("expected 1 to " + std::to_string(kMaxJoints) +
                " joints, found " + std::to_string(items.size()));
   }
-  std::vector<Joint> joints;
-  for (const YamlValue& item : items) joints.push_back(ReadJoint(item, units));
-  return joints;
+  std::vector<JointEntry> entries;
+  for (const YamlValue& item : items) {
+    entries.push_back(ReadJoint(item, convention, units));
+  }
+  return entries;
+}
+
+Arm ArmFromEntries(const std::vector<JointEntry>& entries,
+                   const std::string& convention) {
+  Arm arm;
+  if (convention != "standard") {
+    for (const JointEntry& entry : entries) arm.joints.push_back(entry.joint);
+    return arm;
+  }
+  std::vector<DhRow> rows;
+  for (const auto& [joint, sign, offset] : entries) {
+    rows.push_back({joint.type, joint.theta, joint.r, joint.d, joint.alpha,
+                    joint.lower, joint.upper});
+  }
+  return ArmFromStandardDh(rows);
+}
+
+// The map stays empty where no joint has a sign or an offset.
+void SetMotorMap(const std::vector<JointEntry>& entries, Arm* arm) {
+  const int n = arm->num_joints();
+  Eigen::VectorXd signs(n);
+  Eigen::VectorXd offsets(n);
+  for (int j = 0; j < n; ++j) {
+    signs[j] = entries[j].sign;
+    offsets[j] = entries[j].offset;
+  }
+  if ((signs.array() != 1.0).any())
+    arm->joints_from_motors = signs.asDiagonal();
+  if ((offsets.array() != 0.0).any()) arm->motor_offsets = offsets;
+}
+
+double InSi(Dimension dimension, const Units& units) {
+  const Unit& unit = units.Of(dimension);
+  return std::pow(10.0, unit.exponent) * unit.factor;
+}
+
+void ReadMotorMatrix(const YamlValue& value, const Units& units, Arm* arm) {
+  const int n = arm->num_joints();
+  arm->joints_from_motors.resize(n, n);
+  const std::vector<YamlValue> rows = value.List(n, "one row per joint");
+  for (int i = 0; i < n; ++i) {
+    const std::vector<YamlValue> row = rows[i].List(n, "one entry per motor");
+    for (int j = 0; j < n; ++j) {
+      const Dimension to = DimensionOf(arm->joints[i].type);
+      const Dimension from = DimensionOf(arm->joints[j].type);
+      double entry = row[j].Number();
+      if (to != from) entry *= InSi(to, units) / InSi(from, units);
+      arm->joints_from_motors(i, j) = entry;
+    }
+  }
+  if (!Eigen::FullPivLU<Eigen::MatrixXd>(arm->joints_from_motors)
+           .isInvertible()) {
+    value.Fail(
+        "the matrix is singular, expected one by which every joint can be "
+        "moved alone");
+  }
+}
+
+void ReadMotors(const YamlValue& value, const Units& units, Arm* arm) {
+  if (arm->joints_from_motors.size() > 0 || arm->motor_offsets.size() > 0) {
+    value.Fail(
+        "expected either this or \"sign\" and \"offset\" of joints, found "
+        "both");
+  }
+  const YamlMap map = value.Map({"matrix", "offset"});
+  const std::optional<YamlValue> matrix = map.Optional("matrix");
+  if (matrix) ReadMotorMatrix(*matrix, units, arm);
+  const std::optional<YamlValue> offset = map.Optional("offset");
+  if (!offset) return;
+  const int n = arm->num_joints();
+  const std::vector<YamlValue> items = offset->List(n, "one per joint");
+  arm->motor_offsets.resize(n);
+  for (int j = 0; j < n; ++j) {
+    arm->motor_offsets[j] =
+        items[j].Quantity(DimensionOf(arm->joints[j].type), units);
+  }
 }
 
 Eigen::Isometry3d ReadFrame(const YamlMap& file, const std::string& key,
@@ -98,6 +215,33 @@ Eigen::Isometry3d ReadFrame(const YamlMap& file, const std::string& key,
   }
   frame.linear() = RotationFromVector<double>(rotation);
   return frame;
+}
+
+Arm ReadRows(const YamlMap& map, const Units& units) {
+  std::string convention = "khalil";
+  const std::optional<YamlValue> named = map.Optional("convention");
+  if (named) {
+    convention = named->Choice("convention", {"khalil", "craig", "standard"});
+  }
+  const std::vector<JointEntry> entries =
+      ReadJoints(map.Required("joints"), convention, units);
+  Arm arm = ArmFromEntries(entries, convention);
+  SetMotorMap(entries, &arm);
+  return arm;
+}
+
+Arm ReadUrdf(const YamlValue& value, const YamlMap& file,
+             const std::string& path) {
+  for (const char* key : {"joints", "convention"}) {
+    if (file.Optional(key)) {
+      value.Fail(std::string("found beside \"") + key +
+                 "\", expected one of both");
+    }
+  }
+  const YamlMap map = value.Map({"file", "base_link", "tip_link"});
+  return ArmFromChain(LoadUrdfChain(
+      ResolvePath(path, map.Required("file").Text()),
+      map.Required("base_link").Text(), map.Required("tip_link").Text()));
 }
 
 // "90 deg", for people.
@@ -157,6 +301,28 @@ std::string FormatJoint(const Joint& joint, int number) {
          " to " + Readable(joint.upper, dimension) + "\n";
 }
 
+std::string FormatRow(const Eigen::VectorXd& values) {
+  std::string text;
+  for (const double value : values) {
+    text += (text.empty() ? "[" : ", ") + FormatShortest(value);
+  }
+  return text + "]";
+}
+
+std::string FormatMotors(const Arm& arm) {
+  std::string text;
+  if (arm.joints_from_motors.size() > 0) {
+    text += "  matrix:\n";
+    for (const auto& row : arm.joints_from_motors.rowwise()) {
+      text += "    - " + FormatRow(row.transpose()) + "\n";
+    }
+  }
+  if (arm.motor_offsets.size() > 0) {
+    text += "  offset: " + FormatRow(arm.motor_offsets) + "\n";
+  }
+  return text.empty() ? text : "motors:\n" + text;
+}
+
 std::string FormatFrame(const std::string& key,
                         const Eigen::Isometry3d& frame) {
   if (frame.matrix() == Eigen::Matrix4d::Identity()) return "";
@@ -178,15 +344,20 @@ std::string FormatFrame(const std::string& key,
 }  // namespace
 
 Arm LoadArm(const std::string& path) {
-  const YamlMap map =
-      ReadConfigFile(path, FileFormat::kArm)
-          .Map({"format", "name", "units", "joints", "base", "tool"});
+  const YamlMap map = ReadConfigFile(path, FileFormat::kArm)
+                          .Map({"format", "name", "units", "convention",
+                                "joints", "urdf", "motors", "base", "tool"});
   const Units units(map);
-  Arm arm;
-  arm.name = map.Required("name").Text();
-  arm.joints = ReadJoints(map.Required("joints"), units);
-  arm.instrument_from_base = ReadFrame(map, "base", units);
-  arm.last_from_target = ReadFrame(map, "tool", units);
+  const std::string name = map.Required("name").Text();
+  const std::optional<YamlValue> urdf = map.Optional("urdf");
+  Arm arm = urdf ? ReadUrdf(*urdf, map, path) : ReadRows(map, units);
+  arm.name = name;
+  const std::optional<YamlValue> motors = map.Optional("motors");
+  if (motors) ReadMotors(*motors, units, &arm);
+  arm.instrument_from_base =
+      ReadFrame(map, "base", units) * arm.instrument_from_base;
+  // Behind what the standard convention leaves after the last joint.
+  arm.last_from_target = arm.last_from_target * ReadFrame(map, "tool", units);
   return arm;
 }
 
@@ -200,7 +371,8 @@ std::string FormatArm(const Arm& arm, const std::string& comment) {
                      "joints:\n";
   int number = 0;
   for (const Joint& joint : arm.joints) text += FormatJoint(joint, ++number);
-  return text + FormatFrame("base", arm.instrument_from_base) +
+  return text + FormatMotors(arm) +
+         FormatFrame("base", arm.instrument_from_base) +
          FormatFrame("tool", arm.last_from_target);
 }
 

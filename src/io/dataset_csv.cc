@@ -313,7 +313,7 @@ Dataset ReadDataset(const std::string& path, int num_joints,
   const Eigen::MatrixXd table = reader->Read();
   Dataset dataset;
   dataset.name = path;
-  dataset.joint_values = table.topRows(num_joints);
+  dataset.joint_values = JointsFromMotors(arm, table.topRows(num_joints));
   dataset.positions = table.middleRows<3>(num_joints);
   if (reader->Has("std_x")) {
     dataset.sigmas = table.bottomRows<3>();
@@ -345,12 +345,14 @@ Dataset LoadMappedDataset(const std::string& path, const Arm& arm,
 }
 
 Eigen::MatrixXd LoadJointValues(const std::string& path, const Arm& arm) {
-  return TableReader(path, arm, JointQuantities(arm), true).Read();
+  return JointsFromMotors(
+      arm, TableReader(path, arm, JointQuantities(arm), true).Read());
 }
 
 std::string FormatDataset(const Dataset& dataset, const Arm& arm,
                           int joint_decimals, bool with_sigmas,
                           const std::vector<std::string>& comments) {
+  const Eigen::MatrixXd motors = MotorsFromJoints(arm, dataset.joint_values);
   std::string text;
   for (const std::string& comment : comments) {
     text += "# " + OneLine(comment) + "\n";
@@ -361,7 +363,7 @@ std::string FormatDataset(const Dataset& dataset, const Arm& arm,
       const bool is_revolute = arm.joints[j].type == JointType::kRevolute;
       const double unit = is_revolute ? kDegree : kMillimetre;
       if (j > 0) text += ",";
-      text += FormatFixed(dataset.joint_values(j, i) / unit, joint_decimals);
+      text += FormatFixed(motors(j, i) / unit, joint_decimals);
     }
     AppendPoint(dataset.positions.col(i), &text);
     if (with_sigmas) AppendPoint(dataset.sigmas.col(i), &text);

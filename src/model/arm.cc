@@ -1,5 +1,6 @@
 #include "alidade/model/arm.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -16,6 +17,26 @@ double Reach(const Arm& arm) {
     }
   }
   return reach > 0.0 ? reach : 1.0;
+}
+
+Eigen::MatrixXd JointsFromMotors(const Arm& arm,
+                                 const Eigen::MatrixXd& motors) {
+  Eigen::MatrixXd joints = motors;
+  if (arm.joints_from_motors.size() > 0) {
+    joints = arm.joints_from_motors * motors;
+  }
+  if (arm.motor_offsets.size() > 0) joints.colwise() += arm.motor_offsets;
+  return joints;
+}
+
+Eigen::MatrixXd MotorsFromJoints(const Arm& arm,
+                                 const Eigen::MatrixXd& joints) {
+  Eigen::MatrixXd motors = joints;
+  if (arm.motor_offsets.size() > 0) motors.colwise() -= arm.motor_offsets;
+  if (arm.joints_from_motors.size() > 0) {
+    motors = arm.joints_from_motors.partialPivLu().solve(motors).eval();
+  }
+  return motors;
 }
 
 }  // namespace alidade

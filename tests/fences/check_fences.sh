@@ -29,6 +29,7 @@ declare -A may_include=(
 # Each outside library's header prefix, and the modules that may include it.
 declare -A allowed_in=(
   [ceres/]="measurement solve compensation uncertainty"
+  [tinyxml2.h]="io"
   [yaml-cpp/]="io"
   [gflags/]="cli"
 )

@@ -184,6 +184,26 @@ INSTANTIATE_TEST_SUITE_P(
             "LimitIsNan",
             WithJoints("  - {type: revolute, limits: [.nan, 1]}\n"),
             {5, 31, "joints[1].limits[1]", "expected a finite number"}},
+        ArmErrorCase{"UnknownConvention",
+                     kHeader + std::string("convention: paul\n"),
+                     {4, 13, "convention", "khalil, craig, standard"}},
+        ArmErrorCase{
+            "KeyOfAnotherConvention",
+            kHeader + std::string("convention: craig\n"
+                                  "joints: [{type: revolute, r: 1}]\n"),
+            {5, 27, "joints[1].r", "type, theta, d, a, alpha"}},
+        ArmErrorCase{"SignIsTwo",
+                     WithJoints("  - {type: revolute, sign: 2}\n"),
+                     {5, 28, "joints[1].sign", "expected 1 or -1"}},
+        ArmErrorCase{"SingularMotors",
+                     WithJoints("  - {type: revolute}\n"
+                                "  - {type: revolute}\n") +
+                         "motors: {matrix: [[1, 1], [1, 1]]}\n",
+                     {7, 18, "motors.matrix", "singular"}},
+        ArmErrorCase{"MotorsAndSigns",
+                     WithJoints("  - {type: revolute, sign: -1}\n") +
+                         "motors: {offset: [1]}\n",
+                     {6, 9, "motors", "found both"}},
         ArmErrorCase{
             "RotationMatrix",
             WithJoints("  - {type: revolute}\n") + "base: {x: 1, roll: 2}\n",
@@ -295,6 +315,76 @@ TEST(FormatArmTest, CommentCannotBreakOutOfItsLine) {
   arm.name = "test";
   arm.joints.emplace_back();
   EXPECT_EQ(LoadText(FormatArm(arm, "a\rname: b\nname: c")).name, "test");
+}
+
+TEST(LoadArmTest, ReadsCraigsAAndDAsDAndR) {
+  const Arm arm =
+      LoadText(std::string(kHeader) +
+               "convention: craig\n"
+               "joints: [{type: revolute, theta: 1, d: 2, a: 3, alpha: 4}]\n");
+  EXPECT_EQ(arm.joints[0].theta, 1 * kDegree);
+  EXPECT_EQ(arm.joints[0].r, 0.002);
+  EXPECT_EQ(arm.joints[0].d, 0.003);
+  EXPECT_EQ(arm.joints[0].alpha, 4 * kDegree);
+}
+
+TEST(LoadArmTest, PutsTheLastStandardRowBeforeTheTool) {
+  const Arm arm = LoadText(std::string(kHeader) +
+                           "convention: standard\n"
+                           "joints:\n"
+                           "  - {type: revolute, d: 2, a: 3, alpha: 90}\n"
+                           "  - {type: revolute, d: 5, a: 7, alpha: -90}\n"
+                           "tool: {z: 10}\n");
+  EXPECT_EQ(arm.joints[0].d, 0.0);
+  EXPECT_EQ(arm.joints[1].d, 0.003);
+  EXPECT_EQ(arm.joints[1].alpha, 90 * kDegree);
+  EXPECT_EQ(arm.joints[1].r, 0.005);
+  // Rot(x, -90 deg) takes z to y.
+  const Eigen::Vector3d tool(0.007, 0.01, 0.0);
+  EXPECT_LT((arm.last_from_target.translation() - tool).norm(), 1e-15);
+}
+
+TEST(LoadArmTest, SignAndOffsetMapMotorsToJoints) {
+  const Arm arm = LoadText(std::string(kHeader) +
+                           "joints: [{type: revolute, sign: -1, offset: 90}, "
+                           "{type: prismatic, offset: 5}]\n");
+  const Eigen::Vector2d motors(0.5, 0.1);
+  const Eigen::VectorXd q = JointsFromMotors(arm, motors);
+  EXPECT_EQ(q[0], 90 * kDegree - 0.5);
+  EXPECT_NEAR(q[1], 0.105, 1e-15);
+  EXPECT_LT((MotorsFromJoints(arm, q) - motors).norm(), 1e-15);
+}
+
+TEST(LoadArmTest, ReadsUrdfBetweenBaseAndTool) {
+  const TestDirectory directory;
+  directory.Write("arm.urdf",
+                  "<robot><link name='a'/><link name='b'/>"
+                  "<joint name='j' type='continuous'><parent link='a'/>"
+                  "<child link='b'/><origin xyz='0 0 1'/><axis xyz='0 0 1'/>"
+                  "</joint></robot>");
+  const Arm arm = LoadArm(directory.Write(
+      "arm.yaml", std::string(kHeader) +
+                      "urdf: {file: arm.urdf, base_link: a, tip_link: b}\n"
+                      "base: {x: 5}\ntool: {y: 7}\n"));
+  ASSERT_EQ(arm.num_joints(), 1);
+  EXPECT_EQ(arm.joints[0].r, 1.0);
+  EXPECT_EQ(arm.instrument_from_base.translation().x(), 0.005);
+  EXPECT_EQ(arm.last_from_target.translation().y(), 0.007);
+}
+
+TEST(FormatArmTest, KeepsTheMotorMap) {
+  const Arm arm = LoadText(std::string(kHeader) +
+                           "joints: [{type: revolute}, {type: revolute}, "
+                           "{type: prismatic}]\n"
+                           "motors: {matrix: [[1, 0, 0], [-1, 1, 0], "
+                           "[2, 0, 1]], offset: [90, 0, 5]}\n");
+  // 2 mm per degree.
+  EXPECT_NEAR(arm.joints_from_motors(2, 0), 2e-3 / kDegree, 1e-15);
+  EXPECT_EQ(arm.joints_from_motors(1, 0), -1.0);
+  EXPECT_EQ(arm.motor_offsets[2], 0.005);
+  const Arm read = LoadText(FormatArm(arm, ""));
+  EXPECT_EQ(read.joints_from_motors, arm.joints_from_motors);
+  EXPECT_EQ(read.motor_offsets, arm.motor_offsets);
 }
 
 TEST(LoadDeviationsTest, ReadsTheRealArmOfTheStudy) {

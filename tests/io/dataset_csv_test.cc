@@ -307,5 +307,23 @@ TEST(FormatDatasetTest, WritesWhatPeopleExpect) {
             "0,0,-210,12000,1e-9,0.02,0.02,0.02\n");
 }
 
+TEST(DatasetTest, HoldsMotorValuesWhereMotorsAreCoupled) {
+  Arm arm;
+  arm.joints.resize(2);
+  arm.joints_from_motors.resize(2, 2);
+  arm.joints_from_motors << 1.0, 0.0, -1.0, 1.0;
+  arm.motor_offsets = Eigen::Vector2d(0.0, 90.0 * kDegree);
+  const TestDirectory directory;
+  const std::string path = directory.Write("data.csv",
+                                           "q1_deg,q2_deg,x_mm,y_mm,z_mm\n"
+                                           "30.0,50.0,1,2,3\n");
+  const Dataset read = LoadDataset(path, arm, 1e-5);
+  EXPECT_NEAR(read.joint_values(0, 0), 30.0 * kDegree, 1e-15);
+  EXPECT_NEAR(read.joint_values(1, 0), 110.0 * kDegree, 1e-15);
+  EXPECT_EQ(LoadJointValues(path, arm), read.joint_values);
+  EXPECT_NE(FormatDataset(read, arm, 1, false, {}).find("\n30.0,50.0,"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace alidade

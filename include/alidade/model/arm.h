@@ -44,6 +44,13 @@ struct Arm {
   Eigen::Isometry3d instrument_from_base = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d last_from_target = Eigen::Isometry3d::Identity();
 
+  /// Motors (or encoders) to joints, where joints are coupled, count backwards
+  /// or have another zero: q = joints_from_motors * motors + motor_offsets.
+  /// n x n and n, in SI; empty = identity and zero. The unit of motor j is that
+  /// of joint j.
+  Eigen::MatrixXd joints_from_motors;
+  Eigen::VectorXd motor_offsets;
+
   int num_joints() const { return static_cast<int>(joints.size()); }
 };
 
@@ -53,6 +60,13 @@ struct Arm {
 /// and that turns small angles into lengths where columns of different units
 /// are compared. Never zero: 1 m for an arm without any length.
 double Reach(const Arm& arm);
+
+/// q = joints_from_motors * motors + motor_offsets, column by column: n x poses
+/// (rad or m). @pre sizes agree.
+Eigen::MatrixXd JointsFromMotors(const Arm& arm, const Eigen::MatrixXd& motors);
+
+/// The inverse. @pre sizes agree, joints_from_motors is regular.
+Eigen::MatrixXd MotorsFromJoints(const Arm& arm, const Eigen::MatrixXd& joints);
 
 }  // namespace alidade
 

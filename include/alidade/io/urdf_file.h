@@ -1,0 +1,24 @@
+#ifndef ALIDADE_IO_URDF_FILE_H_
+#define ALIDADE_IO_URDF_FILE_H_
+
+#include <string>
+#include <vector>
+
+#include "alidade/model/dh_conversion.h"
+
+namespace alidade {
+
+/// The joints from `base_link` to `tip_link` of a URDF file, fixed ones
+/// included, for ArmFromChain: origins (xyz, rpy), axes and limits as written,
+/// in m and rad. Continuous joints have no limits.
+/// @throws InputError with the file (and the line) where it is no XML or not
+/// expanded from xacro, a link is unknown, the links are not joined upwards
+/// from the tip, a joint between them floats, is planar or mimics another, its
+/// axis is zero, or none of them moves.
+std::vector<ChainJoint> LoadUrdfChain(const std::string& path,
+                                      const std::string& base_link,
+                                      const std::string& tip_link);
+
+}  // namespace alidade
+
+#endif  // ALIDADE_IO_URDF_FILE_H_
