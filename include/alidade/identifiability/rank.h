@@ -33,10 +33,10 @@ struct Dependency {
   std::vector<std::pair<int, double>> terms;  ///< empty: no effect at all
 };
 
-/// The canonical order: base and tool (lengths, then rotations), which are known
-/// worst beforehand, then the joints' lengths before their angles (d, r, theta,
-/// alpha, beta), from the base outwards within each: a parameter is kept in
-/// preference to those behind it that it can stand for.
+/// The canonical order: base and tool (lengths, then rotations), which are
+/// known worst beforehand, then the joints' lengths before their angles (d, r,
+/// theta, alpha, beta), from the base outwards within each: a parameter is kept
+/// in preference to those behind it that it can stand for.
 std::vector<int> InCanonicalOrder(const ParameterLayout& layout,
                                   std::vector<int> columns);
 
