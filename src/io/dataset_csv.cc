@@ -308,9 +308,10 @@ void AppendPoint(const Eigen::Vector3d& point, std::string* text) {
   }
 }
 
-Dataset ReadDataset(const std::string& path, int num_joints,
+Dataset ReadDataset(const std::string& path, const Arm& arm,
                     double default_sigma, TableReader* reader) {
   const Eigen::MatrixXd table = reader->Read();
+  const int num_joints = arm.num_joints();
   Dataset dataset;
   dataset.name = path;
   dataset.joint_values = JointsFromMotors(arm, table.topRows(num_joints));
@@ -328,7 +329,7 @@ Dataset ReadDataset(const std::string& path, int num_joints,
 Dataset LoadDataset(const std::string& path, const Arm& arm,
                     double default_sigma) {
   TableReader reader(path, arm, AllQuantities(arm), false);
-  return ReadDataset(path, arm.num_joints(), default_sigma, &reader);
+  return ReadDataset(path, arm, default_sigma, &reader);
 }
 
 Dataset LoadMappedDataset(const std::string& path, const Arm& arm,
@@ -341,7 +342,7 @@ Dataset LoadMappedDataset(const std::string& path, const Arm& arm,
     quantities[arm.num_joints() + axis].mapped = mapping.position[axis];
   }
   TableReader reader(path, arm, std::move(quantities), true);
-  return ReadDataset(path, arm.num_joints(), default_sigma, &reader);
+  return ReadDataset(path, arm, default_sigma, &reader);
 }
 
 Eigen::MatrixXd LoadJointValues(const std::string& path, const Arm& arm) {
