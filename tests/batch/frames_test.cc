@@ -6,6 +6,7 @@
 #include "alidade/base/random.h"
 #include "alidade/batch/job.h"
 #include "alidade/measurement/holdout.h"
+#include "alidade/measurement/position_model.h"
 #include "alidade/model/joint_draw.h"
 #include "alidade/model/rotation.h"
 #include "tests/support/classic_arms.h"

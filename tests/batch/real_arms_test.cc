@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <ostream>
 #include <string>
 
 #include "alidade/batch/job.h"
@@ -59,7 +60,7 @@ INSTANTIATE_TEST_SUITE_P(
                       RealArm{"panda_top", 31, 0.37, 0.12},
                       RealArm{"rokae_position", 27, 0.139, 0.05},
                       RealArm{"lifting_column", 29, 3.0, 0.4}),
-    [](const auto& info) { return info.param.job; });
+    [](const ::testing::TestParamInfo<RealArm>& arm) { return arm.param.job; });
 
 }  // namespace
 }  // namespace alidade

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "alidade/identifiability/rank.h"
 #include "solvers_test_util.h"
 
