@@ -179,7 +179,7 @@ double EstimateSigma(JobConfig* config, int num_threads) {
         model, config->data, FreeColumns(fit.identifiability),
         fit.identifiability.nominal_rank, PriorsOf(fit.identifiability)};
     const double estimate = SigmaOfFit(*config, problem, fit.values);
-    if (!(estimate > kSmallestSigma)) return sigma;
+    if (!(estimate > kSmallestSigma)) return 0.0;
     sigma = estimate;
     config->data.sigmas.setConstant(sigma);
     if (config->validation) config->validation->sigmas.setConstant(sigma);
