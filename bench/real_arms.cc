@@ -127,10 +127,8 @@ void PrintFewPoses(const RealArm& arm, LineChart* chart) {
     const double share = 1.0 - static_cast<double>(poses) /
                                    static_cast<double>(arm.all.num_poses());
     if (share <= 0.05) continue;
-    JobConfig job = arm.job;
-    // What ten poses leave cannot tell the sigma; a plain fit of all does.
-    const Means ours = OverSeeds(job, arm.all, share);
-    const Means plain = OverSeeds(Plain(job), arm.all, share);
+    const Means ours = OverSeeds(arm.job, arm.all, share);
+    const Means plain = OverSeeds(Plain(arm.job), arm.all, share);
     std::printf("%-15s %5d %8.3f %10s %12s\n", arm.name.c_str(), poses,
                 ours.before, Cell(ours).c_str(), Cell(plain).c_str());
     std::fflush(stdout);
