@@ -16,7 +16,7 @@
 namespace alidade {
 namespace {
 
-double MedianTime(const PositionModel& model, const Dataset& data,
+double MedianTime(const MeasurementModel& model, const Dataset& data,
                   const IdentifiabilityOptions& options, int runs) {
   std::vector<double> seconds;
   for (int run = 0; run < runs; ++run) {
@@ -48,13 +48,13 @@ Arm SixAxes() {
     arm.joints[j].d = d_mm[j] * kMillimetre;
     arm.joints[j].r = r_mm[j] * kMillimetre;
   }
-  arm.last_from_target.translation() =
+  arm.last_from_target().translation() =
       Eigen::Vector3d(10.0, 20.0, 130.0) * kMillimetre;
   return arm;
 }
 
 Dataset RandomData(const Arm& arm, int poses) {
-  const PositionModel model(arm);
+  const MeasurementModel model(arm);
   Dataset data;
   data.joint_values = DrawJointValues(arm, poses, 1);
   data.positions = model.Predict(model.NominalValues(), data.joint_values);
@@ -67,7 +67,7 @@ void Run(const std::string& root) {
     const JobConfig job = LoadJob(root + "/configs/jobs/" + name + ".yaml");
     Print(
         std::string(name) + ", 25 candidates", job.data,
-        MedianTime(PositionModel(job.arm), job.data, job.identifiability, 21));
+        MedianTime(MeasurementModel(job.arm), job.data, job.identifiability, 21));
   }
   IdentifiabilityOptions options;
   options.candidates = {true, true, true};
@@ -75,7 +75,7 @@ void Run(const std::string& root) {
   for (const int poses : {56, 1000, 10000, 100000}) {
     const Dataset data = RandomData(arm, poses);
     Print("six axes, 42 candidates", data,
-          MedianTime(PositionModel(arm), data, options, 5));
+          MedianTime(MeasurementModel(arm), data, options, 5));
   }
 }
 

@@ -68,7 +68,7 @@ void Run(const std::string& simulation, const std::vector<std::string>& fix) {
       {"pseudo-inverse, 1e-5", false, 0.0, 1e-5},
       {"pseudo-inverse, rank of the pass (default)", false, 0.0, 0.0}};
   SimulationConfig config = LoadSimulation(simulation);
-  const PositionModel model(config.arm);
+  const MeasurementModel model(config.arm);
   IdentifiabilityOptions identifiability;
   identifiability.fix = fix;
   for (int seed = 1; seed <= kSeeds; ++seed) {

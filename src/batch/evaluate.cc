@@ -34,7 +34,7 @@ void RequireLimitedTravel(const Arm& arm) {
 
 }  // namespace
 
-EvaluatedSet EvaluateSet(const PositionModel& model, const Dataset& data,
+EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
                          const Eigen::VectorXd& before,
                          const Eigen::VectorXd& after) {
   EvaluatedSet set;
@@ -53,7 +53,7 @@ EvaluatedSet EvaluateSet(const PositionModel& model, const Dataset& data,
   return set;
 }
 
-Accuracy EvaluateAccuracy(const PositionModel& model, const Dataset& data,
+Accuracy EvaluateAccuracy(const MeasurementModel& model, const Dataset& data,
                           const Eigen::VectorXd& values) {
   return SummarizeErrors(
       model.Errors(values, data).colwise().norm().transpose());
@@ -64,8 +64,8 @@ Accuracy CompareArms(const Arm& arm, const Arm& reference, int count,
   RequireSameJoints(arm, reference);
   RequireLimitedTravel(arm);
   const Eigen::MatrixXd joint_values = DrawJointValues(arm, count, seed);
-  const PositionModel model(arm);
-  const PositionModel reference_model(reference);
+  const MeasurementModel model(arm);
+  const MeasurementModel reference_model(reference);
   const Eigen::Matrix3Xd difference =
       model.Predict(model.NominalValues(), joint_values) -
       reference_model.Predict(reference_model.NominalValues(), joint_values);

@@ -316,7 +316,7 @@ class JobRunner {
   JobConfig config_;
   const bool frames_fitted_;
   const double estimated_sigma_;
-  PositionModel model_;
+  MeasurementModel model_;
   std::optional<CalibrationProblem> problem_;
   JobOutcome outcome_;
 };
@@ -331,7 +331,7 @@ JobOutcome RunJob(const JobConfig& config, const std::string& command,
 IdentifiabilityResult IdentifyJob(const JobConfig& config, int num_threads) {
   JobConfig prepared = config;
   FitFrames(&prepared, num_threads);
-  const PositionModel model(prepared.arm, num_threads);
+  const MeasurementModel model(prepared.arm, num_threads);
   return AnalyzeIdentifiability(model, prepared.data, prepared.identifiability);
 }
 

@@ -128,7 +128,7 @@ class NoiseStudy {
   const JobConfig& config_;
   const NoiseStudyConfig& study_;
   const int num_threads_;
-  const PositionModel model_;
+  const MeasurementModel model_;
   Dataset exact_;  // with the true positions
   const Eigen::MatrixXd workspace_;
   const Eigen::Matrix3Xd true_workspace_;

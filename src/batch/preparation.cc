@@ -61,12 +61,12 @@ std::optional<Arm> StartFrames(const JobConfig& config) {
         frames, config.data.positions, std::vector<int>(frames.size(), 0), 1);
     if (!start) return std::nullopt;
     arm.instrument_from_base = start->instrument_from_base;
-    arm.last_from_target.translation() = start->targets.col(0);
+    arm.last_from_target().translation() = start->targets.col(0);
     return arm;
   }
   Eigen::Matrix3Xd points(3, config.data.num_poses());
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
-    points.col(i) = frames[i] * arm.last_from_target.translation();
+    points.col(i) = frames[i] * arm.last_from_target().translation();
   }
   const std::optional<RigidFit> fit = FitRigid(points, config.data.positions);
   if (!fit) return std::nullopt;
@@ -75,7 +75,7 @@ std::optional<Arm> StartFrames(const JobConfig& config) {
 }
 
 double MedianError(const Arm& arm, const Dataset& data, int num_threads) {
-  const PositionModel model(arm, num_threads);
+  const MeasurementModel model(arm, num_threads);
   Eigen::VectorXd errors =
       model.Errors(model.NominalValues(), data).colwise().norm();
   std::nth_element(errors.data(), errors.data() + errors.size() / 2,
@@ -102,7 +102,7 @@ double SigmaOfFit(const JobConfig& config, const CalibrationProblem& problem,
 
 }  // namespace
 
-Fit FitOnce(const JobConfig& config, const PositionModel& model,
+Fit FitOnce(const JobConfig& config, const MeasurementModel& model,
             const IdentifiabilityOptions& options) {
   Fit fit;
   fit.values = model.NominalValues();
@@ -159,7 +159,7 @@ bool FitFrames(JobConfig* config, int num_threads) {
       config->arm = *start;
     }
   }
-  const PositionModel model(config->arm, num_threads);
+  const MeasurementModel model(config->arm, num_threads);
   const Fit fit = FitOnce(*config, model, FramesOnly(config->identifiability));
   if (!fit.summary.IsSolutionUsable()) {
     config->arm = given;
@@ -170,7 +170,7 @@ bool FitFrames(JobConfig* config, int num_threads) {
 }
 
 double EstimateSigma(JobConfig* config, int num_threads) {
-  const PositionModel model(config->arm, num_threads);
+  const MeasurementModel model(config->arm, num_threads);
   double sigma = 0.0;
   for (int round = 0; round < kSigmaRounds; ++round) {
     const Fit fit = FitOnce(*config, model, config->identifiability);

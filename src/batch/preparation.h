@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "alidade/io/job_config.h"
-#include "alidade/measurement/position_model.h"
+#include "alidade/measurement/measurement_model.h"
 #include "alidade/results/identifiability_result.h"
 #include "alidade/results/solver_summary.h"
 #include "alidade/solve/solver.h"
@@ -23,7 +23,7 @@ struct Fit {
 
 /// Identifies and solves by Ceres with the job's loss, over its training data.
 /// `options` replace the job's own.
-Fit FitOnce(const JobConfig& config, const PositionModel& model,
+Fit FitOnce(const JobConfig& config, const MeasurementModel& model,
             const IdentifiabilityOptions& options);
 
 /// Base and tool alone, the geometry of the joints held at its nominal values.

@@ -261,7 +261,7 @@ class Study {
   const JobConfig& config_;
   const PublishedStudy& published_;
   const CalibrationProblem& problem_;
-  const PositionModel& model_;
+  const MeasurementModel& model_;
   const ParameterLayout& layout_;
   const JobResult& result_;
   const Eigen::VectorXd& values_;

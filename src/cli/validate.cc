@@ -4,7 +4,7 @@
 #include "alidade/batch/evaluate.h"
 #include "alidade/io/arm_file.h"
 #include "alidade/io/dataset_csv.h"
-#include "alidade/measurement/position_model.h"
+#include "alidade/measurement/measurement_model.h"
 #include "alidade/report/format.h"
 #include "alidade/report/text_table.h"
 #include "command.h"
@@ -24,7 +24,7 @@ Accuracy ValidateAgainst(const Arm& arm, const std::string& file,
     return CompareArms(arm, LoadArm(file), kRandomPoses,
                        line.seed.value_or(kDefaultSeed));
   }
-  const PositionModel model(arm, line.threads);
+  const MeasurementModel model(arm, line.threads);
   return EvaluateAccuracy(model, LoadDataset(file, arm, kAnySigma),
                           model.NominalValues());
 }

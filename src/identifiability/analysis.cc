@@ -40,7 +40,7 @@ bool Contains(const std::vector<int>& columns, int column) {
 
 class RankMethod {
  public:
-  RankMethod(const PositionModel& model, const Dataset& data,
+  RankMethod(const MeasurementModel& model, const Dataset& data,
              const IdentifiabilityOptions& options)
       : model_(model),
         layout_(model.layout()),
@@ -262,7 +262,7 @@ class RankMethod {
     result_.warnings.push_back(text);
   }
 
-  const PositionModel& model_;
+  const MeasurementModel& model_;
   const ParameterLayout& layout_;
   const Dataset& data_;
   const IdentifiabilityOptions& options_;
@@ -272,7 +272,7 @@ class RankMethod {
 };
 
 // What both methods share, once it is decided which parameters are free.
-void Finish(const PositionModel& model, const Dataset& data,
+void Finish(const MeasurementModel& model, const Dataset& data,
             const IdentifiabilityOptions& options,
             IdentifiabilityResult* result) {
   const WeakPolicy policy = PolicyUsed(options);
@@ -312,7 +312,7 @@ void Finish(const PositionModel& model, const Dataset& data,
 }  // namespace
 
 IdentifiabilityResult AnalyzeIdentifiability(
-    const PositionModel& model, const Dataset& data,
+    const MeasurementModel& model, const Dataset& data,
     const IdentifiabilityOptions& options) {
   IdentifiabilityResult result = options.method == IdentifiabilityMethod::kRules
                                      ? ApplyRules(model, data, options)

@@ -39,7 +39,7 @@ Dataset Subset(const Dataset& data) {
   return subset;
 }
 
-Eigen::MatrixXd WhitenedFactor(const PositionModel& model,
+Eigen::MatrixXd WhitenedFactor(const MeasurementModel& model,
                                const Eigen::VectorXd& values,
                                const Dataset& data,
                                const std::vector<int>& columns) {
@@ -55,7 +55,7 @@ Eigen::VectorXd NoPriors(Eigen::Index size) {
 
 class DataAnalyzer {
  public:
-  DataAnalyzer(const PositionModel& model, const Dataset& data,
+  DataAnalyzer(const MeasurementModel& model, const Dataset& data,
                const std::vector<int>& kept, const std::vector<int>& weak,
                const IdentifiabilityOptions& options)
       : model_(model),
@@ -174,7 +174,7 @@ class DataAnalyzer {
         list + " in an arm within its tolerances";
   }
 
-  const PositionModel& model_;
+  const MeasurementModel& model_;
   const Dataset& data_;
   const std::vector<int>& kept_;
   const std::vector<int>& weak_;
@@ -192,7 +192,7 @@ bool HasOneSigma(const Dataset& data) {
   return (data.sigmas.array() == data.sigmas(0, 0)).all();
 }
 
-Eigen::MatrixXd Unwhitened(const PositionModel& model, const Dataset& data,
+Eigen::MatrixXd Unwhitened(const MeasurementModel& model, const Dataset& data,
                            const std::vector<int>& free,
                            const Eigen::MatrixXd& whitened) {
   if (HasOneSigma(data)) return whitened * data.sigmas(0, 0);
@@ -212,7 +212,7 @@ Eigen::VectorXd DataAnalysis::Deviations(const std::vector<int>& some) const {
   return PredictDeviations(factor, NoPriors(factor.cols()));
 }
 
-DataAnalysis AnalyzeData(const PositionModel& model, const Dataset& data,
+DataAnalysis AnalyzeData(const MeasurementModel& model, const Dataset& data,
                          const std::vector<int>& kept,
                          const std::vector<int>& weak,
                          const IdentifiabilityOptions& options) {
@@ -224,7 +224,7 @@ Eigen::VectorXd FreeAnalysis::Deviations(bool with_priors) const {
                            with_priors ? priors : NoPriors(priors.size()));
 }
 
-FreeAnalysis AnalyzeFree(const PositionModel& model, const Dataset& data,
+FreeAnalysis AnalyzeFree(const MeasurementModel& model, const Dataset& data,
                          const std::vector<int>& free,
                          const IdentifiabilityOptions& options) {
   FreeAnalysis analysis;
@@ -251,7 +251,7 @@ FreeAnalysis AnalyzeFree(const PositionModel& model, const Dataset& data,
   return analysis;
 }
 
-void WarnAboutFree(const PositionModel& model, const Dataset& data,
+void WarnAboutFree(const MeasurementModel& model, const Dataset& data,
                    const FreeAnalysis& analysis,
                    IdentifiabilityResult* result) {
   const std::array<std::pair<const char*, const RankReport*>, 3> reports = {
@@ -267,7 +267,7 @@ void WarnAboutFree(const PositionModel& model, const Dataset& data,
         std::to_string(static_cast<int>(report->gap)) + " apart");
   }
   const Arm& arm = model.nominal();
-  const double off_axis = arm.last_from_target.translation().head<2>().norm();
+  const double off_axis = arm.last_from_target().translation().head<2>().norm();
   if (arm.joints.back().type == JointType::kRevolute &&
       off_axis <= 1e-6 * Reach(arm)) {
     result->warnings.emplace_back(

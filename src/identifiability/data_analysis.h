@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "alidade/identifiability/options.h"
-#include "alidade/measurement/position_model.h"
+#include "alidade/measurement/measurement_model.h"
 #include "alidade/results/identifiability_result.h"
 
 namespace alidade {
@@ -28,7 +28,7 @@ struct DataAnalysis {
   Eigen::VectorXd Deviations(const std::vector<int>& some) const;
 };
 
-DataAnalysis AnalyzeData(const PositionModel& model, const Dataset& data,
+DataAnalysis AnalyzeData(const MeasurementModel& model, const Dataset& data,
                          const std::vector<int>& kept,
                          const std::vector<int>& weak,
                          const IdentifiabilityOptions& options);
@@ -45,12 +45,12 @@ struct FreeAnalysis {
   Eigen::VectorXd Deviations(bool with_priors) const;
 };
 
-FreeAnalysis AnalyzeFree(const PositionModel& model, const Dataset& data,
+FreeAnalysis AnalyzeFree(const MeasurementModel& model, const Dataset& data,
                          const std::vector<int>& free,
                          const IdentifiabilityOptions& options);
 
 /// Ranks without a clear gap, and a target on the axis of the last joint.
-void WarnAboutFree(const PositionModel& model, const Dataset& data,
+void WarnAboutFree(const MeasurementModel& model, const Dataset& data,
                    const FreeAnalysis& analysis, IdentifiabilityResult* result);
 
 /// "0.12 mm", "3 mrad".

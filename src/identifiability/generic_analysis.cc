@@ -26,7 +26,7 @@ int NumGenericPoses(std::size_t columns) {
 
 class Generic {
  public:
-  Generic(const PositionModel& model, const std::vector<int>& candidates,
+  Generic(const MeasurementModel& model, const std::vector<int>& candidates,
           MeasurementKind kind, const IdentifiabilityOptions& options)
       : model_(model),
         layout_(model.layout()),
@@ -148,7 +148,7 @@ class Generic {
            kRelationTolerance * kRelationStep;
   }
 
-  const PositionModel& model_;
+  const MeasurementModel& model_;
   const ParameterLayout& layout_;
   const std::vector<int>& candidates_;
   const MeasurementKind kind_;
@@ -161,7 +161,7 @@ class Generic {
 
 }  // namespace
 
-GenericAnalysis AnalyzeGeneric(const PositionModel& model,
+GenericAnalysis AnalyzeGeneric(const MeasurementModel& model,
                                const std::vector<int>& candidates,
                                MeasurementKind kind,
                                const IdentifiabilityOptions& options) {

@@ -6,7 +6,7 @@
 
 namespace alidade {
 
-Eigen::VectorXd PerturbedValues(const PositionModel& model, double size,
+Eigen::VectorXd PerturbedValues(const MeasurementModel& model, double size,
                                 int draw) {
   const double reach = Reach(model.nominal());
   Eigen::VectorXd sizes = model.NominalValues();
@@ -19,7 +19,7 @@ Eigen::VectorXd PerturbedValues(const PositionModel& model, double size,
   return PerturbedValues(model, sizes, draw);
 }
 
-Eigen::VectorXd PerturbedValues(const PositionModel& model,
+Eigen::VectorXd PerturbedValues(const MeasurementModel& model,
                                 const Eigen::VectorXd& sizes, int draw) {
   constexpr std::uint64_t kSeed = 1;
   Random random(kSeed, static_cast<std::uint64_t>(draw));

@@ -3,18 +3,18 @@
 
 #include <Eigen/Core>
 
-#include "alidade/measurement/position_model.h"
+#include "alidade/measurement/measurement_model.h"
 
 namespace alidade {
 
 /// The nominal values with every joint parameter moved by up to `size` (rad for
 /// angles, times the reach for lengths). Draws are the same for every seed of
 /// the user: what is read off a perturbed geometry must not depend on it.
-Eigen::VectorXd PerturbedValues(const PositionModel& model, double size,
+Eigen::VectorXd PerturbedValues(const MeasurementModel& model, double size,
                                 int draw);
 
 /// The same with a size of its own for each column of the layout.
-Eigen::VectorXd PerturbedValues(const PositionModel& model,
+Eigen::VectorXd PerturbedValues(const MeasurementModel& model,
                                 const Eigen::VectorXd& sizes, int draw);
 
 }  // namespace alidade

@@ -57,7 +57,7 @@ std::vector<int> InCanonicalOrder(const ParameterLayout& layout,
   return columns;
 }
 
-Dependency ToDependency(const PositionModel& model,
+Dependency ToDependency(const MeasurementModel& model,
                         const Eigen::MatrixXd& factor,
                         const std::vector<int>& order,
                         const std::vector<int>& kept,
@@ -76,7 +76,7 @@ Dependency ToDependency(const PositionModel& model,
   return dependency;
 }
 
-Eigen::MatrixXd ScaledFactor(const PositionModel& model,
+Eigen::MatrixXd ScaledFactor(const MeasurementModel& model,
                              const Eigen::VectorXd& values, const Dataset& data,
                              const std::vector<int>& columns) {
   const PoseSet poses{data.joint_values, MeasurementKind::kPosition,
@@ -103,7 +103,7 @@ RankReport AnalyzeRank(const Eigen::MatrixXd& factor,
   return report;
 }
 
-std::vector<Dependency> FindDependencies(const PositionModel& model,
+std::vector<Dependency> FindDependencies(const MeasurementModel& model,
                                          const Eigen::VectorXd& values,
                                          const Dataset& data,
                                          const std::vector<int>& columns,

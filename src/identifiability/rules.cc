@@ -17,7 +17,7 @@ constexpr int kPerturbations = 3;
 
 class Pass {
  public:
-  Pass(const PositionModel& model, const Dataset& data,
+  Pass(const MeasurementModel& model, const Dataset& data,
        const IdentifiabilityOptions& options)
       : model_(model), layout_(model.layout()), data_(data), options_(options) {
     result_.method = "rules";
@@ -203,7 +203,7 @@ class Pass {
         "would be amplified strongly in them");
   }
 
-  const PositionModel& model_;
+  const MeasurementModel& model_;
   const ParameterLayout& layout_;
   const Dataset& data_;
   const IdentifiabilityOptions& options_;
@@ -212,7 +212,7 @@ class Pass {
 
 }  // namespace
 
-IdentifiabilityResult ApplyRules(const PositionModel& model,
+IdentifiabilityResult ApplyRules(const MeasurementModel& model,
                                  const Dataset& data,
                                  const IdentifiabilityOptions& options) {
   return Pass(model, data, options).Run();

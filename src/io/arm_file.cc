@@ -357,7 +357,7 @@ Arm LoadArm(const std::string& path) {
   arm.instrument_from_base =
       ReadFrame(map, "base", units) * arm.instrument_from_base;
   // Behind what the standard convention leaves after the last joint.
-  arm.last_from_target = arm.last_from_target * ReadFrame(map, "tool", units);
+  arm.last_from_target() = arm.last_from_target() * ReadFrame(map, "tool", units);
   return arm;
 }
 
@@ -373,7 +373,7 @@ std::string FormatArm(const Arm& arm, const std::string& comment) {
   for (const Joint& joint : arm.joints) text += FormatJoint(joint, ++number);
   return text + FormatMotors(arm) +
          FormatFrame("base", arm.instrument_from_base) +
-         FormatFrame("tool", arm.last_from_target);
+         FormatFrame("tool", arm.last_from_target());
 }
 
 Eigen::VectorXd LoadDeviations(const std::string& path, const Arm& arm) {

@@ -4,38 +4,31 @@
 
 namespace alidade {
 
-int RowsOf(MeasurementKind kind) {
-  return kind == MeasurementKind::kPosition ? 3 : 6;
-}
-
 GeometricJacobian::GeometricJacobian(const Arm& nominal,
                                      const ParameterLayout& layout,
                                      const Eigen::VectorXd& values)
     : layout_(layout),
       arm_(layout.WithValues(nominal, values)),
       base_origin_(arm_.instrument_from_base.translation()),
-      base_axes_(LeftJacobianOfRotation(
-          values.segment<3>(layout.Column(ParameterKind::kBaseRotation, 0)))),
-      tool_axes_(LeftJacobianOfRotation(
-          values.segment<3>(layout.Column(ParameterKind::kToolRotation, 0)))) {}
-
-void GeometricJacobian::Evaluate(const double* joint_values,
-                                 const std::vector<int>& columns,
-                                 MeasurementKind kind,
-                                 Eigen::Ref<Eigen::MatrixXd> out) {
-  ComputeChainAxes(arm_, joint_values, &axes_);
-  for (Eigen::Index c = 0; c < out.cols(); ++c) {
-    out.col(c).head<3>() = PositionDerivative(columns[c]);
-    if (kind == MeasurementKind::kPose) {
-      out.col(c).segment<3>(3) = RotationDerivative(columns[c]);
-    }
+      base_axes_(LeftJacobianOfRotation(values.segment<3>(
+          layout.Column(ParameterKind::kBaseRotation, 0)))) {
+  for (int target = 0; target < arm_.num_targets(); ++target) {
+    tool_axes_.push_back(LeftJacobianOfRotation(values.segment<3>(
+        layout.Column(ParameterKind::kToolRotation, 0, target))));
   }
+}
+
+void GeometricJacobian::MoveTo(const double* joint_values, int target) {
+  ComputeChainAxes(arm_, joint_values, &axes_);
+  target_ = target;
+  instrument_from_target_ =
+      axes_.instrument_from_last * arm_.last_from_target(target);
 }
 
 Eigen::Vector3d GeometricJacobian::PositionDerivative(int column) const {
   const Parameter& parameter = layout_.parameter(column);
   const int k = parameter.index;
-  const Eigen::Vector3d target = axes_.instrument_from_target.translation();
+  const Eigen::Vector3d target = instrument_from_target_.translation();
   switch (parameter.kind) {
     case ParameterKind::kBeta:
       return axes_.beta_axis.col(k).cross(target - axes_.origin_before.col(k));
@@ -53,8 +46,12 @@ Eigen::Vector3d GeometricJacobian::PositionDerivative(int column) const {
     case ParameterKind::kBaseRotation:
       return base_axes_.col(k).cross(target - base_origin_);
     case ParameterKind::kToolTranslation:
+      if (parameter.object != target_) break;
       return axes_.instrument_from_last.linear().col(k);
     case ParameterKind::kToolRotation:
+    case ParameterKind::kPoint:
+    case ParameterKind::kPlaneTilt:
+    case ParameterKind::kPlaneOffset:
       break;
   }
   // A rotation of the target about its own origin moves no position.
@@ -74,11 +71,15 @@ Eigen::Vector3d GeometricJacobian::RotationDerivative(int column) const {
     case ParameterKind::kBaseRotation:
       return base_axes_.col(k);
     case ParameterKind::kToolRotation:
-      return axes_.instrument_from_last.linear() * tool_axes_.col(k);
+      if (parameter.object != target_) break;
+      return axes_.instrument_from_last.linear() * tool_axes_[target_].col(k);
     case ParameterKind::kD:
     case ParameterKind::kR:
     case ParameterKind::kBaseTranslation:
     case ParameterKind::kToolTranslation:
+    case ParameterKind::kPoint:
+    case ParameterKind::kPlaneTilt:
+    case ParameterKind::kPlaneOffset:
       break;
   }
   // A translation turns nothing.

@@ -29,14 +29,79 @@ int CountGroups(const std::vector<int>& groups) {
 }
 
 HoldOut Split(const Dataset& data, const std::vector<int>& groups,
-              const std::vector<char>& is_heldout) {
-  std::vector<Eigen::Index> train;
-  std::vector<Eigen::Index> heldout;
-  for (std::size_t row = 0; row < groups.size(); ++row) {
-    (is_heldout[groups[row]] != 0 ? heldout : train)
-        .push_back(static_cast<Eigen::Index>(row));
+              const std::vector<char>& group_is_heldout) {
+  std::vector<bool> is_heldout;
+  for (const int group : groups) {
+    is_heldout.push_back(group_is_heldout[group] != 0);
   }
-  return {SelectRows(data, train), SelectRows(data, heldout)};
+  return HoldOutPoses(data, is_heldout);
+}
+
+// The first pose of the configuration that `pose` belongs to (a forest of
+// pointers to earlier poses).
+Eigen::Index FirstOf(std::vector<Eigen::Index>* first, Eigen::Index pose) {
+  while ((*first)[pose] != pose) pose = (*first)[pose] = (*first)[(*first)[pose]];
+  return pose;
+}
+
+// Poses of a difference belong together.
+void JoinDifferences(const Dataset& data, std::vector<Eigen::Index>* first) {
+  for (const ObservationBlock& block : data.blocks) {
+    if (block.kind != MeasurementKind::kDifference) continue;
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      const Eigen::Index a = FirstOf(first, block.pose(i));
+      const Eigen::Index b = FirstOf(first, block.seconds[i]);
+      (*first)[std::max(a, b)] = std::min(a, b);
+    }
+  }
+}
+
+template <typename Entry>
+void Gather(const std::vector<Entry>& from,
+            const std::vector<Eigen::Index>& indices, std::vector<Entry>* to) {
+  if (from.empty()) return;
+  for (const Eigen::Index i : indices) to->push_back(from[i]);
+}
+
+void GatherColumns(const Eigen::MatrixXd& from,
+                   const std::vector<Eigen::Index>& indices,
+                   Eigen::MatrixXd* to) {
+  to->resize(from.rows(), static_cast<Eigen::Index>(indices.size()));
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    to->col(static_cast<Eigen::Index>(i)) = from.col(indices[i]);
+  }
+}
+
+// The observations at selected poses; new_pose: -1 for the others.
+ObservationBlock SelectObservations(const ObservationBlock& block,
+                                    const std::vector<Eigen::Index>& poses,
+                                    const std::vector<int>& new_pose) {
+  const bool has_poses = block.kind != MeasurementKind::kPointDistance;
+  const bool is_difference = block.kind == MeasurementKind::kDifference;
+  std::vector<Eigen::Index> chosen;
+  if (has_poses && block.poses.empty()) {
+    chosen = poses;
+  } else {
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      if (has_poses && new_pose[block.pose(i)] < 0) continue;
+      if (is_difference && new_pose[block.seconds[i]] < 0) continue;
+      chosen.push_back(i);
+    }
+  }
+  ObservationBlock selected;
+  selected.kind = block.kind;
+  Gather(block.poses, chosen, &selected.poses);
+  Gather(block.targets, chosen, &selected.targets);
+  Gather(block.references, chosen, &selected.references);
+  Gather(block.seconds, chosen, &selected.seconds);
+  Gather(block.whiteners, chosen, &selected.whiteners);
+  GatherColumns(block.measured, chosen, &selected.measured);
+  GatherColumns(block.sigmas, chosen, &selected.sigmas);
+  for (int& pose : selected.poses) pose = new_pose[pose];
+  if (is_difference) {
+    for (int& pose : selected.seconds) pose = new_pose[pose];
+  }
+  return selected;
 }
 
 }  // namespace
@@ -53,34 +118,56 @@ std::vector<int> GroupByConfiguration(const Dataset& data) {
   std::vector<Eigen::Index> order(data.num_poses());
   std::iota(order.begin(), order.end(), Eigen::Index{0});
   std::stable_sort(order.begin(), order.end(), less);
-  // The first row of each configuration stands for it.
+  // The first pose of each configuration stands for it.
   std::vector<Eigen::Index> first(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) {
     const bool is_new = i == 0 || less(order[i - 1], order[i]);
     first[order[i]] = is_new ? order[i] : first[order[i - 1]];
   }
+  JoinDifferences(data, &first);
   std::vector<int> groups(order.size());
   int count = 0;
-  for (std::size_t row = 0; row < groups.size(); ++row) {
-    const bool is_first = first[row] == static_cast<Eigen::Index>(row);
-    groups[row] = is_first ? count++ : groups[first[row]];
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const auto pose = static_cast<Eigen::Index>(i);
+    const Eigen::Index root = FirstOf(&first, pose);
+    groups[i] = root == pose ? count++ : groups[root];
   }
   return groups;
 }
 
-Dataset SelectRows(const Dataset& data, const std::vector<Eigen::Index>& rows) {
-  const auto count = static_cast<Eigen::Index>(rows.size());
+Dataset SelectPoses(const Dataset& data,
+                    const std::vector<Eigen::Index>& poses) {
   Dataset selected;
   selected.name = data.name;
-  selected.joint_values.resize(data.num_joints(), count);
-  selected.positions.resize(3, count);
-  selected.sigmas.resize(3, count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    selected.joint_values.col(i) = data.joint_values.col(rows[i]);
-    selected.positions.col(i) = data.positions.col(rows[i]);
-    selected.sigmas.col(i) = data.sigmas.col(rows[i]);
+  selected.files = data.files;
+  GatherColumns(data.joint_values, poses, &selected.joint_values);
+  Gather(data.sources, poses, &selected.sources);
+  std::vector<int> new_pose(data.num_poses(), -1);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    new_pose[poses[i]] = static_cast<int>(i);
+  }
+  for (const ObservationBlock& block : data.blocks) {
+    selected.blocks.push_back(SelectObservations(block, poses, new_pose));
   }
   return selected;
+}
+
+HoldOut HoldOutPoses(const Dataset& data, const std::vector<bool>& is_heldout) {
+  std::vector<Eigen::Index> train;
+  std::vector<Eigen::Index> heldout;
+  for (std::size_t pose = 0; pose < is_heldout.size(); ++pose) {
+    (is_heldout[pose] ? heldout : train)
+        .push_back(static_cast<Eigen::Index>(pose));
+  }
+  HoldOut split{SelectPoses(data, train), SelectPoses(data, heldout)};
+  std::vector<ObservationBlock>& blocks = split.heldout.blocks;
+  blocks.erase(
+      std::remove_if(blocks.begin(), blocks.end(),
+                     [](const ObservationBlock& block) {
+                       return block.kind == MeasurementKind::kPointDistance;
+                     }),
+      blocks.end());
+  return split;
 }
 
 HoldOut HoldOutFraction(const Dataset& data, double fraction,

@@ -7,8 +7,12 @@
 namespace alidade {
 
 double Reach(const Arm& arm) {
-  double reach = arm.instrument_from_base.translation().norm() +
-                 arm.last_from_target.translation().norm();
+  double farthest = 0.0;
+  for (const Target& target : arm.targets) {
+    farthest =
+        std::max(farthest, target.last_from_target.translation().norm());
+  }
+  double reach = arm.instrument_from_base.translation().norm() + farthest;
   for (const Joint& joint : arm.joints) {
     reach += std::abs(joint.d) + std::abs(joint.r);
     if (joint.type == JointType::kPrismatic && std::isfinite(joint.lower) &&

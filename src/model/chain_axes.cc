@@ -51,7 +51,7 @@ void ComputeChainAxes(const Arm& arm, const double* joint_values,
   axes->instrument_from_last.linear() = frame;
   axes->instrument_from_last.translation() = origin;
   axes->instrument_from_target =
-      axes->instrument_from_last * arm.last_from_target;
+      axes->instrument_from_last * arm.last_from_target();
 }
 
 }  // namespace alidade

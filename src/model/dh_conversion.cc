@@ -47,7 +47,7 @@ class ChainConverter {
 
   Arm Finish() {
     CHECK(!arm_.joints.empty()) << "no joint moves";
-    arm_.last_from_target = last_from_link_;
+    arm_.last_from_target() = last_from_link_;
     return arm_;
   }
 
@@ -179,8 +179,8 @@ Arm ArmFromStandardDh(const std::vector<DhRow>& rows) {
     arm.joints.push_back(joint);
     before = row;
   }
-  arm.last_from_target.translation().x() = before.a;
-  arm.last_from_target.linear() =
+  arm.last_from_target().translation().x() = before.a;
+  arm.last_from_target().linear() =
       AngleAxisd(before.alpha, Vector3d::UnitX()).toRotationMatrix();
   return arm;
 }

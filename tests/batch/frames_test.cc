@@ -6,7 +6,7 @@
 #include "alidade/base/random.h"
 #include "alidade/batch/job.h"
 #include "alidade/measurement/holdout.h"
-#include "alidade/measurement/position_model.h"
+#include "alidade/measurement/measurement_model.h"
 #include "alidade/model/joint_draw.h"
 #include "alidade/model/rotation.h"
 #include "tests/support/classic_arms.h"
@@ -22,7 +22,7 @@ constexpr double kSigma = 5e-5;
 JobConfig FarArmJob(int num_poses, double sigma) {
   JobConfig job;
   job.arm = testing::Ur10();
-  job.arm.last_from_target = Eigen::Isometry3d::Identity();
+  job.arm.last_from_target() = Eigen::Isometry3d::Identity();
   const ParameterLayout layout(job.arm.num_joints());
   Random random(11);
   Arm real = job.arm;
@@ -35,8 +35,8 @@ JobConfig FarArmJob(int num_poses, double sigma) {
   real.instrument_from_base.linear() =
       RotationFromVector<double>(3.1 * Eigen::Vector3d(1, 2, -2) / 3.0);
   real.instrument_from_base.translation() << 4.0, -3.0, 1.0;
-  real.last_from_target.translation() << 0.06, -0.08, 0.1;
-  const PositionModel model(real);
+  real.last_from_target().translation() << 0.06, -0.08, 0.1;
+  const MeasurementModel model(real);
   job.data.name = "simulated";
   job.data.joint_values = DrawJointValues(real, num_poses, 5);
   job.data.positions =

@@ -9,7 +9,7 @@
 #include "alidade/base/units.h"
 #include "alidade/compensation/inverse_kinematics.h"
 #include "alidade/io/job_file.h"
-#include "alidade/measurement/position_model.h"
+#include "alidade/measurement/measurement_model.h"
 #include "alidade/model/chain_axes.h"
 
 namespace alidade {
@@ -65,7 +65,7 @@ TEST(SimulateTest, JointValuesHaveTheDecimalsAskedFor) {
 TEST(SimulateTest, ExactPositionsAreThoseOfTheRealArm) {
   const SimulationConfig config = StudySimulation(3);
   const Dataset data = Simulate(config);
-  const PositionModel model(config.arm);
+  const MeasurementModel model(config.arm);
   const Eigen::Matrix3Xd errors = model.Errors(config.true_values, data);
   // A few units in the last place of half a metre.
   EXPECT_LT(errors.cwiseAbs().maxCoeff(), 4e-16);

@@ -22,7 +22,7 @@ constexpr double kReached = 1.001e-9;
 // Where the arm points at `joint_values`, by the independent kinematics.
 PointingTask TaskAt(const Arm& arm, const Eigen::VectorXd& joint_values) {
   Arm bare = arm;
-  bare.last_from_target = Eigen::Isometry3d::Identity();
+  bare.last_from_target() = Eigen::Isometry3d::Identity();
   const testing::Matrix4l last =
       testing::MatrixTargetFrame(bare, joint_values.data());
   PointingTask task;
@@ -79,7 +79,7 @@ TEST(InverseKinematicsTest, ReachesRandomTargetsWithDirection) {
 TEST(InverseKinematicsTest, ReachesPositionsWithATool) {
   Random random(702);
   Arm arm = testing::Rv2ajFlange();
-  arm.last_from_target.translation() = Eigen::Vector3d(0.02, -0.03, 0.05);
+  arm.last_from_target().translation() = Eigen::Vector3d(0.02, -0.03, 0.05);
   for (int i = 0; i < 100; ++i) {
     PointingTask task = TaskAt(arm, RandomPosture(&random));
     task.direction.reset();

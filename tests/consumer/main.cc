@@ -6,7 +6,7 @@
 #include "alidade/base/random.h"
 #include "alidade/base/units.h"
 #include "alidade/identifiability/rules.h"
-#include "alidade/measurement/position_model.h"
+#include "alidade/measurement/measurement_model.h"
 #include "alidade/solve/solver.h"
 
 int main() {
@@ -15,11 +15,11 @@ int main() {
   arm.joints[0].r = 0.3;
   arm.joints[1].alpha = -90 * alidade::kDegree;
   arm.joints[2].d = 0.25;
-  arm.last_from_target.translation().x() = 0.2;
+  arm.last_from_target().translation().x() = 0.2;
 
   // The real arm: its third link is 1 mm longer, its second joint off by 2
   // mrad. 30 poses of it are measured.
-  const alidade::PositionModel model(arm);
+  const alidade::MeasurementModel model(arm);
   const alidade::ParameterLayout& layout = model.layout();
   const int d3 = layout.Find("d3").value();
   Eigen::VectorXd real_values = model.NominalValues();

@@ -52,7 +52,7 @@ IdentifiabilityOptions WithPolicy(WeakPolicy policy) {
 
 TEST(AnalysisTest, DefaultFreesTheStructuralRankWithPriors) {
   const Arm arm = testing::Rv2ajWrist();
-  const PositionModel model(arm);
+  const MeasurementModel model(arm);
   const IdentifiabilityResult result =
       AnalyzeIdentifiability(model, StudyData(arm), {});
   EXPECT_EQ(result.method, "rank");
@@ -69,7 +69,7 @@ TEST(AnalysisTest, DefaultFreesTheStructuralRankWithPriors) {
 TEST(AnalysisTest, WarnsBeforeASolveAndNamesWhatTheNoiseDrowns) {
   const Arm arm = testing::Rv2ajWrist();
   const IdentifiabilityResult result =
-      AnalyzeIdentifiability(PositionModel(arm), StudyData(arm), {});
+      AnalyzeIdentifiability(MeasurementModel(arm), StudyData(arm), {});
   EXPECT_THAT(result.warnings,
               Contains(AllOf(HasSubstr("beta4 acts as -160 mm * r2"),
                              HasSubstr("alpha2 acts as 85 mm * r2"))));
@@ -81,7 +81,7 @@ TEST(AnalysisTest, WarnsBeforeASolveAndNamesWhatTheNoiseDrowns) {
 TEST(AnalysisTest, FreezeHoldsWhatIsToldBadlyAndSaysWhatStandsForIt) {
   const Arm arm = testing::Rv2ajWrist();
   const IdentifiabilityResult result = AnalyzeIdentifiability(
-      PositionModel(arm), StudyData(arm), WithPolicy(WeakPolicy::kFreeze));
+      MeasurementModel(arm), StudyData(arm), WithPolicy(WeakPolicy::kFreeze));
   EXPECT_EQ(result.num_free, 15);
   EXPECT_EQ(Find(result, "beta4").rule, "at_geometry");
   EXPECT_EQ(Find(result, "alpha2").rule, "not_excited");
@@ -94,7 +94,7 @@ TEST(AnalysisTest, FreezeHoldsWhatIsToldBadlyAndSaysWhatStandsForIt) {
 TEST(AnalysisTest, KeepRefusesNothingThatSecondOrderEffectsTell) {
   const Arm arm = testing::Rv2ajFlange();
   const IdentifiabilityResult result = AnalyzeIdentifiability(
-      PositionModel(arm), StudyData(arm), WithPolicy(WeakPolicy::kKeep));
+      MeasurementModel(arm), StudyData(arm), WithPolicy(WeakPolicy::kKeep));
   EXPECT_EQ(result.num_free, 18);
   EXPECT_FALSE(result.exceeds_rank) << result.refusal;
 }
@@ -104,7 +104,7 @@ TEST(AnalysisTest, RulesKeepTheirPublishedAnswer) {
   IdentifiabilityOptions options;
   options.method = IdentifiabilityMethod::kRules;
   const IdentifiabilityResult result =
-      AnalyzeIdentifiability(PositionModel(arm), StudyData(arm), options);
+      AnalyzeIdentifiability(MeasurementModel(arm), StudyData(arm), options);
   EXPECT_EQ(result.policy, "keep");
   EXPECT_EQ(result.num_free, 17);
   EXPECT_EQ(PriorsOf(result).size(), 0);
@@ -114,13 +114,13 @@ TEST(AnalysisTest, PreferIsRespectedAndImpossibleFreeIsRefusedWithTheReason) {
   const Arm arm = testing::Rv2ajFlange();
   IdentifiabilityOptions options;
   options.prefer = {"r4"};
-  EXPECT_THAT(FreeNames(AnalyzeIdentifiability(PositionModel(arm),
+  EXPECT_THAT(FreeNames(AnalyzeIdentifiability(MeasurementModel(arm),
                                                StudyData(arm), options)),
               AllOf(Contains("r4"), ::testing::Not(Contains("r2"))));
   options.prefer.clear();
   options.free = {"r2", "r3"};
   const IdentifiabilityResult refused =
-      AnalyzeIdentifiability(PositionModel(arm), StudyData(arm), options);
+      AnalyzeIdentifiability(MeasurementModel(arm), StudyData(arm), options);
   EXPECT_TRUE(refused.exceeds_rank);
   EXPECT_THAT(refused.refusal, AllOf(HasSubstr("r3"), HasSubstr("acts as r2")));
 }
@@ -130,7 +130,7 @@ TEST(AnalysisTest, FixedParametersStayOutOfTheAnalysis) {
   IdentifiabilityOptions options;
   options.fix = {"r2"};
   const IdentifiabilityResult result =
-      AnalyzeIdentifiability(PositionModel(arm), StudyData(arm), options);
+      AnalyzeIdentifiability(MeasurementModel(arm), StudyData(arm), options);
   EXPECT_EQ(Find(result, "r2").rule, "fixed_by_user");
   EXPECT_EQ(Find(result, "r3").state, ParameterState::kFree);
   EXPECT_THAT(Find(result, "r4").reason, HasSubstr("acts as r3"));
@@ -138,7 +138,7 @@ TEST(AnalysisTest, FixedParametersStayOutOfTheAnalysis) {
 
 TEST(AnalysisTest, LargeNoiseMakesParametersImpractical) {
   const Arm arm = testing::Ur10();
-  const PositionModel model(arm);
+  const MeasurementModel model(arm);
   Dataset data = testing::MeasureGenericPoses(arm, model.NominalValues(), 60);
   data.sigmas.setConstant(1e-6);
   EXPECT_THAT(AnalyzeIdentifiability(model, data, {}).weak, IsEmpty());
@@ -172,7 +172,7 @@ Dataset VerticalToolData(const Arm& arm) {
 
 TEST(AnalysisTest, VerticalToolTellsThirteenOfTheStudysSeventeen) {
   const Arm arm = testing::Rv2ajWrist();
-  const PositionModel model(arm);
+  const MeasurementModel model(arm);
   const Dataset data = VerticalToolData(arm);
   IdentifiabilityOptions options;
   options.method = IdentifiabilityMethod::kRules;
@@ -194,7 +194,7 @@ TEST(AnalysisTest, NothingIsLeftWhereTheNoiseDrownsEverything) {
   for (const WeakPolicy policy :
        {WeakPolicy::kFreeze, WeakPolicy::kPrior, WeakPolicy::kKeep}) {
     const IdentifiabilityResult result =
-        AnalyzeIdentifiability(PositionModel(arm), data, WithPolicy(policy));
+        AnalyzeIdentifiability(MeasurementModel(arm), data, WithPolicy(policy));
     EXPECT_EQ(result.num_free, policy == WeakPolicy::kFreeze ? 0 : 18);
     EXPECT_GE(result.weak.size(), 18u);
   }
@@ -202,7 +202,7 @@ TEST(AnalysisTest, NothingIsLeftWhereTheNoiseDrownsEverything) {
 
 TEST(AnalysisTest, EverythingFixedLeavesNothingFree) {
   const Arm arm = testing::Rv2ajWrist();
-  const PositionModel model(arm);
+  const MeasurementModel model(arm);
   IdentifiabilityOptions options;
   for (const int c : testing::JointColumns(model.layout())) {
     options.fix.push_back(model.layout().parameter(c).name);
@@ -217,10 +217,10 @@ TEST(AnalysisTest, RowsInAnyOrderAndThreadsGiveTheSameAnswer) {
   reversed.joint_values = data.joint_values.rowwise().reverse();
   reversed.positions = data.positions.rowwise().reverse();
   const IdentifiabilityResult first =
-      AnalyzeIdentifiability(PositionModel(arm), data, {});
+      AnalyzeIdentifiability(MeasurementModel(arm), data, {});
   for (const IdentifiabilityResult& other :
-       {AnalyzeIdentifiability(PositionModel(arm), reversed, {}),
-        AnalyzeIdentifiability(PositionModel(arm, 8), data, {})}) {
+       {AnalyzeIdentifiability(MeasurementModel(arm), reversed, {}),
+        AnalyzeIdentifiability(MeasurementModel(arm, 8), data, {})}) {
     EXPECT_EQ(FreeNames(other), FreeNames(first));
     EXPECT_EQ(other.warnings, first.warnings);
     ASSERT_EQ(other.relations.size(), first.relations.size());

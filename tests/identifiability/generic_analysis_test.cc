@@ -32,7 +32,7 @@ std::vector<int> JointColumns(const ParameterLayout& layout) {
 }
 
 GenericAnalysis AnalyzeAll(const Arm& arm, MeasurementKind kind) {
-  const PositionModel model(arm);
+  const MeasurementModel model(arm);
   return AnalyzeGeneric(model, AllColumns(model.layout()), kind, {});
 }
 
@@ -81,7 +81,7 @@ TEST_P(ClassicArmTest, RankIsThatOfTheCompleteMinimalModel) {
 
 TEST_P(ClassicArmTest, TargetOnTheLastRevoluteAxisCostsTwoForPositions) {
   Arm arm = GetParam();
-  arm.last_from_target.translation().head<2>().setZero();
+  arm.last_from_target().translation().head<2>().setZero();
   ASSERT_EQ(arm.joints.back().type, JointType::kRevolute);
   EXPECT_EQ(AnalyzeAll(arm, MeasurementKind::kPosition).generic_rank.rank,
             CompleteModel(arm, MeasurementKind::kPosition) - 2);
@@ -101,7 +101,7 @@ TEST_P(ClassicArmTest, EveryRelationIsVerifiedByMovingAlongIt) {
 }
 
 TEST_P(ClassicArmTest, SetAndRelationsAreTheSameForEverySeed) {
-  const PositionModel model(GetParam());
+  const MeasurementModel model(GetParam());
   const std::vector<int> columns = AllColumns(model.layout());
   IdentifiabilityOptions options;
   const GenericAnalysis first =
@@ -128,7 +128,7 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 TEST(Rv2ajGenericTest, FlangeHasRankEighteenAndItsExactRelations) {
-  const PositionModel model(testing::Rv2ajFlange());
+  const MeasurementModel model(testing::Rv2ajFlange());
   const GenericAnalysis analysis = AnalyzeGeneric(
       model, JointColumns(model.layout()), MeasurementKind::kPosition, {});
   EXPECT_EQ(analysis.generic_rank.rank, 18);
@@ -144,7 +144,7 @@ TEST(Rv2ajGenericTest, FlangeHasRankEighteenAndItsExactRelations) {
 }
 
 TEST(Rv2ajGenericTest, WristLosesTwoAtItsGeometry) {
-  const PositionModel model(testing::Rv2ajWrist());
+  const MeasurementModel model(testing::Rv2ajWrist());
   const GenericAnalysis analysis = AnalyzeGeneric(
       model, JointColumns(model.layout()), MeasurementKind::kPosition, {});
   EXPECT_EQ(analysis.generic_rank.rank, 16);
@@ -157,7 +157,7 @@ TEST(Rv2ajGenericTest, WristLosesTwoAtItsGeometry) {
 
 TEST(Rv2ajGenericTest, RelationsAreTheSameForAHundredSeeds) {
   for (const Arm& arm : {testing::Rv2ajWrist(), testing::Rv2ajFlange()}) {
-    const PositionModel model(arm);
+    const MeasurementModel model(arm);
     const std::vector<int> columns = JointColumns(model.layout());
     IdentifiabilityOptions options;
     const GenericAnalysis first =
@@ -173,7 +173,7 @@ TEST(Rv2ajGenericTest, RelationsAreTheSameForAHundredSeeds) {
 }
 
 TEST(Rv2ajGenericTest, PreferredParameterIsKeptInsteadOfItsStandIn) {
-  const PositionModel model(testing::Rv2ajFlange());
+  const MeasurementModel model(testing::Rv2ajFlange());
   std::vector<int> columns = JointColumns(model.layout());
   const int r4 = *model.layout().Find("r4");
   columns.erase(std::find(columns.begin(), columns.end(), r4));

@@ -96,7 +96,7 @@ struct RandomProblem {
   }
 
   Random random;
-  PositionModel model;
+  MeasurementModel model;
   Dataset data;
 };
 
@@ -159,7 +159,7 @@ TEST_P(RandomArmRankTest, RankIsThatOfTheReference) {
 // are as many as the rank lacks.
 TEST_P(RandomArmRankTest, DependenciesHoldAndCompleteTheRank) {
   const RandomProblem problem(GetParam(), 30, 3);
-  const PositionModel& model = problem.model;
+  const MeasurementModel& model = problem.model;
   const std::vector<int> columns = JointColumns(model.layout());
   const testing::ReferenceLinearization exact = testing::LinearizeReference(
       model.nominal(), model.NominalValues().cast<long double>(), problem.data,
@@ -249,7 +249,7 @@ class Rv2ajRelationTest : public ::testing::TestWithParam<RelationCase> {
     return farthest;
   }
 
-  PositionModel model_;
+  MeasurementModel model_;
   Dataset data_;
   std::vector<Dependency> dependencies_;
 };
@@ -312,7 +312,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 // The base of the RV-2AJ turns about its first axis and moves along it.
 TEST(FindDependenciesTest, KeepsWhatComesFirstInCanonicalOrder) {
-  const PositionModel model(testing::Rv2ajFlange());
+  const MeasurementModel model(testing::Rv2ajFlange());
   const ParameterLayout& layout = model.layout();
   const Dataset data = testing::MeasureStudyPoses(model.nominal());
   const std::vector<int> columns =
@@ -331,16 +331,16 @@ TEST(FindDependenciesTest, KeepsWhatComesFirstInCanonicalOrder) {
 }
 
 // Two joints whose axes are `angle` apart: r2 is as far from r1.
-PositionModel AlmostParallelAxes(double angle) {
+MeasurementModel AlmostParallelAxes(double angle) {
   Arm arm;
   arm.joints.resize(2);
   arm.joints[0].r = 0.3;
   arm.joints[1].alpha = angle;
   arm.joints[1].d = 0.4;
-  return PositionModel(arm);
+  return MeasurementModel(arm);
 }
 
-Dataset TwoJointPoses(const PositionModel& model) {
+Dataset TwoJointPoses(const MeasurementModel& model) {
   Dataset data;
   data.joint_values = Eigen::MatrixXd::Zero(2, 3);
   data.positions = model.Predict(model.NominalValues(), data.joint_values);
@@ -349,7 +349,7 @@ Dataset TwoJointPoses(const PositionModel& model) {
 }
 
 TEST(FindDependenciesTest, ToleranceIsTheSineBetweenAColumnAndThoseKept) {
-  const PositionModel model = AlmostParallelAxes(1e-3);
+  const MeasurementModel model = AlmostParallelAxes(1e-3);
   const Dataset data = TwoJointPoses(model);
   const std::vector<int> columns = ColumnsOf(model.layout(), {"r1", "r2"});
   EXPECT_TRUE(
@@ -368,7 +368,7 @@ TEST(FindDependenciesTest, LeavesOutTermsBelowOneTenThousandth) {
     Arm arm = AlmostParallelAxes(0.1).nominal();
     arm.instrument_from_base.linear() =
         testing::MatrixFromVector({angle, 0.0L, 0.0L}).cast<double>();
-    const PositionModel model(arm);
+    const MeasurementModel model(arm);
     const std::vector<Dependency> dependencies = FindDependencies(
         model, model.NominalValues(), TwoJointPoses(model),
         ColumnsOf(model.layout(), {"r1", "base_y", "base_z"}), 1e-8);

@@ -41,7 +41,7 @@ Arm ChainWithAlphas(const std::vector<double>& alphas) {
     arm.joints.push_back(GenericJoint(arm.num_joints() + 1));
     arm.joints.back().alpha = alpha;
   }
-  arm.last_from_target.translation() = Eigen::Vector3d(0.05, 0.02, 0.11);
+  arm.last_from_target().translation() = Eigen::Vector3d(0.05, 0.02, 0.11);
   return arm;
 }
 
@@ -53,7 +53,7 @@ Dataset GenericPoses(const Arm& arm) {
 
 IdentifiabilityResult Analyze(const Arm& arm,
                               const IdentifiabilityOptions& options = {}) {
-  return ApplyRules(PositionModel(arm), GenericPoses(arm), options);
+  return ApplyRules(MeasurementModel(arm), GenericPoses(arm), options);
 }
 
 TEST(BetaRuleTest, FreezesBetaWhereAxesAreNotParallel) {
@@ -106,7 +106,7 @@ TEST(ZeroColumnRuleTest, FindsTheZeroColumnsOfTheReference) {
         arm, testing::MatrixValues(arm).cast<double>(), 20, &random);
     const Names expected = testing::ZeroColumns(arm, data);
     EXPECT_GE(expected.size(), 3U);
-    EXPECT_EQ(WithReason(ApplyRules(PositionModel(arm), data, {}),
+    EXPECT_EQ(WithReason(ApplyRules(MeasurementModel(arm), data, {}),
                          "its column is zero: no measured position moves with "
                          "it"),
               expected)
@@ -125,12 +125,12 @@ TEST(ZeroColumnRuleTest, LooksAtTheMeasuredPosesOnly) {
   Arm arm = ChainWithAlphas({0.5 * kPi, 0.0});
   arm.joints[1].type = JointType::kPrismatic;
   arm.joints[1].r = 0.0;
-  arm.last_from_target.setIdentity();
+  arm.last_from_target().setIdentity();
   Dataset data = GenericPoses(arm);
-  EXPECT_EQ(FrozenBy(ApplyRules(PositionModel(arm), data, {}), "zero_column"),
+  EXPECT_EQ(FrozenBy(ApplyRules(MeasurementModel(arm), data, {}), "zero_column"),
             Names{"theta2"});
   data.joint_values.row(1).setZero();
-  EXPECT_EQ(FrozenBy(ApplyRules(PositionModel(arm), data, {}), "zero_column"),
+  EXPECT_EQ(FrozenBy(ApplyRules(MeasurementModel(arm), data, {}), "zero_column"),
             (Names{"alpha2", "theta2"}));
 }
 
@@ -149,11 +149,11 @@ TEST(ZeroColumnRuleTest, ToleranceIsRelativeToTheLargestScaledColumn) {
   IdentifiabilityOptions options;
   options.relative_tolerance = 0.99 * relative;
   EXPECT_EQ(
-      DecisionOn(ApplyRules(PositionModel(arm), data, options), "alpha5").state,
+      DecisionOn(ApplyRules(MeasurementModel(arm), data, options), "alpha5").state,
       ParameterState::kFree);
   options.relative_tolerance = 1.01 * relative;
   EXPECT_EQ(
-      DecisionOn(ApplyRules(PositionModel(arm), data, options), "alpha5").rule,
+      DecisionOn(ApplyRules(MeasurementModel(arm), data, options), "alpha5").rule,
       "zero_column");
 }
 
@@ -359,7 +359,7 @@ class RandomArmRulesTest : public ::testing::TestWithParam<int> {
                                      40, &random_)) {}
 
   Random random_;
-  PositionModel model_;
+  MeasurementModel model_;
   Dataset data_;
 };
 
@@ -411,7 +411,7 @@ TEST_P(RandomArmRulesTest, FollowingTheRefusalResolvesIt) {
 TEST_P(RandomArmRulesTest, DoesNotDependOnThreads) {
   const IdentifiabilityResult one = ApplyRules(model_, data_, {});
   const IdentifiabilityResult eight =
-      ApplyRules(PositionModel(model_.nominal(), 8), data_, {});
+      ApplyRules(MeasurementModel(model_.nominal(), 8), data_, {});
   EXPECT_EQ(one.nominal_rank.singular_values,
             eight.nominal_rank.singular_values);
   EXPECT_EQ(one.perturbed_rank.singular_values,

@@ -79,7 +79,7 @@ inline Names ProposedFix(const std::string& refusal) {
 
 /// Fixing what a refusal proposes leaves as many parameters as can be told
 /// apart, and no refusal.
-inline void ExpectFollowingTheRefusalHelps(const PositionModel& model,
+inline void ExpectFollowingTheRefusalHelps(const MeasurementModel& model,
                                            const Dataset& data) {
   const IdentifiabilityResult refused = ApplyRules(model, data, {});
   EXPECT_EQ(refused.exceeds_rank,

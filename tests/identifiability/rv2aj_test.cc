@@ -54,8 +54,8 @@ class Rv2ajStudyTest : public ::testing::TestWithParam<int> {
     return {static_cast<std::uint64_t>(GetParam()), 0.0};
   }
 
-  const PositionModel wrist_{testing::Rv2ajWrist()};
-  const PositionModel flange_{testing::Rv2ajFlange()};
+  const MeasurementModel wrist_{testing::Rv2ajWrist()};
+  const MeasurementModel flange_{testing::Rv2ajFlange()};
 };
 
 TEST_P(Rv2ajStudyTest, WristFreezesTheEightOfTheStudy) {

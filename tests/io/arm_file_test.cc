@@ -51,7 +51,7 @@ TEST(LoadArmTest, ReadsTheWristArmOfTheStudy) {
     EXPECT_EQ(joint.upper, upper_deg[j] * kDegree);
   }
   EXPECT_EQ(arm.instrument_from_base.matrix(), Eigen::Matrix4d::Identity());
-  EXPECT_EQ(arm.last_from_target.matrix(), Eigen::Matrix4d::Identity());
+  EXPECT_EQ(arm.last_from_target().matrix(), Eigen::Matrix4d::Identity());
 }
 
 TEST(LoadArmTest, FlangeArmDiffersFromTheWristArmInR5Only) {
@@ -96,8 +96,8 @@ TEST(LoadArmTest, ReadsFramesWithRotationVectors) {
   // A quarter turn about z takes x to y.
   const Eigen::Vector3d turned = base.linear() * Eigen::Vector3d::UnitX();
   EXPECT_LT((turned - Eigen::Vector3d::UnitY()).norm(), 1e-15);
-  EXPECT_EQ(arm.last_from_target.translation(), Eigen::Vector3d(0, 0, 0.05));
-  EXPECT_EQ(arm.last_from_target.linear(), Eigen::Matrix3d::Identity());
+  EXPECT_EQ(arm.last_from_target().translation(), Eigen::Vector3d(0, 0, 0.05));
+  EXPECT_EQ(arm.last_from_target().linear(), Eigen::Matrix3d::Identity());
 }
 
 struct ArmErrorCase {
@@ -274,7 +274,7 @@ TEST(FormatArmTest, KeepsRotationsToRounding) {
     Eigen::Vector3d rotation;
     for (double& x : rotation) x = random.Uniform(-1.7, 1.7);
     arm.instrument_from_base.linear() = RotationFromVector<double>(rotation);
-    arm.last_from_target.linear() = RotationFromVector<double>(1e-9 * rotation);
+    arm.last_from_target().linear() = RotationFromVector<double>(1e-9 * rotation);
     const Arm read = LoadText(FormatArm(arm, ""));
     // A few roundings of numbers of size one.
     EXPECT_LT(
@@ -282,7 +282,7 @@ TEST(FormatArmTest, KeepsRotationsToRounding) {
             .cwiseAbs()
             .maxCoeff(),
         3e-15);
-    EXPECT_LT((read.last_from_target.linear() - arm.last_from_target.linear())
+    EXPECT_LT((read.last_from_target().linear() - arm.last_from_target().linear())
                   .cwiseAbs()
                   .maxCoeff(),
               1e-15);
@@ -341,7 +341,7 @@ TEST(LoadArmTest, PutsTheLastStandardRowBeforeTheTool) {
   EXPECT_EQ(arm.joints[1].r, 0.005);
   // Rot(x, -90 deg) takes z to y.
   const Eigen::Vector3d tool(0.007, 0.01, 0.0);
-  EXPECT_LT((arm.last_from_target.translation() - tool).norm(), 1e-15);
+  EXPECT_LT((arm.last_from_target().translation() - tool).norm(), 1e-15);
 }
 
 TEST(LoadArmTest, SignAndOffsetMapMotorsToJoints) {
@@ -369,7 +369,7 @@ TEST(LoadArmTest, ReadsUrdfBetweenBaseAndTool) {
   ASSERT_EQ(arm.num_joints(), 1);
   EXPECT_EQ(arm.joints[0].r, 1.0);
   EXPECT_EQ(arm.instrument_from_base.translation().x(), 0.005);
-  EXPECT_EQ(arm.last_from_target.translation().y(), 0.007);
+  EXPECT_EQ(arm.last_from_target().translation().y(), 0.007);
 }
 
 TEST(FormatArmTest, KeepsTheMotorMap) {

@@ -73,7 +73,7 @@ TEST_P(ChainAxesTest, FramesAreThoseOfTheMatrixProducts) {
   // As above; entries are of order one (rotation) and of the reach.
   EXPECT_LT(error.cwiseAbs().maxCoeff(), 1e-14 * (1.0 + Reach(arm)));
   const Eigen::Matrix4d target =
-      (axes.instrument_from_last * arm.last_from_target).matrix();
+      (axes.instrument_from_last * arm.last_from_target()).matrix();
   EXPECT_EQ(axes.instrument_from_target.matrix(), target);
 }
 

@@ -74,7 +74,7 @@ TEST(TargetPositionTest, RevoluteTurnsAndPrismaticTravels) {
   arm.joints.resize(1);
   arm.joints[0].theta = 0.2;
   arm.joints[0].r = 0.5;
-  arm.last_from_target.translation() = Eigen::Vector3d(1.0, 0.0, 0.0);
+  arm.last_from_target().translation() = Eigen::Vector3d(1.0, 0.0, 0.0);
   const double q = 0.3;
   ExpectNear(PositionOf(arm, &q), {std::cos(0.5), std::sin(0.5), 0.5}, 3e-16);
   arm.joints[0].type = JointType::kPrismatic;
@@ -177,7 +177,7 @@ TEST(ReachTest, AddsAllLengths) {
   arm.joints[1].d = -0.010;
   arm.joints[3].r = -0.020;
   arm.instrument_from_base.translation() = Eigen::Vector3d(0.3, 0.0, -0.4);
-  arm.last_from_target.translation() = Eigen::Vector3d(0.0, 0.06, 0.08);
+  arm.last_from_target().translation() = Eigen::Vector3d(0.0, 0.06, 0.08);
   EXPECT_DOUBLE_EQ(Reach(arm), 0.782 + 0.010 + 0.020 + 0.5 + 0.1);
 }
 

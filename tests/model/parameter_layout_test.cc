@@ -108,7 +108,7 @@ TEST(ParameterLayoutTest, ValuesStandInTheirColumns) {
   arm.joints[1].theta = 4.0;
   arm.joints[1].r = 5.0;
   arm.instrument_from_base.translation() = Eigen::Vector3d(6.0, 7.0, 8.0);
-  arm.last_from_target.translation() = Eigen::Vector3d(9.0, 10.0, 11.0);
+  arm.last_from_target().translation() = Eigen::Vector3d(9.0, 10.0, 11.0);
   Eigen::VectorXd expected(22);
   expected << 0, 1, 0, 2, 0, 3, 0, 4, 0, 5, 6, 7, 8, 0, 0, 0, 9, 10, 11, 0, 0,
       0;
@@ -148,7 +148,7 @@ TEST(ParameterLayoutTest, RoundTripKeepsEveryBit) {
     EXPECT_EQ(layout.Values(again), values);
     EXPECT_EQ(again.instrument_from_base.matrix(),
               arm.instrument_from_base.matrix());
-    EXPECT_EQ(again.last_from_target.matrix(), arm.last_from_target.matrix());
+    EXPECT_EQ(again.last_from_target().matrix(), arm.last_from_target().matrix());
   }
 }
 
@@ -164,7 +164,7 @@ TEST(ParameterLayoutTest, WithValuesReplacesTheGeometryOnly) {
   // Rotation values are zero, so the nominal rotations stay.
   EXPECT_EQ(arm.instrument_from_base.linear(),
             nominal.instrument_from_base.linear());
-  EXPECT_EQ(arm.last_from_target.linear(), nominal.last_from_target.linear());
+  EXPECT_EQ(arm.last_from_target().linear(), nominal.last_from_target().linear());
 }
 
 TEST(ParameterLayoutTest, RotationsActOnTheLeftOfTheNominalOnes) {
@@ -187,8 +187,8 @@ TEST(ParameterLayoutTest, RotationsActOnTheLeftOfTheNominalOnes) {
     EXPECT_TRUE(arm.instrument_from_base.linear().isApprox(
         expected(ParameterKind::kBaseRotation, nominal.instrument_from_base),
         2e-15));
-    EXPECT_TRUE(arm.last_from_target.linear().isApprox(
-        expected(ParameterKind::kToolRotation, nominal.last_from_target),
+    EXPECT_TRUE(arm.last_from_target().linear().isApprox(
+        expected(ParameterKind::kToolRotation, nominal.last_from_target()),
         2e-15));
   }
 }

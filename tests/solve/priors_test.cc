@@ -21,7 +21,7 @@ class PriorsTest : public ::testing::TestWithParam<Solver> {};
 
 TEST_P(PriorsTest, GradientOfChiSquareAndPriorVanishesAtTheSolution) {
   const Arm arm = testing::Rv2ajWrist();
-  const PositionModel model(arm);
+  const MeasurementModel model(arm);
   const Dataset data = testing::MeasureStudyPoses(arm, {5, 2e-5});
   const IdentifiabilityResult pass = AnalyzeIdentifiability(model, data, {});
   const CalibrationProblem problem{model, data, FreeColumns(pass),
@@ -59,7 +59,7 @@ TEST_P(PriorsTest, GradientOfChiSquareAndPriorVanishesAtTheSolution) {
 
 TEST_P(PriorsTest, TightPriorHoldsAParameterAndAWideOneDoesNothing) {
   const Arm arm = testing::Rv2ajFlange();
-  const PositionModel model(arm);
+  const MeasurementModel model(arm);
   const Dataset data = testing::MeasureStudyPoses(arm, {5, 2e-5});
   const std::vector<int> free = testing::ColumnsOf(
       model.layout(), {"d2", "d3", "theta2", "theta3", "r1"});

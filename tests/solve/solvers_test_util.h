@@ -77,7 +77,7 @@ struct Calibration {
     return SolveReference(model.nominal(), start, data, free_columns);
   }
 
-  PositionModel model;
+  MeasurementModel model;
   Eigen::VectorXd true_values;
   Dataset data;
   std::vector<int> free_columns;

@@ -35,7 +35,7 @@ inline Arm MakeArm(const std::string& name, const std::vector<DhRow>& rows) {
     joint.upper = revolute ? 2.5 : 0.6;
     arm.joints.push_back(joint);
   }
-  arm.last_from_target.translation() =
+  arm.last_from_target().translation() =
       Eigen::Vector3d(10.0, 20.0, 130.0) * kMillimetre;
   return arm;
 }

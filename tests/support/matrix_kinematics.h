@@ -81,7 +81,7 @@ inline VectorXl MatrixValues(const Arm& arm) {
     values[layout.Column(ParameterKind::kBaseTranslation, axis)] =
         arm.instrument_from_base.translation()[axis];
     values[layout.Column(ParameterKind::kToolTranslation, axis)] =
-        arm.last_from_target.translation()[axis];
+        arm.last_from_target().translation()[axis];
   }
   return values;
 }
@@ -126,7 +126,7 @@ inline Matrix4l MatrixTargetFrame(const Arm& nominal, const VectorXl& values,
   for (int j = 0; j < nominal.num_joints(); ++j) {
     frame = frame * JointMatrix(nominal, layout, values, j, joint_values[j]);
   }
-  return frame * FrameMatrix(nominal.last_from_target, values,
+  return frame * FrameMatrix(nominal.last_from_target(), values,
                              layout.Column(ParameterKind::kToolTranslation, 0),
                              layout.Column(ParameterKind::kToolRotation, 0));
 }

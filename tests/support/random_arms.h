@@ -64,7 +64,7 @@ inline Arm RandomArm(int num_joints, Random* random,
   }
   if (options.with_frames) {
     arm.instrument_from_base = RandomFrame(1.0, random);
-    arm.last_from_target = RandomFrame(0.2, random);
+    arm.last_from_target() = RandomFrame(0.2, random);
   }
   return arm;
 }

@@ -92,7 +92,7 @@ inline ReferencePose EvaluateReference(const Arm& arm,
     }
   }
   Vector4l target = Vector4l::Unit(3);
-  target.head<3>() = arm.last_from_target.translation().cast<long double>();
+  target.head<3>() = arm.last_from_target().translation().cast<long double>();
   ReferencePose pose;
   pose.position = (frame * target).head<3>();
   pose.jacobian = Matrix3Xl::Zero(3, layout.size());

@@ -4,18 +4,18 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "alidade/measurement/position_model.h"
+#include "alidade/measurement/measurement_model.h"
 #include "alidade/results/job_result.h"
 
 namespace alidade {
 
 /// Errors of two sets of values, before and after, at the poses of `data`.
-EvaluatedSet EvaluateSet(const PositionModel& model, const Dataset& data,
+EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
                          const Eigen::VectorXd& before,
                          const Eigen::VectorXd& after);
 
 /// Accuracy of one set of values at the poses of `data`.
-Accuracy EvaluateAccuracy(const PositionModel& model, const Dataset& data,
+Accuracy EvaluateAccuracy(const MeasurementModel& model, const Dataset& data,
                           const Eigen::VectorXd& values);
 
 /// Distance between the targets of two arms with the same joint types at

@@ -6,7 +6,7 @@
 
 #include "alidade/identifiability/options.h"
 #include "alidade/measurement/geometric_jacobian.h"
-#include "alidade/measurement/position_model.h"
+#include "alidade/measurement/measurement_model.h"
 #include "alidade/results/identifiability_result.h"
 
 namespace alidade {
@@ -39,7 +39,7 @@ struct GenericAnalysis {
 /// parallel or nearly meet need. Set and relations depend on the seed only
 /// where a rank has no clear gap. Each relation is verified by moving the
 /// parameters along it. O(poses columns^2).
-GenericAnalysis AnalyzeGeneric(const PositionModel& model,
+GenericAnalysis AnalyzeGeneric(const MeasurementModel& model,
                                const std::vector<int>& candidates,
                                MeasurementKind kind,
                                const IdentifiabilityOptions& options);
@@ -60,7 +60,7 @@ GenericAnalysis AnalyzeGeneric(const PositionModel& model,
 /// and `refusal` says why.
 /// @pre options.IsValid(), names exist, data has a pose and the model's joints.
 IdentifiabilityResult AnalyzeIdentifiability(
-    const PositionModel& model, const Dataset& data,
+    const MeasurementModel& model, const Dataset& data,
     const IdentifiabilityOptions& options);
 
 /// Prior standard deviations that the solvers are to use with a result: one

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "alidade/identifiability/elimination.h"
-#include "alidade/measurement/position_model.h"
+#include "alidade/measurement/measurement_model.h"
 #include "alidade/results/identifiability_result.h"
 
 namespace alidade {
@@ -16,7 +16,7 @@ namespace alidade {
 /// divided by the reach, so that every column is "metres moved per metre" (or
 /// per angle that moves the end of the reach by a metre). Singular values and
 /// dependencies of it are those of the scaled Jacobian. columns x columns.
-Eigen::MatrixXd ScaledFactor(const PositionModel& model,
+Eigen::MatrixXd ScaledFactor(const MeasurementModel& model,
                              const Eigen::VectorXd& values, const Dataset& data,
                              const std::vector<int>& columns);
 
@@ -43,7 +43,7 @@ std::vector<int> InCanonicalOrder(const ParameterLayout& layout,
 /// A dependent column of a scaled factor in units of the layout. Column i of
 /// the factor belongs to parameter order[i]. Terms below 1e-4 of the column's
 /// effect are left out.
-Dependency ToDependency(const PositionModel& model,
+Dependency ToDependency(const MeasurementModel& model,
                         const Eigen::MatrixXd& factor,
                         const std::vector<int>& order,
                         const std::vector<int>& kept,
@@ -51,7 +51,7 @@ Dependency ToDependency(const PositionModel& model,
 
 /// Eliminates the columns in canonical order and returns those that depend on
 /// the ones kept before them (elimination.h).
-std::vector<Dependency> FindDependencies(const PositionModel& model,
+std::vector<Dependency> FindDependencies(const MeasurementModel& model,
                                          const Eigen::VectorXd& values,
                                          const Dataset& data,
                                          const std::vector<int>& columns,

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "alidade/identifiability/options.h"
-#include "alidade/measurement/position_model.h"
+#include "alidade/measurement/measurement_model.h"
 #include "alidade/results/identifiability_result.h"
 
 namespace alidade {
@@ -34,7 +34,7 @@ namespace alidade {
 /// Nothing is solved. Cost: a few Jacobians and their factors.
 /// @pre options.IsValid(), names in `fix` exist, data has a pose and the
 /// model's joint count.
-IdentifiabilityResult ApplyRules(const PositionModel& model,
+IdentifiabilityResult ApplyRules(const MeasurementModel& model,
                                  const Dataset& data,
                                  const IdentifiabilityOptions& options);
 

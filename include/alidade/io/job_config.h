@@ -10,6 +10,7 @@
 
 #include "alidade/identifiability/options.h"
 #include "alidade/measurement/dataset.h"
+#include "alidade/measurement/references.h"
 #include "alidade/measurement/robust_loss.h"
 #include "alidade/model/arm.h"
 #include "alidade/solve/options.h"
@@ -45,6 +46,11 @@ struct AcceptanceLimits {
   std::optional<double> train_max;
   std::optional<double> heldout_rms;
   std::optional<double> heldout_max;
+  /// Of orientations (rad).
+  std::optional<double> train_rotation_rms;
+  std::optional<double> train_rotation_max;
+  std::optional<double> heldout_rotation_rms;
+  std::optional<double> heldout_rotation_max;
 };
 
 /// Poses that the fit does not use, drawn from the job's own data set
@@ -52,6 +58,28 @@ struct AcceptanceLimits {
 struct HoldOutConfig {
   double fraction = 0.3;  ///< of the configurations
   std::uint64_t seed = 1;
+};
+
+/// Cross-validation: the fit is repeated for every fold (holdout.h), and the
+/// errors of the poses held out of each are pooled. The result itself is of the
+/// fit to all poses.
+struct FoldsConfig {
+  int folds = 5;
+  std::uint64_t seed = 1;
+};
+
+/// A row of a data file that holds no measurement.
+struct RejectedRow {
+  std::string file;
+  int line = 0;
+  std::string reason;
+};
+
+/// Limits of a parameter in the solve (rad, m; absolute values).
+struct ParameterBounds {
+  int column = 0;  ///< of the layout
+  double lower = 0.0;
+  double upper = 0.0;
 };
 
 /// Many calibrations of the same poses with fresh noise, where the real arm is
@@ -67,12 +95,18 @@ struct JobConfig {
   std::string path;
   std::string title;
   Arm arm;
+  /// Points and planes that the data are measured against.
+  References references;
   Dataset data;
   /// Poses not used for the fit: of a file of their own, or held out of the
   /// data's (then they are no longer in `data`).
   std::optional<Dataset> validation;
   std::optional<HoldOutConfig> holdout;
-  /// The sigma of a coordinate is estimated from the residuals; the sigmas of
+  std::optional<FoldsConfig> folds;
+  /// Of the data's files, in the order of reading.
+  std::vector<RejectedRow> rejected;
+  std::vector<ParameterBounds> bounds;
+  /// The sigmas of lengths and of orientations are estimated from the residuals; the sigmas of
   /// the data are a first guess.
   bool estimate_sigma = false;
   /// Values of the real arm, one per column of the layout, where it is known.

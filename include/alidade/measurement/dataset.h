@@ -3,25 +3,117 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <vector>
 
 namespace alidade {
 
-/// Measured positions of the target at known joint values. Column i of every
-/// matrix belongs to pose i.
+/// What is measured. With p the position of the target at the observation's
+/// pose, R its orientation, both in the instrument's frame, and "m" what was
+/// measured, the residual (predicted minus measured) is
+///
+///   kPosition       p - p_m                                   3 rows (m)
+///   kPose           p - p_m;  Log(R R_m^T)                    3 (m), 3 (rad)
+///   kDistance       |p - c| - L_m, c a reference point        1 row (m)
+///   kFixedPoint     p - c: a ball in a socket                 3 rows (m)
+///   kPlane          n . p - offset: contact with a plane      1 row (m)
+///   kDifference     p - p' - d_m, p' at a second pose         3 rows (m)
+///   kPointDistance  |c - c'| - L_m of two reference points    1 row (m)
+enum class MeasurementKind {
+  kPosition,
+  kPose,
+  kDistance,
+  kFixedPoint,
+  kPlane,
+  kDifference,
+  kPointDistance,
+};
+
+/// Rows of one observation: 3, 6 or 1.
+int RowsOf(MeasurementKind kind);
+
+/// Observations of one kind, as a structure of arrays: column i of each matrix
+/// and entry i of each list belong to observation i.
+struct ObservationBlock {
+  MeasurementKind kind = MeasurementKind::kPosition;
+  /// Column of the pose in Dataset::joint_values; empty: observation i is of
+  /// pose i. (Of kPointDistance: not used.)
+  std::vector<int> poses = {};
+  /// Number of the target; empty: the first.
+  std::vector<int> targets = {};
+  /// Number of the reference point (kDistance, kFixedPoint, kPointDistance) or
+  /// plane (kPlane).
+  std::vector<int> references = {};
+  /// The second pose (kDifference) or the second point (kPointDistance).
+  std::vector<int> seconds = {};
+  /// RowsOf(kind) x M (m, rad); orientations as rotation vectors; zero for
+  /// kFixedPoint and kPlane.
+  Eigen::MatrixXd measured = {};
+  /// Standard deviation of each row of the residual, RowsOf(kind) x M (m, rad),
+  /// positive; infinite where that row was not measured.
+  Eigen::MatrixXd sigmas = {};
+  /// Where an observation's rows are correlated: W with W^T W the inverse of
+  /// their covariance; the whitened residual is W e instead of e / sigma. One
+  /// entry per observation or none at all; an empty matrix leaves the sigmas.
+  std::vector<Eigen::MatrixXd> whiteners = {};
+
+  Eigen::Index size() const { return measured.cols(); }
+  int rows_each() const { return RowsOf(kind); }
+  int pose(Eigen::Index i) const {
+    return poses.empty() ? static_cast<int>(i) : poses[i];
+  }
+  int target(Eigen::Index i) const { return targets.empty() ? 0 : targets[i]; }
+  /// Rows of observation i that were measured.
+  int Dimension(Eigen::Index i) const;
+};
+
+/// Where a pose was read: for messages.
+struct PoseSource {
+  int file = 0;  ///< index in Dataset::files
+  int line = 0;  ///< from 1
+};
+
+/// Measurements of an arm at known joint values. Observations are counted, and
+/// their residual rows stacked, block after block.
 struct Dataset {
   std::string name;  ///< file it came from, for messages
-  /// Joint values, num_joints x N (rad for revolute, m for prismatic).
+  /// Joint values, num_joints x poses (rad for revolute, m for prismatic).
   Eigen::MatrixXd joint_values;
-  /// Measured points in the instrument's frame, 3 x N (m).
-  Eigen::Matrix3Xd positions;
-  /// Standard deviation of each coordinate, 3 x N (m), all positive.
-  Eigen::Matrix3Xd sigmas;
+  std::vector<ObservationBlock> blocks;
+  /// One entry per pose, or none where the data come from no file.
+  std::vector<PoseSource> sources = {};
+  std::vector<std::string> files = {};
 
   int num_joints() const { return static_cast<int>(joint_values.rows()); }
   Eigen::Index num_poses() const { return joint_values.cols(); }
+  Eigen::Index num_observations() const;
+  /// Rows of the stacked residual, those not measured (always zero) included.
+  Eigen::Index num_rows() const;
   /// Number of scalar measurements.
-  Eigen::Index num_rows() const { return 3 * num_poses(); }
+  Eigen::Index num_equations() const;
+  bool Has(MeasurementKind kind) const;
+
+  /// The measured points and their sigmas (3 x poses, m) of a data set of one
+  /// block of positions, as MakePositions returns it; an empty data set becomes
+  /// one. @pre there is no other block.
+  Eigen::MatrixXd& positions() { return PositionBlock().measured; }
+  Eigen::MatrixXd& sigmas() { return PositionBlock().sigmas; }
+  const Eigen::MatrixXd& positions() const { return blocks.front().measured; }
+  const Eigen::MatrixXd& sigmas() const { return blocks.front().sigmas; }
+
+ private:
+  ObservationBlock& PositionBlock();
 };
+
+/// One measured position per pose: joint values n x N, points 3 x N (m), sigmas
+/// 3 x N (m).
+Dataset MakePositions(const Eigen::MatrixXd& joint_values,
+                      const Eigen::Matrix3Xd& points,
+                      const Eigen::Matrix3Xd& sigmas);
+
+/// Whitens stacked rows (residuals or a Jacobian) of `count` observations of a
+/// block from `first` on, in place. Rows that were not measured become zero.
+void Whiten(const ObservationBlock& block, Eigen::Index first,
+            Eigen::Index count, Eigen::Ref<Eigen::MatrixXd> rows);
 
 }  // namespace alidade
 

@@ -31,18 +31,24 @@ struct Joint {
   double upper = std::numeric_limits<double>::infinity();
 };
 
+/// What is measured at the end of the arm: a reflector, a ball, a probe.
+struct Target {
+  std::string name;  ///< as data sets call it; empty where there is only one
+  Eigen::Isometry3d last_from_target = Eigen::Isometry3d::Identity();
+};
+
 /// An open chain. A point of the target in the instrument's frame is
 ///
 ///   p_in_instrument = instrument_from_base * T(0,1) ... T(n-1,n)
 ///                     * last_from_target * p_in_target
 ///
 /// `instrument_from_base` is "base" in files and parameter names,
-/// `last_from_target` is "tool".
+/// `last_from_target` is "tool" (of the second target "tool2", and so on).
 struct Arm {
   std::string name;
   std::vector<Joint> joints;
   Eigen::Isometry3d instrument_from_base = Eigen::Isometry3d::Identity();
-  Eigen::Isometry3d last_from_target = Eigen::Isometry3d::Identity();
+  std::vector<Target> targets = {{}};  ///< never empty
 
   /// Motors (or encoders) to joints, where joints are coupled, count backwards
   /// or have another zero: q = joints_from_motors * motors + motor_offsets.
@@ -52,11 +58,19 @@ struct Arm {
   Eigen::VectorXd motor_offsets;
 
   int num_joints() const { return static_cast<int>(joints.size()); }
+  int num_targets() const { return static_cast<int>(targets.size()); }
+
+  const Eigen::Isometry3d& last_from_target(int target = 0) const {
+    return targets[target].last_from_target;
+  }
+  Eigen::Isometry3d& last_from_target(int target = 0) {
+    return targets[target].last_from_target;
+  }
 };
 
 /// An upper bound of the distance between the base and the target (m): the
-/// sum of all lengths of the chain, prismatic travel (where limited) and tool
-/// included. It is the length that the model's rounding errors scale with,
+/// sum of all lengths of the chain, prismatic travel (where limited) and the
+/// farthest target included. It is the length that the model's rounding errors scale with,
 /// and that turns small angles into lengths where columns of different units
 /// are compared. Never zero: 1 m for an arm without any length.
 double Reach(const Arm& arm);

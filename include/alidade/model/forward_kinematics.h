@@ -26,7 +26,8 @@ using Vector3 = Eigen::Matrix<T, 3, 1>;
 
 /// The parameters of a layout, block by block: n values each, then base and
 /// tool with six (translation, rotation vector on the left of the nominal
-/// rotation). `base` and `tool` may be null: the arm's own are used.
+/// rotation). `base` and `tool` may be null: the arm's own are used. `tool` is
+/// the block of target number `target`.
 template <typename T>
 struct GeometryView {
   const T* beta = nullptr;
@@ -36,14 +37,16 @@ struct GeometryView {
   const T* r = nullptr;
   const T* base = nullptr;
   const T* tool = nullptr;
+  int target = 0;
 };
 
 /// The blocks of a vector with one value per column of the layout. The view
 /// lives as long as `values`.
 template <typename T>
-GeometryView<T> ViewOf(const ParameterLayout& layout, const T* values) {
-  const auto block = [&](ParameterKind kind) {
-    return values + layout.Column(kind, 0);
+GeometryView<T> ViewOf(const ParameterLayout& layout, const T* values,
+                       int target = 0) {
+  const auto block = [&](ParameterKind kind, int object = 0) {
+    return values + layout.Column(kind, 0, object);
   };
   return {block(ParameterKind::kBeta),
           block(ParameterKind::kAlpha),
@@ -51,7 +54,8 @@ GeometryView<T> ViewOf(const ParameterLayout& layout, const T* values) {
           block(ParameterKind::kTheta),
           block(ParameterKind::kR),
           block(ParameterKind::kBaseTranslation),
-          block(ParameterKind::kToolTranslation)};
+          block(ParameterKind::kToolTranslation, target),
+          target};
 }
 
 /// Rotates (a, b) by the angle whose sine and cosine are given, a towards b.
@@ -62,10 +66,12 @@ void RotatePlane(const T& sine, const T& cosine, T* a, T* b) {
   *a = rotated;
 }
 
-/// Carries a point of frame j (index `j` from 0) to frame j - 1.
+/// Carries a point of frame j (index `j` from 0) to frame j - 1, and with it
+/// the `num_axes` directions at `axes`.
 template <typename T>
 void CarryThroughJoint(const Arm& arm, const GeometryView<T>& geometry, int j,
-                       double q, Vector3<T>* point) {
+                       double q, Vector3<T>* point, int num_axes = 0,
+                       Vector3<T>* axes = nullptr) {
   using std::cos;
   using std::sin;
   T theta = geometry.theta[j];
@@ -79,10 +85,19 @@ void CarryThroughJoint(const Arm& arm, const GeometryView<T>& geometry, int j,
   T& y = point->y();
   T& z = point->z();
   z += r;
-  RotatePlane<T>(sin(theta), cos(theta), &x, &y);
+  const T sin_theta = sin(theta), cos_theta = cos(theta);
+  const T sin_alpha = sin(geometry.alpha[j]), cos_alpha = cos(geometry.alpha[j]);
+  const T sin_beta = sin(geometry.beta[j]), cos_beta = cos(geometry.beta[j]);
+  RotatePlane<T>(sin_theta, cos_theta, &x, &y);
   x += geometry.d[j];
-  RotatePlane<T>(sin(geometry.alpha[j]), cos(geometry.alpha[j]), &y, &z);
-  RotatePlane<T>(sin(geometry.beta[j]), cos(geometry.beta[j]), &z, &x);
+  RotatePlane<T>(sin_alpha, cos_alpha, &y, &z);
+  RotatePlane<T>(sin_beta, cos_beta, &z, &x);
+  for (int k = 0; k < num_axes; ++k) {
+    Vector3<T>& axis = axes[k];
+    RotatePlane<T>(sin_theta, cos_theta, &axis.x(), &axis.y());
+    RotatePlane<T>(sin_alpha, cos_alpha, &axis.y(), &axis.z());
+    RotatePlane<T>(sin_beta, cos_beta, &axis.z(), &axis.x());
+  }
 }
 
 /// Position of the target's origin in the instrument's frame (m).
@@ -90,7 +105,8 @@ void CarryThroughJoint(const Arm& arm, const GeometryView<T>& geometry, int j,
 template <typename T>
 Vector3<T> TargetPosition(const Arm& arm, const GeometryView<T>& geometry,
                           const double* joint_values) {
-  Vector3<T> point = arm.last_from_target.translation().template cast<T>();
+  Vector3<T> point =
+      arm.last_from_target(geometry.target).translation().template cast<T>();
   if (geometry.tool != nullptr) {
     point = Eigen::Map<const Vector3<T>>(geometry.tool);
   }
@@ -104,6 +120,38 @@ Vector3<T> TargetPosition(const Arm& arm, const GeometryView<T>& geometry,
   const Eigen::Map<const Vector3<T>> translation(geometry.base);
   const Vector3<T> rotation = Eigen::Map<const Vector3<T>>(geometry.base + 3);
   return RotationFromVector<T>(rotation) * point + translation;
+}
+
+/// The same, and the target's orientation: `axes` receives the columns of the
+/// rotation from the target's frame to the instrument's.
+template <typename T>
+Vector3<T> TargetPose(const Arm& arm, const GeometryView<T>& geometry,
+                      const double* joint_values,
+                      Eigen::Matrix<T, 3, 3>* instrument_from_target) {
+  const Eigen::Isometry3d& tool = arm.last_from_target(geometry.target);
+  Vector3<T> point = tool.translation().template cast<T>();
+  Eigen::Matrix<T, 3, 3> rotation = tool.linear().template cast<T>();
+  if (geometry.tool != nullptr) {
+    point = Eigen::Map<const Vector3<T>>(geometry.tool);
+    const Vector3<T> turn = Eigen::Map<const Vector3<T>>(geometry.tool + 3);
+    rotation = RotationFromVector<T>(turn) * rotation;
+  }
+  Vector3<T> axes[3] = {rotation.col(0), rotation.col(1), rotation.col(2)};
+  for (int j = arm.num_joints() - 1; j >= 0; --j) {
+    CarryThroughJoint(arm, geometry, j, joint_values[j], &point, 3, axes);
+  }
+  for (int k = 0; k < 3; ++k) rotation.col(k) = axes[k];
+  Eigen::Matrix<T, 3, 3> base =
+      arm.instrument_from_base.linear().template cast<T>();
+  Vector3<T> origin =
+      arm.instrument_from_base.translation().template cast<T>();
+  if (geometry.base != nullptr) {
+    origin = Eigen::Map<const Vector3<T>>(geometry.base);
+    const Vector3<T> turn = Eigen::Map<const Vector3<T>>(geometry.base + 3);
+    base = RotationFromVector<T>(turn) * base;
+  }
+  *instrument_from_target = base * rotation;
+  return base * point + origin;
 }
 
 }  // namespace alidade

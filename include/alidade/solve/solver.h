@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "alidade/measurement/position_model.h"
+#include "alidade/measurement/measurement_model.h"
 #include "alidade/measurement/robust_loss.h"
 #include "alidade/results/identifiability_result.h"
 #include "alidade/results/solver_summary.h"
@@ -18,7 +18,7 @@ namespace alidade {
 ///
 /// all other values staying as they are in the starting point.
 ///
-///   PositionModel model(arm);
+///   MeasurementModel model(arm);
 ///   const IdentifiabilityResult pass = AnalyzeIdentifiability(model, data,
 ///   {}); CalibrationProblem problem{model, data, FreeColumns(pass),
 ///                              pass.nominal_rank, PriorsOf(pass)};
@@ -29,7 +29,7 @@ namespace alidade {
 ///
 /// The references must outlive the solve.
 struct CalibrationProblem {
-  const PositionModel& model;
+  const MeasurementModel& model;
   const Dataset& data;
   std::vector<int> free_columns;  ///< ascending, no repeats
   /// Rank of the free columns at the starting point, from the identifiability

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "alidade/base/random.h"
-#include "alidade/measurement/position_model.h"
+#include "alidade/measurement/measurement_model.h"
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"
@@ -135,7 +135,7 @@ TEST_P(PositionCostTest, AgreesWithTheGeometricJacobian) {
     std::vector<int> columns(evaluation.jacobian.cols());
     std::iota(columns.begin(), columns.end(), 0);
     Linearization geometric;
-    PositionModel(problem.arm)
+    MeasurementModel(problem.arm)
         .Linearize(problem.values, problem.data, columns, &geometric);
     // Both are whitened: errors of rounding grow by 1 / sigma.
     const double largest_weight = 1.0 / problem.data.sigmas.minCoeff();

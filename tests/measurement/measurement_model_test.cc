@@ -1,4 +1,4 @@
-#include "alidade/measurement/position_model.h"
+#include "alidade/measurement/measurement_model.h"
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ std::vector<int> AllColumns(const ParameterLayout& layout) {
   return columns;
 }
 
-Linearization LinearizeAll(const PositionModel& model,
+Linearization LinearizeAll(const MeasurementModel& model,
                            const Eigen::VectorXd& values, const Dataset& data) {
   Linearization linearization;
   model.Linearize(values, data, AllColumns(model.layout()), &linearization);
@@ -61,7 +61,7 @@ TEST_P(JacobianTest, AgreesWithDifferencesOfTheMatrixProducts) {
       testing::ValuesWithRotations(arm, rotation_length, &random);
   const Dataset data = testing::RandomDataset(arm, values, 3, &random);
   const Linearization linearization =
-      LinearizeAll(PositionModel(arm), values, data);
+      LinearizeAll(MeasurementModel(arm), values, data);
   ASSERT_EQ(linearization.jacobian.rows(), data.num_rows());
   ASSERT_EQ(linearization.jacobian.cols(), values.size());
   for (Eigen::Index i = 0; i < data.num_poses(); ++i) {
@@ -82,20 +82,20 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Combine(::testing::Range(1, 10),
                        ::testing::ValuesIn(testing::RotationLengths())));
 
-TEST(PositionModelTest, NominalValuesAreThoseOfTheArm) {
+TEST(MeasurementModelTest, NominalValuesAreThoseOfTheArm) {
   Random random(502);
   const Arm arm = testing::RandomArm(3, &random);
-  const PositionModel model(arm, 2);
+  const MeasurementModel model(arm, 2);
   EXPECT_EQ(model.num_threads(), 2);
   EXPECT_EQ(model.layout().num_joints(), 3);
   EXPECT_EQ(model.NominalValues(), ParameterLayout(3).Values(arm));
 }
 
-TEST(PositionModelTest, PredictsThePositionsOfTheMatrixProducts) {
+TEST(MeasurementModelTest, PredictsThePositionsOfTheMatrixProducts) {
   Random random(503);
   const Problem problem = RandomProblem(6, 20, &random);
   const Eigen::Matrix3Xd predicted =
-      PositionModel(problem.arm)
+      MeasurementModel(problem.arm)
           .Predict(problem.values, problem.data.joint_values);
   for (Eigen::Index i = 0; i < problem.data.num_poses(); ++i) {
     const Eigen::Vector3d expected =
@@ -106,10 +106,10 @@ TEST(PositionModelTest, PredictsThePositionsOfTheMatrixProducts) {
   }
 }
 
-TEST(PositionModelTest, ErrorsArePredictedMinusMeasured) {
+TEST(MeasurementModelTest, ErrorsArePredictedMinusMeasured) {
   Random random(504);
   const Arm arm = testing::RandomArm(5, &random);
-  const PositionModel model(arm);
+  const MeasurementModel model(arm);
   Dataset data = testing::RandomDataset(arm, model.NominalValues(), 8, &random);
   const Eigen::Vector3d offset(0.25, -0.5, 1.0);
   data.positions.colwise() -= offset;
@@ -119,7 +119,7 @@ TEST(PositionModelTest, ErrorsArePredictedMinusMeasured) {
   }
 }
 
-TEST(PositionModelTest, ResidualsVanishAtTheTruth) {
+TEST(MeasurementModelTest, ResidualsVanishAtTheTruth) {
   for (int num_joints = 1; num_joints <= 9; ++num_joints) {
     Random random(505, num_joints);
     const Arm arm = testing::RandomArm(num_joints, &random);
@@ -127,7 +127,7 @@ TEST(PositionModelTest, ResidualsVanishAtTheTruth) {
         testing::ValuesWithRotations(arm, 0.7, &random);
     const Dataset data = testing::RandomDataset(arm, values, 10, &random);
     const Linearization linearization =
-        LinearizeAll(PositionModel(arm), values, data);
+        LinearizeAll(MeasurementModel(arm), values, data);
     const Eigen::Map<const Eigen::Matrix3Xd> residuals(
         linearization.residuals.data(), 3, data.num_poses());
     // Rounding of the forward kinematics, whitened.
@@ -136,10 +136,10 @@ TEST(PositionModelTest, ResidualsVanishAtTheTruth) {
   }
 }
 
-TEST(PositionModelTest, ResidualsAreErrorsInUnitsOfTheirSigmas) {
+TEST(MeasurementModelTest, ResidualsAreErrorsInUnitsOfTheirSigmas) {
   Random random(506);
   const Problem problem = RandomProblem(4, 6, &random);
-  const PositionModel model(problem.arm);
+  const MeasurementModel model(problem.arm);
   const Linearization linearization =
       LinearizeAll(model, problem.values, problem.data);
   const Eigen::Matrix3Xd errors = model.Errors(problem.values, problem.data);
@@ -151,10 +151,10 @@ TEST(PositionModelTest, ResidualsAreErrorsInUnitsOfTheirSigmas) {
   }
 }
 
-TEST(PositionModelTest, SigmaOfOneCoordinateScalesItsRowOnly) {
+TEST(MeasurementModelTest, SigmaOfOneCoordinateScalesItsRowOnly) {
   Random random(507);
   Problem problem = RandomProblem(4, 5, &random);
-  const PositionModel model(problem.arm);
+  const MeasurementModel model(problem.arm);
   Linearization expected = LinearizeAll(model, problem.values, problem.data);
   const int axis = 1;
   const Eigen::Index pose = 3;
@@ -168,10 +168,10 @@ TEST(PositionModelTest, SigmaOfOneCoordinateScalesItsRowOnly) {
   EXPECT_EQ(scaled.jacobian, expected.jacobian);
 }
 
-TEST(PositionModelTest, ColumnsComeInTheOrderAskedFor) {
+TEST(MeasurementModelTest, ColumnsComeInTheOrderAskedFor) {
   Random random(508);
   const Problem problem = RandomProblem(3, 4, &random);
-  const PositionModel model(problem.arm);
+  const MeasurementModel model(problem.arm);
   const Linearization all = LinearizeAll(model, problem.values, problem.data);
   const std::vector<int> columns = {
       *model.layout().Find("tool_z"), *model.layout().Find("beta2"),
@@ -187,10 +187,10 @@ TEST(PositionModelTest, ColumnsComeInTheOrderAskedFor) {
   EXPECT_EQ(some.residuals, all.residuals);
 }
 
-TEST(PositionModelTest, WithoutColumnsOnlyResidualsAreFilled) {
+TEST(MeasurementModelTest, WithoutColumnsOnlyResidualsAreFilled) {
   Random random(509);
   const Problem problem = RandomProblem(3, 4, &random);
-  const PositionModel model(problem.arm);
+  const MeasurementModel model(problem.arm);
   Linearization none;
   model.Linearize(problem.values, problem.data, {}, &none);
   EXPECT_EQ(none.jacobian.rows(), 12);
@@ -199,10 +199,10 @@ TEST(PositionModelTest, WithoutColumnsOnlyResidualsAreFilled) {
             LinearizeAll(model, problem.values, problem.data).residuals);
 }
 
-TEST(PositionModelTest, AnEmptyDataSetGivesEmptyResults) {
+TEST(MeasurementModelTest, AnEmptyDataSetGivesEmptyResults) {
   Random random(510);
   const Problem problem = RandomProblem(3, 0, &random);
-  const PositionModel model(problem.arm, 4);
+  const MeasurementModel model(problem.arm, 4);
   const Linearization linearization =
       LinearizeAll(model, problem.values, problem.data);
   EXPECT_EQ(linearization.residuals.size(), 0);
@@ -210,17 +210,17 @@ TEST(PositionModelTest, AnEmptyDataSetGivesEmptyResults) {
   EXPECT_EQ(model.Errors(problem.values, problem.data).cols(), 0);
 }
 
-TEST(PositionModelTest, ThreadsDoNotChangeABit) {
+TEST(MeasurementModelTest, ThreadsDoNotChangeABit) {
   Random random(511);
   const Problem problem = RandomProblem(6, 1000, &random);
-  const PositionModel one(problem.arm, 1);
+  const MeasurementModel one(problem.arm, 1);
   const Linearization expected =
       LinearizeAll(one, problem.values, problem.data);
   const Eigen::Matrix3Xd expected_errors =
       one.Errors(problem.values, problem.data);
   // Several times, as threads may happen to run one after the other.
   for (const int num_threads : {1, 2, 8, 2, 8, 2, 8, 2, 8}) {
-    const PositionModel model(problem.arm, num_threads);
+    const MeasurementModel model(problem.arm, num_threads);
     const Linearization actual =
         LinearizeAll(model, problem.values, problem.data);
     EXPECT_EQ(actual.residuals, expected.residuals) << num_threads;
@@ -230,16 +230,16 @@ TEST(PositionModelTest, ThreadsDoNotChangeABit) {
   }
 }
 
-TEST(PositionModelTest, RoundingErrorIsTheUnitInTheLastPlaceOfTheReach) {
+TEST(MeasurementModelTest, RoundingErrorIsTheUnitInTheLastPlaceOfTheReach) {
   // 2^-52 of 782 mm.
-  EXPECT_DOUBLE_EQ(PositionModel(testing::Rv2ajFlange()).RoundingError(),
+  EXPECT_DOUBLE_EQ(MeasurementModel(testing::Rv2ajFlange()).RoundingError(),
                    0.782 * std::numeric_limits<double>::epsilon());
 }
 
-TEST(PositionModelTest, RoundingErrorIsTheScaleOfTheActualOne) {
+TEST(MeasurementModelTest, RoundingErrorIsTheScaleOfTheActualOne) {
   Random random(512);
   const Arm arm = testing::WithRv2ajDeviations(testing::Rv2ajFlange());
-  const PositionModel model(arm);
+  const MeasurementModel model(arm);
   const Eigen::MatrixXd poses = testing::RandomJointValues(arm, 2000, &random);
   const Eigen::Matrix3Xd predicted =
       model.Predict(model.NominalValues(), poses);
@@ -270,7 +270,7 @@ TEST(ChiSquareTest, SumsSquaresInUnitsOfSigma) {
 TEST(ChiSquareTest, IsTheSquaredNormOfTheResiduals) {
   Random random(513);
   const Problem problem = RandomProblem(4, 30, &random);
-  const PositionModel model(problem.arm);
+  const MeasurementModel model(problem.arm);
   const double expected =
       LinearizeAll(model, problem.values, problem.data).residuals.squaredNorm();
   // Ninety terms summed in two orders.

@@ -1,0 +1,88 @@
+#include "alidade/measurement/dataset.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace alidade {
+
+int RowsOf(MeasurementKind kind) {
+  switch (kind) {
+    case MeasurementKind::kPosition:
+    case MeasurementKind::kFixedPoint:
+    case MeasurementKind::kDifference:
+      return 3;
+    case MeasurementKind::kPose:
+      return 6;
+    case MeasurementKind::kDistance:
+    case MeasurementKind::kPlane:
+    case MeasurementKind::kPointDistance:
+      return 1;
+  }
+  return 0;
+}
+
+int ObservationBlock::Dimension(Eigen::Index i) const {
+  return static_cast<int>(sigmas.col(i).array().isFinite().count());
+}
+
+Eigen::Index Dataset::num_observations() const {
+  Eigen::Index count = 0;
+  for (const ObservationBlock& block : blocks) count += block.size();
+  return count;
+}
+
+Eigen::Index Dataset::num_rows() const {
+  Eigen::Index count = 0;
+  for (const ObservationBlock& block : blocks) count += block.measured.size();
+  return count;
+}
+
+Eigen::Index Dataset::num_equations() const {
+  Eigen::Index count = 0;
+  for (const ObservationBlock& block : blocks) {
+    count += block.sigmas.array().isFinite().count();
+  }
+  return count;
+}
+
+bool Dataset::Has(MeasurementKind kind) const {
+  return std::any_of(blocks.begin(), blocks.end(),
+                     [&](const ObservationBlock& block) {
+                       return block.kind == kind && block.size() > 0;
+                     });
+}
+
+ObservationBlock& Dataset::PositionBlock() {
+  if (blocks.empty()) blocks.emplace_back();
+  CHECK(blocks.size() == 1 && blocks[0].kind == MeasurementKind::kPosition)
+      << "not a data set of positions alone";
+  return blocks[0];
+}
+
+Dataset MakePositions(const Eigen::MatrixXd& joint_values,
+                      const Eigen::Matrix3Xd& points,
+                      const Eigen::Matrix3Xd& sigmas) {
+  Dataset data;
+  data.joint_values = joint_values;
+  data.positions() = points;
+  data.sigmas() = sigmas;
+  return data;
+}
+
+void Whiten(const ObservationBlock& block, Eigen::Index first,
+            Eigen::Index count, Eigen::Ref<Eigen::MatrixXd> rows) {
+  const int height = block.rows_each();
+  for (Eigen::Index i = 0; i < count; ++i) {
+    auto mine = rows.middleRows(i * height, height);
+    const Eigen::Index k = first + i;
+    if (!block.whiteners.empty() && block.whiteners[k].size() > 0) {
+      mine = (block.whiteners[k] * mine).eval();
+      continue;
+    }
+    mine.array().colwise() /= block.sigmas.col(k).array();
+  }
+}
+
+}  // namespace alidade
