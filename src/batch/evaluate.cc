@@ -1,10 +1,17 @@
 #include "alidade/batch/evaluate.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "alidade/base/error.h"
+#include "alidade/measurement/holdout.h"
 #include "alidade/model/joint_draw.h"
+#include "alidade/model/rotation.h"
 
 namespace alidade {
 namespace {
@@ -32,6 +39,113 @@ void RequireLimitedTravel(const Arm& arm) {
   }
 }
 
+bool HoldsPositions(MeasurementKind kind) {
+  return kind == MeasurementKind::kPosition || kind == MeasurementKind::kPose;
+}
+
+// One position of the one target at every pose: nothing to label.
+bool IsPlain(const Dataset& data) {
+  return data.blocks.size() == 1 && data.blocks[0].poses.empty() &&
+         data.blocks[0].targets.empty() &&
+         data.blocks[0].kind == MeasurementKind::kPosition;
+}
+
+// Calls visit(block, index in it, observation, first row) for every one.
+template <typename Visit>
+void ForEach(const Dataset& data, const Visit& visit) {
+  Eigen::Index count = 0;
+  Eigen::Index row = 0;
+  for (const ObservationBlock& block : data.blocks) {
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      visit(block, i, count++, row);
+      row += block.rows_each();
+    }
+  }
+}
+
+Eigen::Matrix3Xd MeasuredPositions(const Dataset& data) {
+  Eigen::Matrix3Xd positions = Eigen::Matrix3Xd::Constant(
+      3, data.num_observations(), std::numeric_limits<double>::quiet_NaN());
+  ForEach(data, [&](const ObservationBlock& block, Eigen::Index i,
+                    Eigen::Index count, Eigen::Index) {
+    if (!HoldsPositions(block.kind)) return;
+    if (!block.sigmas.col(i).head<3>().allFinite()) return;
+    positions.col(count) = block.measured.col(i).head<3>();
+  });
+  return positions;
+}
+
+// The first rows of every observation, up to three.
+Eigen::Matrix3Xd Lengths(const Dataset& data, const Eigen::VectorXd& errors) {
+  Eigen::Matrix3Xd lengths =
+      Eigen::Matrix3Xd::Zero(3, data.num_observations());
+  ForEach(data, [&](const ObservationBlock& block, Eigen::Index,
+                    Eigen::Index count, Eigen::Index row) {
+    const Eigen::Index height = std::min(3, block.rows_each());
+    lengths.col(count).head(height) = errors.segment(row, height);
+  });
+  return lengths;
+}
+
+Eigen::Matrix3Xd Rotations(const Dataset& data, const Eigen::VectorXd& errors) {
+  Eigen::Matrix3Xd turns = Eigen::Matrix3Xd::Zero(3, data.num_observations());
+  ForEach(data, [&](const ObservationBlock& block, Eigen::Index,
+                    Eigen::Index count, Eigen::Index row) {
+    if (block.kind != MeasurementKind::kPose) return;
+    turns.col(count) = errors.segment<3>(row + 3);
+  });
+  return turns;
+}
+
+std::vector<ObservationLabel> LabelsOf(const Arm& arm, const Dataset& data) {
+  std::vector<ObservationLabel> labels;
+  ForEach(data, [&](const ObservationBlock& block, Eigen::Index i, Eigen::Index,
+                    Eigen::Index) {
+    ObservationLabel label;
+    label.kind = NameOf(block.kind);
+    if (block.kind == MeasurementKind::kPointDistance) {
+      label.pose = -1;
+    } else {
+      label.pose = block.pose(i);
+      label.target = arm.targets[block.target(i)].name;
+      label.where = SourceOf(data, label.pose);
+    }
+    labels.push_back(std::move(label));
+  });
+  return labels;
+}
+
+Eigen::VectorXd ToVector(const std::vector<double>& values) {
+  return Eigen::Map<const Eigen::VectorXd>(
+      values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+// Adds the squares about the mean of repeated measurements.
+void AddSpread(const ObservationBlock& block,
+               const std::vector<Eigen::Index>& repeats, RepeatSpread* spread) {
+  const auto n = static_cast<std::int64_t>(repeats.size());
+  if (n < 2) return;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Index i : repeats) mean += block.measured.col(i).head<3>();
+  mean /= static_cast<double>(n);
+  for (const Eigen::Index i : repeats) {
+    spread->length += (block.measured.col(i).head<3>() - mean).squaredNorm();
+  }
+  spread->length_freedom += 3 * (n - 1);
+  if (block.kind != MeasurementKind::kPose) return;
+  // Rotation vectors from the first, which are small, less their mean.
+  const Eigen::Vector3d first = block.measured.col(repeats[0]).tail<3>();
+  Eigen::Matrix3Xd turns(3, n);
+  for (std::int64_t k = 0; k < n; ++k) {
+    const Eigen::Vector3d mine = block.measured.col(repeats[k]).tail<3>();
+    turns.col(k) = VectorFromRotation(RotationFromVector<double>(mine) *
+                                      RotationFromVector<double>(-first));
+  }
+  spread->rotation +=
+      (turns.colwise() - turns.rowwise().mean()).squaredNorm();
+  spread->rotation_freedom += 3 * (n - 1);
+}
+
 }  // namespace
 
 EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
@@ -45,18 +159,65 @@ EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
                                             : Dimension::kLength);
   }
   set.joint_values = data.joint_values;
-  set.positions = data.positions;
-  set.residual_before = model.Errors(before, data);
-  set.residual_after = model.Errors(after, data);
-  set.before = SummarizeErrors(set.ErrorBefore());
-  set.after = SummarizeErrors(set.ErrorAfter());
+  if (!IsPlain(data)) set.labels = LabelsOf(model.nominal(), data);
+  set.positions = MeasuredPositions(data);
+  const Eigen::VectorXd errors_before = model.Errors(before, data);
+  const Eigen::VectorXd errors_after = model.Errors(after, data);
+  set.residual_before = Lengths(data, errors_before);
+  set.residual_after = Lengths(data, errors_after);
+  if (data.Has(MeasurementKind::kPose)) {
+    set.rotation_residual_before = Rotations(data, errors_before);
+    set.rotation_residual_after = Rotations(data, errors_after);
+  }
+  set.before = EvaluateAccuracy(model, data, before);
+  set.after = EvaluateAccuracy(model, data, after);
+  set.rotation_before = EvaluateRotations(model, data, before);
+  set.rotation_after = EvaluateRotations(model, data, after);
   return set;
 }
 
 Accuracy EvaluateAccuracy(const MeasurementModel& model, const Dataset& data,
                           const Eigen::VectorXd& values) {
-  return SummarizeErrors(
-      model.Errors(values, data).colwise().norm().transpose());
+  const Eigen::VectorXd norms = LengthErrors(model.Errors(values, data), data);
+  std::vector<double> counted;
+  ForEach(data, [&](const ObservationBlock& block, Eigen::Index i,
+                    Eigen::Index count, Eigen::Index) {
+    if (block.kind == MeasurementKind::kPointDistance) return;
+    const Eigen::Index height = std::min(3, block.rows_each());
+    if (block.sigmas.col(i).head(height).array().isFinite().any()) {
+      counted.push_back(norms[count]);
+    }
+  });
+  return SummarizeErrors(ToVector(counted));
+}
+
+Accuracy EvaluateRotations(const MeasurementModel& model, const Dataset& data,
+                           const Eigen::VectorXd& values) {
+  if (!data.Has(MeasurementKind::kPose)) return {};
+  return SummarizeErrors(RotationErrors(model.Errors(values, data), data));
+}
+
+RepeatSpread MeasureRepeats(const Dataset& data) {
+  const std::vector<int> groups = GroupByConfiguration(data);
+  RepeatSpread spread;
+  for (const ObservationBlock& block : data.blocks) {
+    if (!HoldsPositions(block.kind)) continue;
+    std::map<std::pair<int, int>, std::vector<Eigen::Index>> repeats;
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      if (block.Dimension(i) != block.rows_each()) continue;
+      repeats[{groups[block.pose(i)], block.target(i)}].push_back(i);
+    }
+    for (const auto& [where, observations] : repeats) {
+      AddSpread(block, observations, &spread);
+    }
+  }
+  const auto root = [](double squares, std::int64_t freedom) {
+    return freedom > 0 ? std::sqrt(squares / static_cast<double>(freedom))
+                       : 0.0;
+  };
+  spread.length = root(spread.length, spread.length_freedom);
+  spread.rotation = root(spread.rotation, spread.rotation_freedom);
+  return spread;
 }
 
 Accuracy CompareArms(const Arm& arm, const Arm& reference, int count,

@@ -58,8 +58,8 @@ class RankMethod {
   IdentifiabilityResult Run() {
     const std::vector<int> candidates = ListCandidates();
     result_.num_candidates = static_cast<int>(candidates.size());
-    const GenericAnalysis generic = AnalyzeGeneric(
-        model_, candidates, MeasurementKind::kPosition, options_);
+    const GenericAnalysis generic =
+        AnalyzeGeneric(model_, candidates, data_, options_);
     result_.generic_rank = generic.generic_rank;
     result_.structural_rank = generic.structural_rank;
     result_.relations = generic.relations;
@@ -89,16 +89,34 @@ class RankMethod {
 
   ParameterDecision& decision(int column) { return result_.decisions[column]; }
 
-  bool IsCandidateKind(ParameterKind kind) const {
-    switch (kind) {
+  bool IsCandidate(const Parameter& parameter) const {
+    if (IsKnownReference(parameter)) return false;
+    switch (parameter.kind) {
       case ParameterKind::kBaseTranslation:
       case ParameterKind::kBaseRotation:
         return options_.candidates.base;
       case ParameterKind::kToolTranslation:
       case ParameterKind::kToolRotation:
         return options_.candidates.tool;
+      case ParameterKind::kPoint:
+      case ParameterKind::kPlaneTilt:
+      case ParameterKind::kPlaneOffset:
+        return true;
       default:
         return options_.candidates.joints;
+    }
+  }
+
+  bool IsKnownReference(const Parameter& parameter) const {
+    const References& references = model_.references();
+    switch (parameter.kind) {
+      case ParameterKind::kPoint:
+        return references.points[parameter.object].is_known;
+      case ParameterKind::kPlaneTilt:
+      case ParameterKind::kPlaneOffset:
+        return references.planes[parameter.object].is_known;
+      default:
+        return false;
     }
   }
 
@@ -108,7 +126,7 @@ class RankMethod {
     const std::vector<int> fixed = ColumnsOf(options_.fix);
     std::vector<int> all;
     for (int c = 0; c < layout_.size(); ++c) {
-      if (!IsCandidateKind(layout_.parameter(c).kind) &&
+      if (!IsCandidate(layout_.parameter(c)) &&
           !Contains(forced_, c)) {
         decision(c).state = ParameterState::kGiven;
         decision(c).reason = "given, not to be identified";
@@ -139,9 +157,15 @@ class RankMethod {
       if (relation.level == "at_geometry") continue;
       const bool no_effect = relation.terms.empty();
       Freeze(*layout_.Find(relation.parameter), relation.level,
-             no_effect ? "no measured position moves with it"
+             no_effect ? MoveName() + " moves with it"
                        : relation.text + ", whatever the pose");
     }
+  }
+
+  std::string MoveName() const {
+    const bool positions_only =
+        data_.blocks.size() == 1 && data_.Has(MeasurementKind::kPosition);
+    return positions_only ? "no measured position" : "nothing that is measured";
   }
 
   // Weak at the geometry or not excited: the policy decides.

@@ -8,8 +8,10 @@
 
 #include "alidade/identifiability/elimination.h"
 #include "alidade/identifiability/factor.h"
+#include "alidade/identifiability/generic_data.h"
 #include "alidade/identifiability/observability.h"
 #include "alidade/identifiability/rank.h"
+#include "alidade/measurement/compression.h"
 #include "alidade/model/joint_draw.h"
 #include "perturbation.h"
 
@@ -26,31 +28,15 @@ constexpr int kSecondOrderDraws = 9;
 // Ratio of neighbouring singular values above which a gap is clear.
 constexpr double kClearGap = 100.0;
 
-Dataset Subset(const Dataset& data) {
-  if (data.num_poses() <= kEnoughPoses) return data;
-  Dataset subset;
-  subset.joint_values.resize(data.num_joints(), kEnoughPoses);
-  subset.sigmas.resize(3, kEnoughPoses);
-  for (Eigen::Index k = 0; k < kEnoughPoses; ++k) {
-    const Eigen::Index i = k * data.num_poses() / kEnoughPoses;
-    subset.joint_values.col(k) = data.joint_values.col(i);
-    subset.sigmas.col(k) = data.sigmas.col(i);
-  }
-  return subset;
-}
-
-Eigen::MatrixXd WhitenedFactor(const MeasurementModel& model,
-                               const Eigen::VectorXd& values,
-                               const Dataset& data,
-                               const std::vector<int>& columns) {
-  const PoseSet poses{data.joint_values, MeasurementKind::kPosition,
-                      &data.sigmas};
-  return JacobianFactor(model, values, poses, columns);
-}
-
 Eigen::VectorXd NoPriors(Eigen::Index size) {
   return Eigen::VectorXd::Constant(size,
                                    std::numeric_limits<double>::infinity());
+}
+
+// Poses that touch something cannot move one joint alone.
+bool HasContacts(const Dataset& data) {
+  return data.Has(MeasurementKind::kFixedPoint) ||
+         data.Has(MeasurementKind::kPlane);
 }
 
 class DataAnalyzer {
@@ -63,13 +49,13 @@ class DataAnalyzer {
         kept_(kept),
         weak_(weak),
         options_(options),
-        subset_(Subset(data)) {}
+        subset_(EvenSubset(data, kEnoughPoses)) {}
 
   DataAnalysis Run() {
     analysis_.columns = kept_;
     if (kept_.empty()) return analysis_;
     analysis_.whitened_factor =
-        WhitenedFactor(model_, model_.NominalValues(), data_, kept_);
+        JacobianFactor(model_, model_.NominalValues(), data_, kept_);
     const Eigen::MatrixXd scaled =
         ScaleColumns(model_, kept_, analysis_.whitened_factor);
     analysis_.rank = AnalyzeRank(scaled, options_.relative_tolerance);
@@ -109,7 +95,7 @@ class DataAnalyzer {
                         static_cast<int>(moved.joint_values.cols()), kSeed)
             .row(joint);
     const Eigen::MatrixXd factor =
-        WhitenedFactor(model_, model_.NominalValues(), moved, kept_);
+        JacobianFactor(model_, model_.NominalValues(), moved, kept_);
     return AnalyzeRank(ScaleColumns(model_, kept_, factor),
                        options_.relative_tolerance)
         .rank;
@@ -118,7 +104,9 @@ class DataAnalyzer {
   // The joints that would raise the rank if they moved through their range
   // while the others stay as measured.
   void Advise() {
-    for (int j = 0; j < model_.layout().num_joints(); ++j) {
+    const int num_joints =
+        HasContacts(data_) ? 0 : model_.layout().num_joints();
+    for (int j = 0; j < num_joints; ++j) {
       const int gain = RankWithJointMoved(j) - analysis_.rank.rank;
       if (gain <= 0) continue;
       analysis_.advice.emplace_back(
@@ -150,7 +138,7 @@ class DataAnalyzer {
     Eigen::MatrixXd draws(static_cast<Eigen::Index>(all.size()),
                           kSecondOrderDraws);
     for (int draw = 0; draw < kSecondOrderDraws; ++draw) {
-      const Eigen::MatrixXd factor = WhitenedFactor(
+      const Eigen::MatrixXd factor = JacobianFactor(
           model_, PerturbedValues(model_, sizes, draw), subset_, all);
       draws.col(draw) = PredictDeviations(factor, NoPriors(factor.cols()));
     }
@@ -187,17 +175,22 @@ bool HasClearGap(const RankReport& report) {
   return report.rank == 0 || report.gap >= kClearGap;
 }
 
-// One sigma for all lets the factor be unwhitened without another pass.
+// One sigma for all positions lets the factor be unwhitened without another
+// pass.
 bool HasOneSigma(const Dataset& data) {
-  return (data.sigmas.array() == data.sigmas(0, 0)).all();
+  if (data.blocks.size() != 1) return false;
+  const ObservationBlock& block = data.blocks[0];
+  return block.kind == MeasurementKind::kPosition && block.whiteners.empty() &&
+         std::isfinite(block.sigmas(0, 0)) &&
+         (block.sigmas.array() == block.sigmas(0, 0)).all();
 }
 
 Eigen::MatrixXd Unwhitened(const MeasurementModel& model, const Dataset& data,
                            const std::vector<int>& free,
                            const Eigen::MatrixXd& whitened) {
-  if (HasOneSigma(data)) return whitened * data.sigmas(0, 0);
-  const PoseSet poses{data.joint_values};
-  return JacobianFactor(model, model.NominalValues(), poses, free);
+  if (HasOneSigma(data)) return whitened * data.sigmas()(0, 0);
+  return JacobianFactor(model, model.NominalValues(),
+                        WithUnitSigmas(model, data), free);
 }
 
 }  // namespace
@@ -229,13 +222,13 @@ FreeAnalysis AnalyzeFree(const MeasurementModel& model, const Dataset& data,
                          const IdentifiabilityOptions& options) {
   FreeAnalysis analysis;
   analysis.whitened_factor =
-      WhitenedFactor(model, model.NominalValues(), data, free);
+      JacobianFactor(model, model.NominalValues(), data, free);
   analysis.rank =
       AnalyzeRank(ScaleColumns(model, free, analysis.whitened_factor),
                   options.relative_tolerance);
   const Eigen::MatrixXd perturbed =
-      WhitenedFactor(model, PerturbedValues(model, options.perturbation, 0),
-                     Subset(data), free);
+      JacobianFactor(model, PerturbedValues(model, options.perturbation, 0),
+                     EvenSubset(data, kEnoughPoses), free);
   analysis.perturbed_rank = AnalyzeRank(ScaleColumns(model, free, perturbed),
                                         options.relative_tolerance);
   const Eigen::MatrixXd plain =
@@ -269,16 +262,17 @@ void WarnAboutFree(const MeasurementModel& model, const Dataset& data,
   const Arm& arm = model.nominal();
   const double off_axis = arm.last_from_target().translation().head<2>().norm();
   if (arm.joints.back().type == JointType::kRevolute &&
+      arm.num_targets() == 1 && !data.Has(MeasurementKind::kPose) &&
       off_axis <= 1e-6 * Reach(arm)) {
     result->warnings.emplace_back(
         "the target lies on the axis of the last joint, whose rotation "
         "therefore moves no measured point: two parameters fewer can be "
         "identified than with a target off the axis");
   }
-  if (data.num_rows() < result->num_free) {
+  if (data.num_equations() < result->num_free) {
     result->warnings.push_back(
         std::to_string(data.num_poses()) + " poses give " +
-        std::to_string(data.num_rows()) + " equations for " +
+        std::to_string(data.num_equations()) + " equations for " +
         std::to_string(result->num_free) + " parameters");
   }
 }

@@ -2,12 +2,12 @@
 #include <cmath>
 #include <string>
 
-#include "alidade/base/random.h"
 #include "alidade/identifiability/analysis.h"
 #include "alidade/identifiability/elimination.h"
 #include "alidade/identifiability/factor.h"
+#include "alidade/identifiability/generic_data.h"
 #include "alidade/identifiability/rank.h"
-#include "alidade/model/joint_draw.h"
+#include "alidade/measurement/compression.h"
 #include "perturbation.h"
 
 namespace alidade {
@@ -27,15 +27,13 @@ int NumGenericPoses(std::size_t columns) {
 class Generic {
  public:
   Generic(const MeasurementModel& model, const std::vector<int>& candidates,
-          MeasurementKind kind, const IdentifiabilityOptions& options)
+          const Dataset& data, const IdentifiabilityOptions& options)
       : model_(model),
         layout_(model.layout()),
         candidates_(candidates),
-        kind_(kind),
         options_(options),
-        poses_(DrawJointValues(model.nominal(),
-                               NumGenericPoses(candidates.size()),
-                               options.seed)) {}
+        data_(MakeGenericData(model, data, NumGenericPoses(candidates.size()),
+                              options.seed)) {}
 
   GenericAnalysis Run() {
     if (candidates_.empty()) return analysis_;
@@ -56,9 +54,8 @@ class Generic {
 
  private:
   Eigen::MatrixXd Factor(const Eigen::VectorXd& values) const {
-    const PoseSet poses{poses_, kind_};
     return ScaleColumns(model_, candidates_,
-                        JacobianFactor(model_, values, poses, candidates_));
+                        JacobianFactor(model_, values, data_, candidates_));
   }
 
   // The perturbed geometry of largest rank decides which of the dependent
@@ -128,32 +125,31 @@ class Generic {
       relation.terms.emplace_back(layout_.parameter(column).name, coefficient);
     }
     relation.text = DescribeDependency(layout_, dependency);
-    relation.verified = PointsStay(dependency);
+    relation.verified = MeasurementsStay(dependency);
     analysis_.relations.push_back(std::move(relation));
   }
 
   // The parameter by a step, the ones that stand for it by as much the other
   // way: what is left is of second order in the step.
-  bool PointsStay(const Dependency& dependency) const {
+  bool MeasurementsStay(const Dependency& dependency) const {
     const double step = kRelationStep / ColumnScale(model_, dependency.column);
     Eigen::VectorXd moved = model_.NominalValues();
     moved[dependency.column] += step;
     for (const auto& [column, coefficient] : dependency.terms) {
       moved[column] -= coefficient * step;
     }
-    const Eigen::Matrix3Xd difference =
-        model_.Predict(moved, poses_) -
-        model_.Predict(model_.NominalValues(), poses_);
-    return difference.colwise().norm().maxCoeff() <=
+    const Eigen::VectorXd difference =
+        model_.Errors(moved, data_) -
+        model_.Errors(model_.NominalValues(), data_);
+    return std::sqrt(SquaredNorms(difference, data_).maxCoeff()) <=
            kRelationTolerance * kRelationStep;
   }
 
   const MeasurementModel& model_;
   const ParameterLayout& layout_;
   const std::vector<int>& candidates_;
-  const MeasurementKind kind_;
   const IdentifiabilityOptions& options_;
-  const Eigen::MatrixXd poses_;
+  const Dataset data_;
   Eigen::MatrixXd nominal_factor_;
   Elimination elimination_;
   GenericAnalysis analysis_;
@@ -163,9 +159,9 @@ class Generic {
 
 GenericAnalysis AnalyzeGeneric(const MeasurementModel& model,
                                const std::vector<int>& candidates,
-                               MeasurementKind kind,
+                               const Dataset& data,
                                const IdentifiabilityOptions& options) {
-  return Generic(model, candidates, kind, options).Run();
+  return Generic(model, candidates, data, options).Run();
 }
 
 }  // namespace alidade

@@ -21,9 +21,12 @@ double PriorTolerances::Of(ParameterKind kind) const {
       return r;
     case ParameterKind::kBaseTranslation:
     case ParameterKind::kToolTranslation:
+    case ParameterKind::kPoint:
+    case ParameterKind::kPlaneOffset:
       return frame_length;
     case ParameterKind::kBaseRotation:
     case ParameterKind::kToolRotation:
+    case ParameterKind::kPlaneTilt:
       return frame_angle;
   }
   return 0.0;

@@ -10,15 +10,19 @@
 
 #include "alidade/base/svd.h"
 #include "alidade/identifiability/factor.h"
+#include "alidade/measurement/compression.h"
 
 namespace alidade {
 namespace {
 
-// Frames first: where an arm stands and what it holds is known worst
+// References first: nothing else says where they are. Then frames: where an arm stands and what it holds is known worst
 // beforehand, and a joint's number held in their stead would carry its narrow
 // prior over to them. Then lengths: they are what drawings and people state,
 // and a length that stands for an angle reads better than the reverse.
-constexpr std::array<ParameterKind, 9> kCanonicalOrder = {
+constexpr std::array<ParameterKind, 12> kCanonicalOrder = {
+    ParameterKind::kPoint,
+    ParameterKind::kPlaneOffset,
+    ParameterKind::kPlaneTilt,
     ParameterKind::kBaseTranslation,
     ParameterKind::kToolTranslation,
     ParameterKind::kBaseRotation,
@@ -79,10 +83,8 @@ Dependency ToDependency(const MeasurementModel& model,
 Eigen::MatrixXd ScaledFactor(const MeasurementModel& model,
                              const Eigen::VectorXd& values, const Dataset& data,
                              const std::vector<int>& columns) {
-  const PoseSet poses{data.joint_values, MeasurementKind::kPosition,
-                      &data.sigmas};
   return ScaleColumns(model, columns,
-                      JacobianFactor(model, values, poses, columns));
+                      JacobianFactor(model, values, data, columns));
 }
 
 RankReport AnalyzeRank(const Eigen::MatrixXd& factor,

@@ -35,10 +35,15 @@ Json ToJson(const EvaluatedSet& set) {
   for (const Dimension dimension : set.joint_dimensions) {
     units.push_back(KeyOf(kUnitKeys, dimension));
   }
-  return {{"name", set.name},
-          {"joint_units", units},
-          {"before", ToJson(set.before)},
-          {"after", ToJson(set.after)}};
+  Json json = {{"name", set.name},
+               {"joint_units", units},
+               {"before", ToJson(set.before)},
+               {"after", ToJson(set.after)}};
+  if (set.rotation_after.n > 0) {
+    json["rotation_before"] = ToJson(set.rotation_before);
+    json["rotation_after"] = ToJson(set.rotation_after);
+  }
+  return json;
 }
 
 Json ToJson(const StageResult& stage) {
@@ -46,11 +51,31 @@ Json ToJson(const StageResult& stage) {
                {"free", stage.num_free},
                {"train", ToJson(stage.train)}};
   if (stage.heldout.n > 0) json["heldout"] = ToJson(stage.heldout);
+  if (stage.train_rotation.n > 0) {
+    json["train_rotation"] = ToJson(stage.train_rotation);
+  }
+  if (stage.heldout_rotation.n > 0) {
+    json["heldout_rotation"] = ToJson(stage.heldout_rotation);
+  }
   return json;
+}
+
+Json ToJson(const CrossValidation& validation) {
+  Json json = {{"folds", validation.folds},
+               {"position", ToJson(validation.position)}};
+  if (validation.rotation.n > 0) json["rotation"] = ToJson(validation.rotation);
+  return json;
+}
+
+Json ToJson(const RejectedRow& row) {
+  return {{"file", row.file}, {"line", row.line}, {"reason", row.reason}};
 }
 
 Json ToJson(const Outlier& outlier) {
   return {{"pose", outlier.pose},
+          {"kind", outlier.label.kind},
+          {"target", outlier.label.target},
+          {"where", outlier.label.where},
           {"error", outlier.error},
           {"standardised", outlier.standardised},
           {"weight", outlier.weight}};
@@ -135,6 +160,7 @@ Json ToJson(const SolverSummary& summary) {
       summary.iterations.empty() ? 0 : summary.iterations.back().iteration;
   return {
       {"name", summary.solver},
+      {"evaluation", summary.evaluation},
       {"status", KeyOf(kStatusKeys, summary.status)},
       {"message", summary.message},
       {"iterations", last},
@@ -170,6 +196,7 @@ Json ToJson(const SolverRun& run) {
 
 Json ToJson(const AcceptanceCheck& check) {
   return {{"quantity", check.quantity},
+          {"unit", KeyOf(kUnitKeys, check.dimension)},
           {"limit", check.limit},
           {"obtained", check.obtained},
           {"met", check.met()}};
@@ -231,7 +258,20 @@ std::string FormatResultJson(const JobResult& result) {
   if (result.heldout) json["accuracy"]["heldout"] = ToJson(*result.heldout);
   json["accuracy"]["before_note"] = result.before_note;
   json["stages"] = ToJsonList(result.stages, ToJson);
+  if (result.cross_validation) {
+    json["cross_validation"] = ToJson(*result.cross_validation);
+  }
+  json["rejected_rows"] = ToJsonList(result.rejected, ToJson);
+  json["aliases"] = Json::array();
+  for (const auto& [block, name] : result.aliases) {
+    json["aliases"].push_back({{"block", block}, {"name", name}});
+  }
+  json["repeats"] = {{"length", result.repeats.length},
+                     {"length_freedom", result.repeats.length_freedom},
+                     {"rotation", result.repeats.rotation},
+                     {"rotation_freedom", result.repeats.rotation_freedom}};
   json["fit"] = {{"estimated_sigma", result.estimated_sigma},
+                 {"estimated_rotation_sigma", result.estimated_rotation_sigma},
                  {"reduced_chi_square", result.reduced_chi_square},
                  {"outlier_limit", result.outlier_limit},
                  {"outliers", ToJsonList(result.outliers, ToJson)}};

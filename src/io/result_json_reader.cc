@@ -145,6 +145,10 @@ Accuracy ReadAccuracy(const JsonValue& json) {
   return accuracy;
 }
 
+Accuracy ReadAccuracyIfThere(const JsonValue& json, const char* key) {
+  return json.Has(key) ? ReadAccuracy(json[key]) : Accuracy();
+}
+
 EvaluatedSet ReadEvaluatedSet(const JsonValue& json) {
   EvaluatedSet set;
   set.name = json["name"].Text();
@@ -153,6 +157,8 @@ EvaluatedSet ReadEvaluatedSet(const JsonValue& json) {
                [](const JsonValue& unit) { return unit.Choice(kUnitKeys); });
   set.before = ReadAccuracy(json["before"]);
   set.after = ReadAccuracy(json["after"]);
+  set.rotation_before = ReadAccuracyIfThere(json, "rotation_before");
+  set.rotation_after = ReadAccuracyIfThere(json, "rotation_after");
   return set;
 }
 
@@ -161,13 +167,38 @@ StageResult ReadStage(const JsonValue& json) {
   stage.name = json["name"].Text();
   stage.num_free = json["free"].Integer();
   stage.train = ReadAccuracy(json["train"]);
-  if (json.Has("heldout")) stage.heldout = ReadAccuracy(json["heldout"]);
+  stage.heldout = ReadAccuracyIfThere(json, "heldout");
+  stage.train_rotation = ReadAccuracyIfThere(json, "train_rotation");
+  stage.heldout_rotation = ReadAccuracyIfThere(json, "heldout_rotation");
   return stage;
 }
 
+CrossValidation ReadCrossValidation(const JsonValue& json) {
+  return {json["folds"].Integer(), ReadAccuracy(json["position"]),
+          ReadAccuracyIfThere(json, "rotation")};
+}
+
+RejectedRow ReadRejectedRow(const JsonValue& json) {
+  return {json["file"].Text(), json["line"].Integer(), json["reason"].Text()};
+}
+
+RepeatSpread ReadRepeats(const JsonValue& json) {
+  return {json["length"].Number(), json["length_freedom"].LongInteger(),
+          json["rotation"].Number(), json["rotation_freedom"].LongInteger()};
+}
+
 Outlier ReadOutlier(const JsonValue& json) {
-  return {json["pose"].LongInteger(), json["error"].Number(),
-          json["standardised"].Number(), json["weight"].Number()};
+  Outlier outlier;
+  outlier.pose = json["pose"].LongInteger();
+  if (json.Has("kind")) {
+    outlier.label.kind = json["kind"].Text();
+    outlier.label.target = json["target"].Text();
+    outlier.label.where = json["where"].Text();
+  }
+  outlier.error = json["error"].Number();
+  outlier.standardised = json["standardised"].Number();
+  outlier.weight = json["weight"].Number();
+  return outlier;
 }
 
 InputFile ReadInput(const JsonValue& json) {
@@ -268,6 +299,7 @@ SolverSummary ReadSummary(const JsonValue& json) {
   summary.solver = json["name"].Text();
   summary.status = json["status"].Choice(kStatusKeys);
   summary.message = json["message"].Text();
+  if (json.Has("evaluation")) summary.evaluation = json["evaluation"].Text();
   summary.accepted_steps = json["accepted_steps"].Integer();
   summary.rejected_steps = json["rejected_steps"].Integer();
   summary.initial_cost = json["initial_cost"].Number();
@@ -301,8 +333,10 @@ SolverRun ReadRun(const JsonValue& json) {
 }
 
 AcceptanceCheck ReadAcceptance(const JsonValue& json) {
+  const bool has_unit = json.Has("unit");
   return {json["quantity"].Text(), json["limit"].Number(),
-          json["obtained"].Number()};
+          json["obtained"].Number(),
+          has_unit ? json["unit"].Choice(kUnitKeys) : Dimension::kLength};
 }
 
 StudyRow ReadStudyRow(const JsonValue& json) {
@@ -386,6 +420,19 @@ void CheckFormat(const JsonValue& json) {
   json["format"].Choice(Formats{{{1, kResultFormat}}});
 }
 
+// What is known of the measurements besides their fit.
+void ReadMeasurements(const JsonValue& json, JobResult* result) {
+  if (json.Has("cross_validation")) {
+    result->cross_validation = ReadCrossValidation(json["cross_validation"]);
+  }
+  if (!json.Has("rejected_rows")) return;
+  result->rejected = ReadList(json["rejected_rows"], ReadRejectedRow);
+  result->repeats = ReadRepeats(json["repeats"]);
+  result->aliases = ReadList(json["aliases"], [](const JsonValue& alias) {
+    return std::pair(alias["block"].Text(), alias["name"].Text());
+  });
+}
+
 }  // namespace
 
 JobResult LoadResultJson(const std::string& path) {
@@ -416,10 +463,15 @@ JobResult LoadResultJson(const std::string& path) {
   if (json.Has("fit")) {
     const JsonValue fit = json["fit"];
     result.estimated_sigma = fit["estimated_sigma"].Number();
+    if (fit.Has("estimated_rotation_sigma")) {
+      result.estimated_rotation_sigma =
+          fit["estimated_rotation_sigma"].Number();
+    }
     result.reduced_chi_square = fit["reduced_chi_square"].Number();
     result.outlier_limit = fit["outlier_limit"].Number();
     result.outliers = ReadList(fit["outliers"], ReadOutlier);
   }
+  ReadMeasurements(json, &result);
   result.runs = ReadList(json["runs"], ReadRun);
   result.acceptance = ReadList(json["acceptance"], ReadAcceptance);
   if (json.Has("study")) result.study = ReadStudy(json["study"]);

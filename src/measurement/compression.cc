@@ -89,7 +89,9 @@ void ApplyLosses(const ObservationBlock& block, Eigen::Index first,
   }
 }
 
-double CostOf(const Eigen::VectorXd& errors, const Dataset& data,
+}  // namespace
+
+double RobustChiSquare(const Eigen::VectorXd& errors, const Dataset& data,
               const std::vector<RobustLoss>& losses) {
   const Eigen::VectorXd squared = SquaredNorms(errors, data);
   if (losses.empty()) return squared.sum();
@@ -103,8 +105,6 @@ double CostOf(const Eigen::VectorXd& errors, const Dataset& data,
   }
   return cost;
 }
-
-}  // namespace
 
 Eigen::MatrixXd JacobianFactor(const MeasurementModel& model,
                                const Eigen::VectorXd& values,
@@ -140,7 +140,7 @@ CompressedProblem Compress(const MeasurementModel& model,
   CompressedProblem problem;
   problem.factor = factor.topLeftCorner(p, p);
   problem.projected = factor.topRightCorner(p, 1);
-  problem.cost = CostOf(errors, data, losses);
+  problem.cost = RobustChiSquare(errors, data, losses);
   return problem;
 }
 

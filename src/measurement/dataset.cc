@@ -23,6 +23,26 @@ int RowsOf(MeasurementKind kind) {
   return 0;
 }
 
+const char* NameOf(MeasurementKind kind) {
+  switch (kind) {
+    case MeasurementKind::kPosition:
+      return "position";
+    case MeasurementKind::kPose:
+      return "pose";
+    case MeasurementKind::kDistance:
+      return "distance";
+    case MeasurementKind::kFixedPoint:
+      return "fixed point";
+    case MeasurementKind::kPlane:
+      return "plane";
+    case MeasurementKind::kDifference:
+      return "difference";
+    case MeasurementKind::kPointDistance:
+      return "point distance";
+  }
+  return "";
+}
+
 int ObservationBlock::Dimension(Eigen::Index i) const {
   return static_cast<int>(sigmas.col(i).array().isFinite().count());
 }
@@ -59,6 +79,12 @@ ObservationBlock& Dataset::PositionBlock() {
   CHECK(blocks.size() == 1 && blocks[0].kind == MeasurementKind::kPosition)
       << "not a data set of positions alone";
   return blocks[0];
+}
+
+std::string SourceOf(const Dataset& data, int pose) {
+  if (data.sources.empty()) return "";
+  const PoseSource& source = data.sources[pose];
+  return data.files[source.file] + ":" + std::to_string(source.line);
 }
 
 Dataset MakePositions(const Eigen::MatrixXd& joint_values,

@@ -118,6 +118,15 @@ double TuningConstant(LossKind kind, int dimension) {
   return 0.5 * (low + high);
 }
 
+std::vector<RobustLoss> TunedLosses(LossKind kind, int max_dimension) {
+  std::vector<RobustLoss> losses;
+  if (kind == LossKind::kNone) return losses;
+  for (int dimension = 1; dimension <= max_dimension; ++dimension) {
+    losses.push_back({kind, TuningConstant(kind, dimension)});
+  }
+  return losses;
+}
+
 double MedianOfChi(int dimension) {
   return std::sqrt(ChiSquareQuantile(0.5, dimension));
 }

@@ -34,25 +34,74 @@ std::string VectorCells(const Eigen::Vector3d& metres) {
   return cells;
 }
 
-std::string FormatPoses(const EvaluatedSet& set) {
-  const std::vector<JointColumn> joints = JointColumns(set);
+// Names of targets come from users: quoted where a cell needs it.
+std::string TextCell(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"') quoted += '"';
+    quoted += c == '\n' || c == '\r' ? ' ' : c;
+  }
+  return quoted + "\"";
+}
+
+std::string Header(const EvaluatedSet& set,
+                   const std::vector<JointColumn>& joints) {
   std::string text = "pose";
+  if (!set.labels.empty()) text += ",kind,target,where";
   for (const JointColumn& joint : joints) text += "," + joint.title;
   text +=
       ",x_mm,y_mm,z_mm"
       ",before_dx_mm,before_dy_mm,before_dz_mm,before_error_mm"
-      ",after_dx_mm,after_dy_mm,after_dz_mm,after_error_mm\n";
-  for (Eigen::Index i = 0; i < set.positions.cols(); ++i) {
-    text += std::to_string(i + 1);
-    for (std::size_t j = 0; j < joints.size(); ++j) {
-      const double value = set.joint_values(static_cast<Eigen::Index>(j), i);
-      text += "," + ShortestNumber(value / joints[j].unit);
+      ",after_dx_mm,after_dy_mm,after_dz_mm,after_error_mm";
+  if (set.rotation_residual_after.cols() > 0) {
+    text += ",before_rotation_deg,after_rotation_deg";
+  }
+  return text + "\n";
+}
+
+std::string JointCells(const EvaluatedSet& set,
+                       const std::vector<JointColumn>& joints, int pose) {
+  std::string text;
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    text += ",";
+    if (pose < 0) continue;
+    const double value = set.joint_values(static_cast<Eigen::Index>(j), pose);
+    text += ShortestNumber(value / joints[j].unit);
+  }
+  return text;
+}
+
+std::string MeasuredCells(const Eigen::Vector3d& position) {
+  if (!position.allFinite()) return ",,,";
+  return VectorCells(position);
+}
+
+std::string FormatObservations(const EvaluatedSet& set) {
+  const std::vector<JointColumn> joints = JointColumns(set);
+  std::string text = Header(set, joints);
+  for (Eigen::Index i = 0; i < set.residual_after.cols(); ++i) {
+    int pose = static_cast<int>(i);
+    std::string label;
+    if (!set.labels.empty()) {
+      const ObservationLabel& mine = set.labels[i];
+      pose = mine.pose;
+      label = "," + mine.kind + "," + TextCell(mine.target) + "," +
+              TextCell(mine.where);
     }
-    text += VectorCells(set.positions.col(i));
+    if (pose >= 0) text += std::to_string(pose + 1);
+    text += label + JointCells(set, joints, pose);
+    text += MeasuredCells(set.positions.col(i));
     text += VectorCells(set.residual_before.col(i));
     text += "," + Millimetres(set.residual_before.col(i).norm());
     text += VectorCells(set.residual_after.col(i));
     text += "," + Millimetres(set.residual_after.col(i).norm());
+    if (set.rotation_residual_after.cols() > 0) {
+      for (const Eigen::Matrix3Xd* turns :
+           {&set.rotation_residual_before, &set.rotation_residual_after}) {
+        text += "," + ShortestNumber(turns->col(i).norm() / kDegree);
+      }
+    }
     text += "\n";
   }
   return text;
@@ -81,9 +130,9 @@ std::string FormatIterations(const std::vector<SolverRun>& runs) {
 
 std::vector<ReportFile> MakeCsvFiles(const JobResult& result) {
   std::vector<ReportFile> files;
-  files.push_back({"residuals.csv", FormatPoses(result.train)});
+  files.push_back({"residuals.csv", FormatObservations(result.train)});
   if (result.heldout) {
-    files.push_back({"heldout.csv", FormatPoses(*result.heldout)});
+    files.push_back({"heldout.csv", FormatObservations(*result.heldout)});
   }
   files.push_back({"iterations.csv", FormatIterations(result.runs)});
   return files;

@@ -69,7 +69,7 @@ LineChart PoseChart(const std::string& title, const Accuracy& accuracy,
 }
 
 bool LiesInHorizontalPlane(const EvaluatedSet& set) {
-  if (set.positions.cols() < 3) return false;
+  if (set.positions.cols() < 3 || !set.positions.allFinite()) return false;
   const Eigen::Vector3d extent =
       set.positions.rowwise().maxCoeff() - set.positions.rowwise().minCoeff();
   return extent.z() < kFlat * extent.head<2>().maxCoeff();

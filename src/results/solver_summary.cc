@@ -56,6 +56,8 @@ std::string SolverSummary::FullReport() const {
   out << "Solver                    " << solver << "\n"
       << "Status                    " << ToString(status) << "\n"
       << "Message                   " << message << "\n"
+      << (evaluation.empty() ? ""
+                             : "Evaluation                " + evaluation + "\n")
       << "Poses, residuals          " << num_poses << ", " << num_residuals
       << "\n"
       << "Parameters, free          " << num_parameters << ", " << num_free

@@ -1,18 +1,12 @@
-#include <ceres/cost_function.h>
 #include <ceres/iteration_callback.h>
-#include <ceres/loss_function.h>
-#include <ceres/manifold.h>
-#include <ceres/problem.h>
 #include <ceres/solver.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <utility>
-#include <vector>
 
-#include "alidade/measurement/position_cost.h"
 #include "alidade/solve/solver.h"
+#include "formulation.h"
 #include "progress.h"
 
 namespace alidade {
@@ -27,144 +21,6 @@ double ChooseTrustRegionRadius(const RankReport& start_rank) {
   constexpr double kCeresDefault = 1e4;
   const double damping = start_rank.SmallestCounted() / 30.0;
   return std::max(kCeresDefault, 1.0 / (damping * damping));
-}
-
-// Free columns of one block, as indices within it.
-std::vector<int> FreeInBlock(const CalibrationProblem& problem,
-                             const ParameterBlock& block) {
-  std::vector<int> free;
-  for (const int column : problem.free_columns) {
-    const int index = column - block.first_column;
-    if (index >= 0 && index < block.size) free.push_back(index);
-  }
-  return free;
-}
-
-std::vector<int> Complement(const std::vector<int>& free, int size) {
-  std::vector<int> held;
-  for (int i = 0; i < size; ++i) {
-    if (!std::binary_search(free.begin(), free.end(), i)) held.push_back(i);
-  }
-  return held;
-}
-
-// Base and tool are blocks of the problem only where something in them is free.
-bool NeedsFrames(const CalibrationProblem& problem) {
-  const ParameterLayout& layout = problem.model.layout();
-  return std::any_of(
-      problem.free_columns.begin(), problem.free_columns.end(),
-      [&](int column) {
-        return !ParameterLayout::IsJointKind(layout.parameter(column).kind);
-      });
-}
-
-void HoldFrozenParameters(const CalibrationProblem& problem, double* values,
-                          ceres::Problem* ceres_problem) {
-  for (const ParameterBlock& block : problem.model.layout().blocks()) {
-    double* const data = values + block.first_column;
-    if (!ceres_problem->HasParameterBlock(data)) continue;
-    const std::vector<int> free = FreeInBlock(problem, block);
-    if (free.empty()) {
-      ceres_problem->SetParameterBlockConstant(data);
-    } else if (static_cast<int>(free.size()) < block.size) {
-      ceres_problem->SetManifold(
-          data,
-          new ceres::SubsetManifold(block.size, Complement(free, block.size)));
-    }
-  }
-}
-
-// Ours, handed to Ceres, so that the loss has one definition.
-class CeresLoss : public ceres::LossFunction {
- public:
-  explicit CeresLoss(const RobustLoss& loss) : loss_(loss) {}
-  void Evaluate(double s, double* rho) const override {
-    loss_.Evaluate(s, rho);
-  }
-
- private:
-  RobustLoss loss_;
-};
-
-void AddResiduals(const CalibrationProblem& problem, double* values,
-                  ceres::Problem* ceres_problem) {
-  const bool with_frames = NeedsFrames(problem);
-  const ParameterLayout& layout = problem.model.layout();
-  std::vector<double*> blocks;
-  for (const ParameterBlock& block : layout.blocks()) {
-    const ParameterKind kind = layout.parameter(block.first_column).kind;
-    if (with_frames || ParameterLayout::IsJointKind(kind)) {
-      blocks.push_back(values + block.first_column);
-    }
-  }
-  const bool is_robust = problem.loss.kind != LossKind::kNone;
-  // Shared by all residual blocks; the problem owns it.
-  ceres::LossFunction* const loss =
-      is_robust ? new CeresLoss(problem.loss) : nullptr;
-  const Dataset& data = problem.data;
-  for (Eigen::Index i = 0; i < data.num_poses(); ++i) {
-    const PositionObservation observation{data.joint_values.col(i).data(),
-                                          data.positions.col(i),
-                                          data.sigmas.col(i)};
-    ceres_problem->AddResidualBlock(
-        MakePositionCost(problem.model.nominal(), observation, with_frames)
-            .release(),
-        loss, blocks);
-  }
-}
-
-// (value - nominal) / prior for some entries of one parameter block.
-class PriorResidual : public ceres::CostFunction {
- public:
-  struct Entry {
-    int index;  // in the block
-    double nominal;
-    double prior;
-  };
-
-  PriorResidual(int block_size, std::vector<Entry> entries)
-      : entries_(std::move(entries)) {
-    mutable_parameter_block_sizes()->push_back(block_size);
-    set_num_residuals(static_cast<int>(entries_.size()));
-  }
-
-  bool Evaluate(double const* const* parameters, double* residuals,
-                double** jacobians) const override {
-    const int size = parameter_block_sizes()[0];
-    const bool wants_jacobian = jacobians != nullptr && jacobians[0] != nullptr;
-    if (wants_jacobian) {
-      std::fill_n(jacobians[0], num_residuals() * size, 0.0);
-    }
-    for (std::size_t k = 0; k < entries_.size(); ++k) {
-      const Entry& entry = entries_[k];
-      residuals[k] = (parameters[0][entry.index] - entry.nominal) / entry.prior;
-      if (wants_jacobian) {
-        jacobians[0][k * size + entry.index] = 1.0 / entry.prior;
-      }
-    }
-    return true;
-  }
-
- private:
-  std::vector<Entry> entries_;
-};
-
-void AddPriors(const CalibrationProblem& problem, double* values,
-               ceres::Problem* ceres_problem) {
-  const std::vector<int> with_prior = problem.ColumnsWithPrior();
-  const Eigen::VectorXd nominal = problem.model.NominalValues();
-  for (const ParameterBlock& block : problem.model.layout().blocks()) {
-    std::vector<PriorResidual::Entry> entries;
-    for (const int column : with_prior) {
-      const int index = column - block.first_column;
-      if (index < 0 || index >= block.size) continue;
-      entries.push_back({index, nominal[column], problem.priors[column]});
-    }
-    if (entries.empty()) continue;
-    ceres_problem->AddResidualBlock(
-        new PriorResidual(block.size, std::move(entries)), nullptr,
-        values + block.first_column);
-  }
 }
 
 // What the linear model expected chi-square to lose, from what it lost and the
@@ -182,8 +38,8 @@ double PredictedDecrease(const ceres::IterationSummary& iteration) {
 // half of chi-square, and so is its predicted decrease.
 class StoppingRules : public ceres::IterationCallback {
  public:
-  StoppingRules(const Eigen::VectorXd& values, Progress* progress)
-      : values_(values), progress_(progress) {}
+  StoppingRules(const Formulation& formulation, Progress* progress)
+      : formulation_(formulation), progress_(progress) {}
 
   ceres::CallbackReturnType operator()(
       const ceres::IterationSummary& iteration) override {
@@ -192,15 +48,26 @@ class StoppingRules : public ceres::IterationCallback {
     step.norm = iteration.step_norm;
     step.accepted = iteration.step_is_successful;
     step.predicted_decrease = PredictedDecrease(iteration);
-    return progress_->Record(step, values_)
+    return progress_->Record(step, formulation_.Values())
                ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
                : ceres::SOLVER_CONTINUE;
   }
 
  private:
-  const Eigen::VectorXd& values_;
+  const Formulation& formulation_;
   Progress* progress_;
 };
+
+// Up to so many residual rows autodiff is the reference and fast enough.
+constexpr Eigen::Index kMostAutodiffRows = 600;
+
+bool UsesCompression(const CalibrationProblem& problem,
+                     const SolverOptions& options) {
+  if (options.evaluation != Evaluation::kAutomatic) {
+    return options.evaluation == Evaluation::kCompressed;
+  }
+  return problem.data.num_rows() > kMostAutodiffRows;
+}
 
 ceres::Solver::Options CeresOptions(const SolverOptions& options,
                                     double radius) {
@@ -244,21 +111,23 @@ SolverSummary SolveCeres(const CalibrationProblem& problem,
   Progress progress(problem, options, "ceres");
   Eigen::VectorXd current = *values;
   if (progress.Start(current)) {
-    ceres::Problem ceres_problem;
-    AddResiduals(problem, current.data(), &ceres_problem);
-    AddPriors(problem, current.data(), &ceres_problem);
-    HoldFrozenParameters(problem, current.data(), &ceres_problem);
+    const bool compressed = UsesCompression(problem, options);
+    const std::unique_ptr<Formulation> formulation =
+        compressed ? MakeCompressedFormulation(problem, current)
+                   : MakeAutodiffFormulation(problem, current);
     const double given = options.initial_trust_region_radius;
     const double radius =
         given > 0.0 ? given : ChooseTrustRegionRadius(problem.start_rank);
+    progress.summary().evaluation = compressed ? "compressed" : "autodiff";
     progress.summary().trust_region_used = radius;
     progress.summary().setup_time_s = progress.stopwatch().Seconds();
     ceres::Solver::Options ceres_options = CeresOptions(options, radius);
-    StoppingRules stopping_rules(current, &progress);
+    StoppingRules stopping_rules(*formulation, &progress);
     ceres_options.callbacks.push_back(&stopping_rules);
     ceres::Solver::Summary ceres_summary;
-    ceres::Solve(ceres_options, &ceres_problem, &ceres_summary);
+    ceres::Solve(ceres_options, formulation->problem(), &ceres_summary);
     ExplainTermination(ceres_summary, &progress);
+    current = formulation->Values();
   }
   progress.Finish();
   if (progress.summary().IsSolutionUsable()) *values = current;

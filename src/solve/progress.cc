@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "alidade/measurement/compression.h"
+
 namespace alidade {
 
 std::vector<int> CalibrationProblem::ColumnsWithPrior() const {
@@ -28,13 +30,35 @@ Progress::Progress(const CalibrationProblem& problem,
       nominal_(problem.model.NominalValues()) {
   summary_.solver = solver;
   summary_.num_poses = static_cast<int>(problem.data.num_poses());
-  summary_.num_residuals = static_cast<int>(problem.data.num_rows());
+  summary_.num_residuals = static_cast<int>(problem.data.num_equations());
   summary_.num_parameters = problem.model.layout().size();
   summary_.num_free = static_cast<int>(problem.free_columns.size());
   summary_.threads_given = options.num_threads;
   summary_.trust_region_given = options.initial_trust_region_radius;
   summary_.pseudo_inverse_tolerance_given = options.pseudo_inverse_tolerance;
   summary_.rounding_floor = problem.model.RoundingError();
+}
+
+bool Progress::HasPositiveSigmas() const {
+  for (const ObservationBlock& block : problem_.data.blocks) {
+    if (!(block.sigmas.array() > 0.0).all()) return false;
+  }
+  return true;
+}
+
+// What the rounding of every row adds up to as a chi-square. An angle's
+// rounding is that of a length, seen from the end of the reach.
+double Progress::FloorCost() const {
+  const double floor = options_.rounding_floor_factor * summary_.rounding_floor;
+  const double reach = Reach(problem_.model.nominal());
+  double cost = 0.0;
+  for (const ObservationBlock& block : problem_.data.blocks) {
+    for (int row = 0; row < block.rows_each(); ++row) {
+      const double size = row < 3 ? floor : floor / reach;
+      cost += (size / block.sigmas.row(row).array()).square().sum();
+    }
+  }
+  return cost;
 }
 
 bool Progress::CheckProblem(const Eigen::VectorXd& values) {
@@ -54,6 +78,10 @@ bool Progress::CheckProblem(const Eigen::VectorXd& values) {
              std::to_string(problem_.model.layout().num_joints()));
   } else if (summary_.num_free == 0) {
     Stop(SolverStatus::kUnusable, "no parameter is free");
+  } else if (problem_.lower.size() != 0 &&
+             ((values.array() < problem_.lower.array()).any() ||
+              (values.array() > problem_.upper.array()).any())) {
+    Stop(SolverStatus::kUnusable, "the starting point is not within the bounds");
   } else if (problem_.priors.size() != 0 &&
              problem_.priors.size() != values.size()) {
     Stop(SolverStatus::kUnusable, "priors must be empty or one per parameter");
@@ -65,7 +93,7 @@ bool Progress::CheckProblem(const Eigen::VectorXd& values) {
              std::to_string(summary_.num_residuals) + " equations for " +
              std::to_string(summary_.num_free) +
              " parameters: measure more poses or fix parameters");
-  } else if (!(problem_.data.sigmas.minCoeff() > 0.0)) {
+  } else if (!HasPositiveSigmas()) {
     Stop(SolverStatus::kUnusable, "a sigma is not positive");
   }
   return !stopped();
@@ -73,9 +101,7 @@ bool Progress::CheckProblem(const Eigen::VectorXd& values) {
 
 bool Progress::Start(const Eigen::VectorXd& values) {
   if (!CheckProblem(values)) return false;
-  // What the rounding of every coordinate adds up to as a chi-square.
-  const double floor = options_.rounding_floor_factor * summary_.rounding_floor;
-  floor_cost_ = (floor / problem_.data.sigmas.array()).square().sum();
+  floor_cost_ = FloorCost();
   IterationRecord record = Evaluate(values);
   summary_.initial_cost = record.cost;
   summary_.iterations.push_back(record);
@@ -88,8 +114,8 @@ bool Progress::Start(const Eigen::VectorXd& values) {
 }
 
 IterationRecord Progress::Evaluate(const Eigen::VectorXd& values) const {
-  const Eigen::Matrix3Xd errors = problem_.model.Errors(values, problem_.data);
-  const Eigen::VectorXd norms = errors.colwise().norm();
+  const Eigen::VectorXd errors = problem_.model.Errors(values, problem_.data);
+  const Eigen::VectorXd norms = LengthErrors(errors, problem_.data);
   IterationRecord record;
   record.cost = RobustCost(errors) + PriorCost(values);
   record.max_error = norms.maxCoeff();
@@ -99,17 +125,8 @@ IterationRecord Progress::Evaluate(const Eigen::VectorXd& values) const {
   return record;
 }
 
-double Progress::RobustCost(const Eigen::Matrix3Xd& errors) const {
-  if (problem_.loss.kind == LossKind::kNone) {
-    return ChiSquare(errors, problem_.data);
-  }
-  double cost = 0.0;
-  for (const double s : SquaredNorms(errors, problem_.data)) {
-    double rho[3];
-    problem_.loss.Evaluate(s, rho);
-    cost += rho[0];
-  }
-  return cost;
+double Progress::RobustCost(const Eigen::VectorXd& errors) const {
+  return RobustChiSquare(errors, problem_.data, problem_.losses);
 }
 
 double Progress::PriorCost(const Eigen::VectorXd& values) const {

@@ -55,9 +55,11 @@ class Progress {
   const Stopwatch& stopwatch() const { return stopwatch_; }
 
  private:
+  bool HasPositiveSigmas() const;
+  double FloorCost() const;
   bool CheckProblem(const Eigen::VectorXd& values);
   IterationRecord Evaluate(const Eigen::VectorXd& values) const;
-  double RobustCost(const Eigen::Matrix3Xd& errors) const;
+  double RobustCost(const Eigen::VectorXd& errors) const;
   double PriorCost(const Eigen::VectorXd& values) const;
   bool ReachedPrecision(const IterationRecord& record);
 

@@ -61,10 +61,13 @@ SolverSummary SolvePseudoInverse(const CalibrationProblem& problem,
                                  Eigen::VectorXd* values) {
   Progress progress(problem, options, "pseudo_inverse");
   Eigen::VectorXd current = *values;
-  if (problem.loss.kind != LossKind::kNone) {
+  if (!problem.losses.empty()) {
     progress.Stop(SolverStatus::kUnusable,
                   "the pseudo-inverse is least squares and takes no robust "
                   "loss: use the solver ceres");
+  } else if (problem.lower.size() > 0) {
+    progress.Stop(SolverStatus::kUnusable,
+                  "the pseudo-inverse knows no bounds: use the solver ceres");
   } else {
     progress.Start(current);
   }
@@ -82,7 +85,7 @@ SolverSummary SolvePseudoInverse(const CalibrationProblem& problem,
     const Svd svd = ComputeSvd(linearization.jacobian);
     if (!(svd.values[0] > 0.0)) {
       progress.Stop(SolverStatus::kFailed,
-                    "no measured position depends on a free parameter");
+                    "no measurement depends on a free parameter");
       break;
     }
     Eigen::Index rank = CountedRank(svd.values, tolerance);

@@ -9,8 +9,6 @@
 namespace alidade {
 namespace {
 
-constexpr int kPositionDimension = 3;
-
 // What leads to a loss: each of these is a good enough start for the next.
 std::vector<LossKind> StagesTo(LossKind loss) {
   switch (loss) {
@@ -29,10 +27,17 @@ std::vector<LossKind> StagesTo(LossKind loss) {
 // The equations that still have a say, each observation counted by its weight.
 double EffectiveEquations(const CalibrationProblem& problem,
                           const Eigen::VectorXd& values) {
+  const Eigen::VectorXd squared =
+      SquaredNorms(problem.model.Errors(values, problem.data), problem.data);
+  const Eigen::VectorXi dimensions = Dimensions(problem.data);
   double sum = 0.0;
-  for (const double s :
-       SquaredNorms(problem.model.Errors(values, problem.data), problem.data)) {
-    sum += kPositionDimension * problem.loss.Weight(s);
+  for (Eigen::Index i = 0; i < squared.size(); ++i) {
+    const int dimension = dimensions[i];
+    if (dimension == 0) continue;
+    const double weight = problem.losses.empty()
+                              ? 1.0
+                              : problem.losses[dimension - 1].Weight(squared[i]);
+    sum += dimension * weight;
   }
   return sum;
 }
@@ -80,9 +85,7 @@ SolverSummary SolveRobust(const CalibrationProblem& problem, LossKind loss,
   SolverSummary summary;
   CalibrationProblem stage = problem;
   for (const LossKind kind : StagesTo(loss)) {
-    stage.loss = {kind, kind == LossKind::kNone
-                            ? 1.0
-                            : TuningConstant(kind, kPositionDimension)};
+    stage.losses = TunedLosses(kind);
     SolverSummary next = SolveCeres(stage, options, &current);
     Prepend(summary, &next);
     summary = std::move(next);

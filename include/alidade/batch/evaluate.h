@@ -14,9 +14,21 @@ EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
                          const Eigen::VectorXd& before,
                          const Eigen::VectorXd& after);
 
-/// Accuracy of one set of values at the poses of `data`.
+/// Accuracy of one set of values over all observations of `data`, as lengths
+/// (m): of positions and differences their distance, of lengths to points and
+/// planes the error of the length. Distances of reference points do not count.
 Accuracy EvaluateAccuracy(const MeasurementModel& model, const Dataset& data,
                           const Eigen::VectorXd& values);
+
+/// The same of measured orientations (rad); n = 0 where there are none.
+Accuracy EvaluateRotations(const MeasurementModel& model, const Dataset& data,
+                           const Eigen::VectorXd& values);
+
+/// What measurements of one configuration, target and kind differ by, pooled
+/// over all configurations measured more than once: the square root of the sum
+/// of squares about their means over the degrees of freedom. Orientations about
+/// the first of each. Positions and poses only.
+RepeatSpread MeasureRepeats(const Dataset& data);
 
 /// Distance between the targets of two arms with the same joint types at
 /// `count` joint values drawn uniformly within the limits of the first

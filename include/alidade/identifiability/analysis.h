@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "alidade/identifiability/options.h"
-#include "alidade/measurement/geometric_jacobian.h"
 #include "alidade/measurement/measurement_model.h"
 #include "alidade/results/identifiability_result.h"
 
@@ -26,8 +25,8 @@ struct GenericAnalysis {
 };
 
 /// Analyses `candidates`, which are kept in preference in the order given,
-/// over generic poses: drawn within the joint limits, four and more for
-/// every column. Two ranks are taken of the scaled Jacobian,
+/// over generic poses measured in the way of `data` (generic_data.h), four and
+/// more for every column. Two ranks are taken of the scaled Jacobian,
 ///
 ///   - at the nominal geometry: what first-order effects tell apart;
 ///   - at three seeded perturbations of the geometry, the largest counts: the
@@ -41,7 +40,7 @@ struct GenericAnalysis {
 /// parameters along it. O(poses columns^2).
 GenericAnalysis AnalyzeGeneric(const MeasurementModel& model,
                                const std::vector<int>& candidates,
-                               MeasurementKind kind,
+                               const Dataset& data,
                                const IdentifiabilityOptions& options);
 
 /// The whole identifiability pass for these poses: by the published rules

@@ -13,6 +13,7 @@
 #include "alidade/measurement/references.h"
 #include "alidade/measurement/robust_loss.h"
 #include "alidade/model/arm.h"
+#include "alidade/results/job_result.h"
 #include "alidade/solve/options.h"
 
 namespace alidade {
@@ -66,13 +67,6 @@ struct HoldOutConfig {
 struct FoldsConfig {
   int folds = 5;
   std::uint64_t seed = 1;
-};
-
-/// A row of a data file that holds no measurement.
-struct RejectedRow {
-  std::string file;
-  int line = 0;
-  std::string reason;
 };
 
 /// Limits of a parameter in the solve (rad, m; absolute values).

@@ -22,6 +22,11 @@ Eigen::MatrixXd JacobianFactor(const MeasurementModel& model,
                                const Dataset& data,
                                const std::vector<int>& columns);
 
+/// The sum of rho(|r_i|^2) over the observations, from the stacked errors of a
+/// model; `losses` of 1, 2 ... rows, empty for chi-square.
+double RobustChiSquare(const Eigen::VectorXd& errors, const Dataset& data,
+                       const std::vector<RobustLoss>& losses);
+
 /// A least-squares problem in few rows that has the cost, the gradient and the
 /// Gauss-Newton matrix of a whole data set.
 struct CompressedProblem {

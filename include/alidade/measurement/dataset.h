@@ -28,6 +28,10 @@ enum class MeasurementKind {
   kPointDistance,
 };
 
+/// "position", "pose", "distance", "fixed point", "plane", "difference", "point
+/// distance".
+const char* NameOf(MeasurementKind kind);
+
 /// Rows of one observation: 3, 6 or 1.
 int RowsOf(MeasurementKind kind);
 
@@ -103,6 +107,9 @@ struct Dataset {
  private:
   ObservationBlock& PositionBlock();
 };
+
+/// "file:line" of a pose; empty where it comes from no file.
+std::string SourceOf(const Dataset& data, int pose);
 
 /// One measured position per pose: joint values n x N, points 3 x N (m), sigmas
 /// 3 x N (m).

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "alidade/base/units.h"
@@ -37,18 +38,43 @@ struct ParameterResult {
   double deviation() const { return value - nominal; }
 };
 
+/// A row of a data file that holds no measurement.
+struct RejectedRow {
+  std::string file;
+  int line = 0;
+  std::string reason;
+};
+
+/// What one observation is of.
+struct ObservationLabel {
+  std::string kind;    ///< "position", "pose", "distance" ...
+  int pose = 0;        ///< column of joint_values; -1: of none
+  std::string target;  ///< its name, empty where it has none
+  std::string where;   ///< "file:line", empty where not read from a file
+};
+
 /// The error of the arm, before and after calibration, at the poses of one
-/// data set. All lengths in m, one entry or column per pose.
+/// data set. All lengths in m, all angles in rad.
 struct EvaluatedSet {
-  std::string name;  ///< file of the poses
-  Eigen::MatrixXd joint_values;
+  std::string name;              ///< file of the poses
+  Eigen::MatrixXd joint_values;  ///< one column per pose
   /// What each joint value measures, one per row of `joint_values`.
   std::vector<Dimension> joint_dimensions;
-  Eigen::Matrix3Xd positions;        ///< measured, or true where simulated
-  Eigen::Matrix3Xd residual_before;  ///< predicted - measured
+  /// One entry per observation, as are the columns below; empty where they are
+  /// one position per pose.
+  std::vector<ObservationLabel> labels;
+  /// Measured, or true where simulated; NaN where no position was measured.
+  Eigen::Matrix3Xd positions;
+  Eigen::Matrix3Xd residual_before;  ///< predicted - measured, lengths
   Eigen::Matrix3Xd residual_after;
+  /// Rotation vectors of measured orientations, zero of other observations;
+  /// empty where no orientation was measured.
+  Eigen::Matrix3Xd rotation_residual_before;
+  Eigen::Matrix3Xd rotation_residual_after;
   Accuracy before;
   Accuracy after;
+  Accuracy rotation_before;  ///< (rad); n = 0 without orientations
+  Accuracy rotation_after;
 
   Eigen::VectorXd ErrorBefore() const;
   Eigen::VectorXd ErrorAfter() const;
@@ -61,11 +87,12 @@ struct SolverRun {
   Accuracy train;          ///< with these values
 };
 
-/// One acceptance limit of the job (m).
+/// One acceptance limit of the job (m, rad).
 struct AcceptanceCheck {
   std::string quantity;  ///< "train_max", "heldout_rms" ...
   double limit = 0.0;
   double obtained = 0.0;
+  Dimension dimension = Dimension::kLength;
   bool met() const { return obtained <= limit; }
 };
 
@@ -75,12 +102,32 @@ struct StageResult {
   int num_free = 0;  ///< parameters solved for
   Accuracy train;
   Accuracy heldout;  ///< n = 0 without held-out poses
+  Accuracy train_rotation;  ///< (rad); n = 0 without orientations
+  Accuracy heldout_rotation;
+};
+
+/// Errors of poses that were each held out of one fit.
+struct CrossValidation {
+  int folds = 0;
+  Accuracy position;
+  Accuracy rotation;  ///< (rad); n = 0 without orientations
+};
+
+/// What measurements of the same configuration differ by: the instrument and
+/// the arm's own repeatability, no geometry. Zero degrees of freedom: nothing
+/// was repeated.
+struct RepeatSpread {
+  double length = 0.0;  ///< standard deviation of a coordinate (m)
+  std::int64_t length_freedom = 0;
+  double rotation = 0.0;  ///< of a component of the rotation vector (rad)
+  std::int64_t rotation_freedom = 0;
 };
 
 /// An observation of the training data whose residual is beyond chance.
 struct Outlier {
-  std::int64_t pose = 0;      ///< row of the data set that was fitted, from 0
-  double error = 0.0;         ///< |p_predicted - p_measured| (m)
+  std::int64_t pose = 0;  ///< observation of the data that was fitted, from 0
+  ObservationLabel label;
+  double error = 0.0;         ///< in length (m)
   double standardised = 0.0;  ///< norm of the whitened residual
   double weight = 1.0;        ///< that the robust loss left it
 };
@@ -158,6 +205,11 @@ struct JobResult {
   std::string before_note;
   /// Where base or tool are fitted: what each part of a calibration brings.
   std::vector<StageResult> stages;
+  std::optional<CrossValidation> cross_validation;
+  RepeatSpread repeats;
+  std::vector<RejectedRow> rejected;
+  /// What people call the targets and references: {"point1", "A"}.
+  std::vector<std::pair<std::string, std::string>> aliases;
   /// Norm of a whitened residual beyond which one of all observations would be
   /// by chance in 5 % of calibrations; 0 = not looked at.
   double outlier_limit = 0.0;
@@ -165,6 +217,8 @@ struct JobResult {
   /// Standard deviation of a coordinate, where the job asked for an estimate
   /// (m); 0 = given.
   double estimated_sigma = 0.0;
+  /// The same of a component of an orientation (rad).
+  double estimated_rotation_sigma = 0.0;
   /// Chi-square of the fit over its degrees of freedom, priors accounted for;
   /// 0 where no freedom is left.
   double reduced_chi_square = 0.0;

@@ -36,6 +36,10 @@ struct SolverSummary {
   SolverStatus status = SolverStatus::kNotRun;
   std::string message;  ///< one sentence: why it stopped, and what to try
 
+  /// How residuals were evaluated: "autodiff", "compressed" or, of other
+  /// solvers, nothing.
+  std::string evaluation;
+
   int num_poses = 0;
   int num_residuals = 0;
   int num_parameters = 0;  ///< of the model, all blocks

@@ -5,6 +5,14 @@
 
 namespace alidade {
 
+/// How Ceres is given residuals and Jacobians. Both have the same cost,
+/// gradient and Gauss-Newton matrix.
+enum class Evaluation {
+  kAutomatic,   ///< autodiff for up to 600 residual rows, else compressed
+  kAutodiff,    ///< one autodiff residual per observation: the reference
+  kCompressed,  ///< the triangular factor of all observations (compression.h)
+};
+
 /// Options of every solver; each states which solvers read it. Lengths in m.
 struct SolverOptions {
   /// Most iterations, accepted and rejected together. All solvers. >= 1.
@@ -37,6 +45,9 @@ struct SolverOptions {
   /// first step counts as many as the rank at the start, later ones all above
   /// 1e-12. [0, 1).
   double pseudo_inverse_tolerance = 0.0;
+
+  /// Ceres.
+  Evaluation evaluation = Evaluation::kAutomatic;
 
   /// Threads for our own kernels. The autodiff path gives Ceres one thread
   /// always, since Ceres' threads change bits. >= 1.

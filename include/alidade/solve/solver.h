@@ -14,7 +14,7 @@ namespace alidade {
 
 /// What is to be solved: minimise chi-square over the free columns,
 ///
-///   min  sum_i |(p_i(values) - measured_i) / sigma_i|^2,
+///   min  sum_i |(predicted_i(values) - measured_i) / sigma_i|^2,
 ///
 /// all other values staying as they are in the starting point.
 ///
@@ -42,18 +42,24 @@ struct CalibrationProblem {
   /// estimate, and cost is chi-square plus sum ((value - nominal) / prior)^2.
   Eigen::VectorXd priors = {};
   /// How the cost grows with the whitened residual of an observation:
-  /// chi-square becomes sum_i rho(|r_i|^2). Ceres only; the baseline refuses
-  /// it.
-  RobustLoss loss = {};
+  /// chi-square becomes sum_i rho(|r_i|^2), rho that of the observation's
+  /// dimension (entry 0 of one row, and so on, as TunedLosses gives them);
+  /// empty: least squares. Ceres only; the baseline refuses it.
+  std::vector<RobustLoss> losses = {};
+  /// Limits of the values, one entry per column of the layout (infinite where
+  /// there is none), or empty. Ceres only; the baseline refuses them. The
+  /// starting point is within them.
+  Eigen::VectorXd lower = {};
+  Eigen::VectorXd upper = {};
 
   /// Free columns that have a prior, in ascending order.
   std::vector<int> ColumnsWithPrior() const;
 };
 
-/// Levenberg-Marquardt by Ceres over one autodiff residual per pose
-/// (position_cost.h). Blocks without a free column are held constant, blocks
-/// with some by a SubsetManifold. One Ceres thread, so that the same problem
-/// gives the same bits.
+/// Levenberg-Marquardt by Ceres over one autodiff residual per observation
+/// (observation_cost.h), or over the compressed problem of all of them
+/// (compression.h), as the options say. One Ceres thread, so that the same
+/// problem gives the same bits.
 ///
 /// The solvers share this signature. `values` holds the starting point and
 /// receives the solution; it is unchanged where the summary is not usable.
@@ -68,7 +74,7 @@ SolverSummary SolveCeres(const CalibrationProblem& problem,
 /// efficiency and from the solution of the one before. A redescending loss
 /// alone would stop at whatever local minimum is next to the start.
 ///
-/// `problem.loss` is not used. The summary is that of the last solve, its
+/// `problem.losses` are not used. The summary is that of the last solve, its
 /// iterations those of all of them; a stage that is not usable ends it. A
 /// solution that gives nearly all observations up is kFailed.
 SolverSummary SolveRobust(const CalibrationProblem& problem, LossKind loss,

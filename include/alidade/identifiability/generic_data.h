@@ -1,0 +1,34 @@
+#ifndef ALIDADE_IDENTIFIABILITY_GENERIC_DATA_H_
+#define ALIDADE_IDENTIFIABILITY_GENERIC_DATA_H_
+
+#include <cstdint>
+
+#include "alidade/measurement/dataset.h"
+#include "alidade/measurement/measurement_model.h"
+
+namespace alidade {
+
+/// A data set that stands for all that could be measured in the way of `data`:
+/// at poses drawn within the joint limits, every combination of kind, target,
+/// reference and measured axes that `data` has anywhere. Contacts with a point
+/// or a plane constrain the arm; no drawn pose would keep them, so that they
+/// stay at poses of `data` (256 at most, evenly spaced). Rows are in metres:
+/// sigmas are 1 m, and the reach for orientations turned into lengths,
+/// 1 / reach (rad). Measured orientations are those of the nominal arm.
+Dataset MakeGenericData(const MeasurementModel& model, const Dataset& data,
+                        int num_poses, std::uint64_t seed);
+
+/// A pattern for MakeGenericData: one observation of the kind, of the first
+/// target and reference, all axes measured.
+Dataset PatternOf(MeasurementKind kind, int num_joints);
+
+/// `data` with its rows in metres: sigmas of 1 m and 1 / reach (rad), no
+/// correlations; what was not measured stays so.
+Dataset WithUnitSigmas(const MeasurementModel& model, Dataset data);
+
+/// At most `count` poses of `data`, evenly spaced, with their observations.
+Dataset EvenSubset(const Dataset& data, Eigen::Index count);
+
+}  // namespace alidade
+
+#endif  // ALIDADE_IDENTIFIABILITY_GENERIC_DATA_H_

@@ -1,0 +1,165 @@
+#include "alidade/identifiability/generic_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "alidade/measurement/holdout.h"
+#include "alidade/model/forward_kinematics.h"
+#include "alidade/model/joint_draw.h"
+
+namespace alidade {
+namespace {
+
+constexpr Eigen::Index kMostContacts = 256;
+
+// What is measured at a pose: target, reference and the axes, as bits.
+using Pattern = std::tuple<int, int, unsigned>;
+
+bool IsContact(MeasurementKind kind) {
+  return kind == MeasurementKind::kFixedPoint ||
+         kind == MeasurementKind::kPlane;
+}
+
+unsigned MeasuredAxes(const ObservationBlock& block, Eigen::Index i) {
+  unsigned axes = 0;
+  for (int row = 0; row < block.rows_each(); ++row) {
+    if (std::isfinite(block.sigmas(row, i))) axes |= 1U << row;
+  }
+  return axes;
+}
+
+std::vector<Pattern> PatternsOf(const ObservationBlock& block) {
+  std::map<Pattern, bool> seen;
+  std::vector<Pattern> patterns;
+  for (Eigen::Index i = 0; i < block.size(); ++i) {
+    const int reference = block.references.empty() ? 0 : block.references[i];
+    const Pattern pattern(block.target(i), reference, MeasuredAxes(block, i));
+    if (seen.emplace(pattern, true).second) patterns.push_back(pattern);
+  }
+  return patterns;
+}
+
+// Every pattern at every pose.
+ObservationBlock Repeat(const ObservationBlock& block, int num_poses) {
+  const std::vector<Pattern> patterns = PatternsOf(block);
+  const auto count = static_cast<Eigen::Index>(patterns.size()) * num_poses;
+  ObservationBlock repeated;
+  repeated.kind = block.kind;
+  repeated.measured = Eigen::MatrixXd::Zero(block.rows_each(), count);
+  repeated.sigmas = Eigen::MatrixXd::Ones(block.rows_each(), count);
+  for (const auto& [target, reference, axes] : patterns) {
+    for (int pose = 0; pose < num_poses; ++pose) {
+      const auto i = static_cast<Eigen::Index>(repeated.poses.size());
+      repeated.poses.push_back(pose);
+      repeated.targets.push_back(target);
+      if (!block.references.empty()) repeated.references.push_back(reference);
+      if (block.kind == MeasurementKind::kDifference) {
+        repeated.seconds.push_back((pose + 1) % num_poses);
+      }
+      for (int row = 0; row < block.rows_each(); ++row) {
+        if ((axes >> static_cast<unsigned>(row) & 1U) != 0U) continue;
+        repeated.sigmas(row, i) = std::numeric_limits<double>::infinity();
+      }
+    }
+  }
+  return repeated;
+}
+
+// Orientations as the nominal arm has them.
+void MeasureOrientations(const MeasurementModel& model, Dataset* data) {
+  const Eigen::VectorXd values = model.NominalValues();
+  for (ObservationBlock& block : data->blocks) {
+    if (block.kind != MeasurementKind::kPose) continue;
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      Eigen::Matrix3d rotation;
+      TargetPose<double>(
+          model.nominal(),
+          ViewOf(model.layout(), values.data(), block.target(i)),
+          data->joint_values.col(block.pose(i)).data(), &rotation);
+      block.measured.col(i).tail<3>() = VectorFromRotation(rotation);
+    }
+  }
+}
+
+// The contacts of some poses of `data`, behind the poses of `generic`.
+void AppendContacts(const Dataset& data, Dataset* generic) {
+  const Dataset some = EvenSubset(data, kMostContacts);
+  const auto offset = static_cast<int>(generic->num_poses());
+  Eigen::MatrixXd joint_values(some.num_joints(), offset + some.num_poses());
+  joint_values << generic->joint_values, some.joint_values;
+  generic->joint_values = joint_values;
+  for (ObservationBlock block : some.blocks) {
+    if (!IsContact(block.kind)) continue;
+    std::vector<int> poses;
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      poses.push_back(offset + block.pose(i));
+    }
+    block.poses = std::move(poses);
+    generic->blocks.push_back(std::move(block));
+  }
+}
+
+}  // namespace
+
+Dataset MakeGenericData(const MeasurementModel& model, const Dataset& data,
+                        int num_poses, std::uint64_t seed) {
+  Dataset generic;
+  generic.joint_values = DrawJointValues(model.nominal(), num_poses, seed);
+  bool has_contacts = false;
+  for (const ObservationBlock& block : data.blocks) {
+    if (IsContact(block.kind)) {
+      has_contacts = true;
+    } else if (block.kind == MeasurementKind::kPointDistance) {
+      generic.blocks.push_back(block);
+    } else {
+      generic.blocks.push_back(Repeat(block, num_poses));
+    }
+  }
+  if (has_contacts) AppendContacts(data, &generic);
+  generic = WithUnitSigmas(model, std::move(generic));
+  MeasureOrientations(model, &generic);
+  return generic;
+}
+
+Dataset PatternOf(MeasurementKind kind, int num_joints) {
+  Dataset pattern;
+  pattern.joint_values = Eigen::MatrixXd::Zero(num_joints, 1);
+  ObservationBlock block;
+  block.kind = kind;
+  block.measured = Eigen::MatrixXd::Zero(RowsOf(kind), 1);
+  block.sigmas = Eigen::MatrixXd::Ones(RowsOf(kind), 1);
+  block.references = {0};
+  block.seconds = {0};
+  pattern.blocks.push_back(std::move(block));
+  return pattern;
+}
+
+Dataset WithUnitSigmas(const MeasurementModel& model, Dataset data) {
+  const double angle = 1.0 / Reach(model.nominal());
+  for (ObservationBlock& block : data.blocks) {
+    block.whiteners.clear();
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      for (int row = 0; row < block.rows_each(); ++row) {
+        double& sigma = block.sigmas(row, i);
+        if (std::isfinite(sigma)) sigma = row < 3 ? 1.0 : angle;
+      }
+    }
+  }
+  return data;
+}
+
+Dataset EvenSubset(const Dataset& data, Eigen::Index count) {
+  if (data.num_poses() <= count) return data;
+  std::vector<Eigen::Index> poses;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    poses.push_back(k * data.num_poses() / count);
+  }
+  return SelectPoses(data, poses);
+}
+
+}  // namespace alidade

@@ -1,0 +1,132 @@
+#include <ceres/cost_function.h>
+#include <ceres/problem.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "alidade/measurement/compression.h"
+#include "formulation.h"
+#include "prior_residual.h"
+
+namespace alidade {
+namespace {
+
+// All values of the layout, the free ones as Ceres has them.
+Eigen::VectorXd Expand(const CalibrationProblem& problem,
+                       const Eigen::VectorXd& values, const double* free) {
+  Eigen::VectorXd all = values;
+  for (std::size_t k = 0; k < problem.free_columns.size(); ++k) {
+    all[problem.free_columns[k]] = free[k];
+  }
+  return all;
+}
+
+// With z the projected residual and c the cost, the residual is z and below it
+// sqrt(c - |z|^2), what no step can lower to first order: half its squared norm
+// is what Ceres minimises, R its Jacobian.
+class CompressedResidual : public ceres::CostFunction {
+ public:
+  CompressedResidual(const CalibrationProblem& problem,
+                     const Eigen::VectorXd& values)
+      : problem_(problem), values_(values) {
+    const auto p = static_cast<int>(problem.free_columns.size());
+    mutable_parameter_block_sizes()->push_back(p);
+    set_num_residuals(p + 1);
+  }
+
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override {
+    const Eigen::VectorXd values = Expand(problem_, values_, parameters[0]);
+    const int p = parameter_block_sizes()[0];
+    Eigen::Map<Eigen::VectorXd> residual(residuals, p + 1);
+    if (jacobians == nullptr || jacobians[0] == nullptr) {
+      // Of a trial step only the cost is asked for, and that is cheap.
+      residual.setZero();
+      residual[p] = std::sqrt(RobustChiSquare(
+          problem_.model.Errors(values, problem_.data), problem_.data,
+          problem_.losses));
+      return residual.allFinite();
+    }
+    const CompressedProblem compressed =
+        Compress(problem_.model, values, problem_.data, problem_.free_columns,
+                 problem_.losses);
+    residual.head(p) = compressed.projected;
+    const double rest = compressed.cost - compressed.projected.squaredNorm();
+    residual[p] = std::sqrt(std::max(0.0, rest));
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic,
+                             Eigen::RowMajor>>
+        jacobian(jacobians[0], p + 1, p);
+    jacobian.topRows(p) = compressed.factor;
+    jacobian.row(p).setZero();
+    return residual.allFinite() && jacobian.allFinite();
+  }
+
+ private:
+  const CalibrationProblem& problem_;
+  const Eigen::VectorXd values_;
+};
+
+class CompressedFormulation : public Formulation {
+ public:
+  CompressedFormulation(const CalibrationProblem& problem,
+                        const Eigen::VectorXd& values)
+      : problem_(problem), values_(values) {
+    for (const int column : problem.free_columns) {
+      free_.push_back(values[column]);
+    }
+    ceres_problem_.AddResidualBlock(new CompressedResidual(problem, values),
+                                    nullptr, free_.data());
+    AddPriors();
+    AddBounds();
+  }
+
+  ceres::Problem* problem() override { return &ceres_problem_; }
+  Eigen::VectorXd Values() const override {
+    return Expand(problem_, values_, free_.data());
+  }
+
+ private:
+  void AddPriors() {
+    if (problem_.ColumnsWithPrior().empty()) return;
+    const Eigen::VectorXd nominal = problem_.model.NominalValues();
+    std::vector<PriorResidual::Entry> entries;
+    for (std::size_t k = 0; k < free_.size(); ++k) {
+      const int column = problem_.free_columns[k];
+      if (!std::isfinite(problem_.priors[column])) continue;
+      entries.push_back(
+          {static_cast<int>(k), nominal[column], problem_.priors[column]});
+    }
+    ceres_problem_.AddResidualBlock(
+        new PriorResidual(static_cast<int>(free_.size()), std::move(entries)),
+        nullptr, free_.data());
+  }
+
+  void AddBounds() {
+    if (problem_.lower.size() == 0) return;
+    for (std::size_t k = 0; k < free_.size(); ++k) {
+      const int column = problem_.free_columns[k];
+      const auto index = static_cast<int>(k);
+      ceres_problem_.SetParameterLowerBound(free_.data(), index,
+                                            problem_.lower[column]);
+      ceres_problem_.SetParameterUpperBound(free_.data(), index,
+                                            problem_.upper[column]);
+    }
+  }
+
+  const CalibrationProblem& problem_;
+  const Eigen::VectorXd values_;
+  std::vector<double> free_;
+  ceres::Problem ceres_problem_;
+};
+
+}  // namespace
+
+std::unique_ptr<Formulation> MakeCompressedFormulation(
+    const CalibrationProblem& problem, const Eigen::VectorXd& values) {
+  return std::make_unique<CompressedFormulation>(problem, values);
+}
+
+}  // namespace alidade
