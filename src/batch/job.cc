@@ -2,14 +2,14 @@
 
 #include <glog/logging.h>
 
-#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
-#include "alidade/base/chi_square.h"
 #include "alidade/base/version.h"
 #include "alidade/batch/evaluate.h"
 #include "alidade/identifiability/analysis.h"
@@ -17,6 +17,8 @@
 #include "alidade/io/files.h"
 #include "alidade/report/format.h"
 #include "alidade/solve/solver.h"
+#include "fit_report.h"
+#include "frame_fit.h"
 #include "preparation.h"
 #include "study.h"
 
@@ -43,47 +45,50 @@ SolverRun Solve(SolverName name, const CalibrationProblem& problem,
 // degrees of freedom the odds are below 1e-6.
 constexpr double kLargeResiduals = 2.5;
 
-// A parameter so many prior standard deviations away was not drawn from it.
-constexpr double kFarFromPrior = 5.0;
-
 std::vector<AcceptanceCheck> CheckAcceptance(const AcceptanceLimits& limits,
                                              const JobResult& result) {
   std::vector<AcceptanceCheck> checks;
   const auto add = [&](const char* quantity, const std::optional<double>& limit,
-                       double obtained) {
-    if (limit) checks.push_back({quantity, *limit, obtained});
+                       double obtained, Dimension dimension) {
+    if (limit) checks.push_back({quantity, *limit, obtained, dimension});
   };
-  add("train_rms", limits.train_rms, result.train.after.rms);
-  add("train_max", limits.train_max, result.train.after.max);
+  const auto add_set = [&](const EvaluatedSet& set,
+                           const std::array<const char*, 4>& names,
+                           const std::array<std::optional<double>, 4>& at_most) {
+    add(names[0], at_most[0], set.after.rms, Dimension::kLength);
+    add(names[1], at_most[1], set.after.max, Dimension::kLength);
+    add(names[2], at_most[2], set.rotation_after.rms, Dimension::kAngle);
+    add(names[3], at_most[3], set.rotation_after.max, Dimension::kAngle);
+  };
+  add_set(result.train,
+          {"train_rms", "train_max", "train_rotation_rms", "train_rotation_max"},
+          {limits.train_rms, limits.train_max, limits.train_rotation_rms,
+           limits.train_rotation_max});
   if (result.heldout) {
-    add("heldout_rms", limits.heldout_rms, result.heldout->after.rms);
-    add("heldout_max", limits.heldout_max, result.heldout->after.max);
+    add_set(*result.heldout,
+            {"heldout_rms", "heldout_max", "heldout_rotation_rms",
+             "heldout_rotation_max"},
+            {limits.heldout_rms, limits.heldout_max,
+             limits.heldout_rotation_rms, limits.heldout_rotation_max});
   }
   return checks;
 }
-
-// Observations beyond this are outliers: were all residuals Gaussian, one of
-// them would be there in so many of all calibrations.
-constexpr double kChanceOfOutlier = 0.05;
-
-constexpr int kPositionDimension = 3;
 
 class JobRunner {
  public:
   JobRunner(JobConfig config, int num_threads)
       : config_(std::move(config)),
         frames_fitted_(FitFrames(&config_, num_threads)),
-        estimated_sigma_(config_.estimate_sigma
-                             ? EstimateSigma(&config_, num_threads)
-                             : 0.0),
-        model_(config_.arm, num_threads) {
+        sigmas_(config_.estimate_sigma ? EstimateSigmas(&config_, num_threads)
+                                       : EstimatedSigmas()),
+        model_(config_.arm, config_.references, num_threads) {
     outcome_.calibrated = config_.arm;
   }
 
   JobOutcome Run(const std::string& command) {
     DescribeInputs(command);
-    result().estimated_sigma = estimated_sigma_;
-    if (config_.estimate_sigma && !(estimated_sigma_ > 0.0)) {
+    DescribeData();
+    if (config_.estimate_sigma && !(sigmas_.length > 0.0)) {
       outcome_.status = JobStatus::kRefused;
       outcome_.message =
           "sigma cannot be estimated: these poses leave no degree of freedom, "
@@ -93,8 +98,11 @@ class JobRunner {
     }
     if (frames_fitted_) {
       result().before_note =
-          "before: base and tool fitted to the training poses, the geometry of "
-          "the joints nominal";
+          std::string("before: base and tool") +
+          (config_.references.num_points() + config_.references.num_planes() > 0
+               ? ", points and planes"
+               : "") +
+          " fitted to the training poses, the geometry of the joints nominal";
     }
     if (Identify() && SolveAll()) Evaluate();
     outcome_.result.total_time_s = SecondsSince(start_);
@@ -112,6 +120,29 @@ class JobRunner {
     result().seed = config_.identifiability.seed;
     for (const std::string& path : config_.input_files) {
       result().inputs.push_back({path, Sha256(ReadFile(path))});
+    }
+  }
+
+  void DescribeData() {
+    result().estimated_sigma = sigmas_.length;
+    result().estimated_rotation_sigma = sigmas_.rotation;
+    result().repeats = MeasureRepeats(config_.data);
+    result().rejected = config_.rejected;
+    const auto add = [&](const std::string& block, const std::string& name) {
+      if (!name.empty()) result().aliases.emplace_back(block, name);
+    };
+    int number = 0;
+    for (const Target& target : config_.arm.targets) {
+      ++number;
+      add(number == 1 ? "tool" : "tool" + std::to_string(number), target.name);
+    }
+    number = 0;
+    for (const ReferencePoint& point : config_.references.points) {
+      add("point" + std::to_string(++number), point.name);
+    }
+    number = 0;
+    for (const ReferencePlane& plane : config_.references.planes) {
+      add("plane" + std::to_string(++number), plane.name);
     }
   }
 
@@ -135,10 +166,7 @@ class JobRunner {
   bool SolveAll() {
     SolverOptions options = config_.solver_options;
     options.num_threads = model_.num_threads();
-    problem_.emplace(CalibrationProblem{model_, config_.data,
-                                        FreeColumns(result().identifiability),
-                                        result().identifiability.nominal_rank,
-                                        PriorsOf(result().identifiability)});
+    problem_.emplace(ProblemOf(config_, model_, result().identifiability));
     result().runs.push_back(
         Solve(config_.solver, *problem_, config_.loss, options));
     const SolverSummary& summary = result().runs.front().summary;
@@ -169,9 +197,19 @@ class JobRunner {
     if (config_.published) {
       result().study = CompareWithStudy({config_, *problem_, result()});
     }
-    ListStages(nominal, values);
-    ListOutliers();
-    DoubtResult(values - nominal);
+    const FinishedFit fit{config_, *problem_, values};
+    if (frames_fitted_) {
+      result().stages = ListStages(fit, result().identifiability.num_free);
+    }
+    if (config_.folds) {
+      result().cross_validation = CrossValidate(config_, model_.num_threads());
+      if (!result().cross_validation) {
+        Warn("cross-validation gave no usable fit of one of its folds: fewer "
+             "folds leave it more poses");
+      }
+    }
+    result().outliers = ListOutliers(fit, &result().outlier_limit);
+    DoubtResult(fit);
     result().acceptance = CheckAcceptance(config_.acceptance, result());
     outcome_.status = JobStatus::kDone;
     if (!result().accepted()) {
@@ -187,109 +225,35 @@ class JobRunner {
 
   // A solver's minimum may be a bad one: of wrong data, of a wrong arm, or not
   // reached at all.
-  void DoubtResult(const Eigen::VectorXd& deviations) {
+  void DoubtResult(const FinishedFit& fit) {
     const SolverSummary& summary = result().runs.front().summary;
     if (summary.status == SolverStatus::kIterationLimit) {
       Warn("the solver " + summary.solver +
            " was stopped by the number of iterations and may be far from the "
            "minimum");
     }
-    const double freedom =
-        DegreesOfFreedom(*problem_, result().runs.front().values);
+    const double freedom = DegreesOfFreedom(*problem_, fit.values);
     if (freedom >= 1.0) {
       result().reduced_chi_square =
-          ChiSquare(result().train.residual_after, config_.data) / freedom;
+          ChiSquare(model_.Errors(fit.values, config_.data), config_.data) /
+          freedom;
     }
-    const double ratio = TypicalResidual();
+    const double ratio = TypicalResidual(fit, result().reduced_chi_square);
     if (ratio > kLargeResiduals) {
       Warn("the residuals are " + FormatSignificant(ratio, 3) +
            " times as large as the sigmas say: look for wrong units, columns, "
            "outliers, sigmas or a wrong arm");
     }
-    DoubtPriors(deviations);
-  }
-
-  // In sigmas: the root mean square, or, where the loss expects outliers, what
-  // the median of the norms says.
-  double TypicalResidual() {
-    if (config_.loss == LossKind::kNone) {
-      return std::sqrt(result().reduced_chi_square);
+    if (const std::string names = FarFromPriors(fit); !names.empty()) {
+      Warn("further from nominal than the priors allow, in standard "
+           "deviations: " +
+           names +
+           "; correct the nominal arm, widen the priors or use another policy");
     }
-    const Eigen::VectorXd squared =
-        SquaredNorms(result().train.residual_after, config_.data);
-    std::vector<double> norms;
-    for (const double s : squared) norms.push_back(std::sqrt(s));
-    return RobustScale(std::move(norms), kPositionDimension);
-  }
-
-  void AddStage(const std::string& name, int num_free,
-                const Eigen::VectorXd& values) {
-    StageResult stage;
-    stage.name = name;
-    stage.num_free = num_free;
-    stage.train = EvaluateAccuracy(model_, config_.data, values);
-    if (config_.validation) {
-      stage.heldout = EvaluateAccuracy(model_, *config_.validation, values);
+    if (const std::string names = AtBounds(fit); !names.empty()) {
+      Warn("at a bound: " + names +
+           "; the data ask for values beyond, which the bounds do not allow");
     }
-    result().stages.push_back(std::move(stage));
-  }
-
-  // What each part brings. Only where frames are fitted is the first of them
-  // something else than the arm as it was given.
-  void ListStages(const Eigen::VectorXd& nominal,
-                  const Eigen::VectorXd& values) {
-    if (!frames_fitted_) return;
-    const IdentifiabilityOptions& options = config_.identifiability;
-    const Fit frames = FitOnce(config_, model_, FramesOnly(options));
-    AddStage("frames only", frames.num_free(), nominal);
-    if (!options.candidates.joints) return;
-    const Fit offsets =
-        FitOnce(config_, model_, OffsetsOnly(options, config_.arm));
-    if (offsets.summary.IsSolutionUsable()) {
-      AddStage("joint offsets", offsets.num_free(), offsets.values);
-    }
-    AddStage("all geometry", result().identifiability.num_free, values);
-  }
-
-  void ListOutliers() {
-    const Eigen::VectorXd squared =
-        SquaredNorms(result().train.residual_after, config_.data);
-    const auto count = static_cast<double>(squared.size());
-    result().outlier_limit = std::sqrt(
-        ChiSquareUpperQuantile(kChanceOfOutlier / count, kPositionDimension));
-    const RobustLoss loss{
-        config_.loss, config_.loss == LossKind::kNone
-                          ? 1.0
-                          : TuningConstant(config_.loss, kPositionDimension)};
-    for (Eigen::Index i = 0; i < squared.size(); ++i) {
-      const double norm = std::sqrt(squared[i]);
-      if (norm <= result().outlier_limit) continue;
-      result().outliers.push_back({i,
-                                   result().train.residual_after.col(i).norm(),
-                                   norm, loss.Weight(squared[i])});
-    }
-    std::stable_sort(result().outliers.begin(), result().outliers.end(),
-                     [](const Outlier& a, const Outlier& b) {
-                       return a.standardised > b.standardised;
-                     });
-  }
-
-  void DoubtPriors(const Eigen::VectorXd& deviations) {
-    std::string names;
-    for (const int column : problem_->ColumnsWithPrior()) {
-      const double times =
-          std::abs(deviations[column]) / problem_->priors[column];
-      if (times <= kFarFromPrior) continue;
-      names += (names.empty() ? "" : ", ") +
-               model_.layout().parameter(column).name + " (" +
-               FormatSignificant(times, 2) + ")";
-    }
-    if (names.empty()) return;
-    Warn(
-        "further from nominal than the priors allow, in standard deviations: " +
-        names +
-        "; correct the nominal arm, widen the priors or use another "
-        "policy");
   }
 
   void ListParameters(const Eigen::VectorXd& nominal,
@@ -315,7 +279,7 @@ class JobRunner {
       std::chrono::steady_clock::now();
   JobConfig config_;
   const bool frames_fitted_;
-  const double estimated_sigma_;
+  const EstimatedSigmas sigmas_;
   MeasurementModel model_;
   std::optional<CalibrationProblem> problem_;
   JobOutcome outcome_;
@@ -331,7 +295,7 @@ JobOutcome RunJob(const JobConfig& config, const std::string& command,
 IdentifiabilityResult IdentifyJob(const JobConfig& config, int num_threads) {
   JobConfig prepared = config;
   FitFrames(&prepared, num_threads);
-  const MeasurementModel model(prepared.arm, num_threads);
+  const MeasurementModel model(prepared.arm, prepared.references, num_threads);
   return AnalyzeIdentifiability(model, prepared.data, prepared.identifiability);
 }
 

@@ -39,7 +39,7 @@ class NoiseStudy {
         workspace_(DrawJointValues(config.arm, study_.workspace_poses,
                                    study_.seed + 1)),
         true_workspace_(model_.Predict(*config.truth, workspace_)) {
-    exact_.positions = model_.Predict(*config.truth, exact_.joint_values);
+    exact_.positions() = model_.Predict(*config.truth, exact_.joint_values);
   }
 
   NoiseStudyResult Run() {
@@ -53,7 +53,7 @@ class NoiseStudy {
     NoiseStudyResult result;
     result.trials = study_.trials;
     result.workspace_poses = study_.workspace_poses;
-    result.sigma = exact_.sigmas(0, 0);
+    result.sigma = exact_.sigmas()(0, 0);
     result.seed = study_.seed;
     const Eigen::VectorXd nominal = model_.NominalValues();
     result.data_rms_before = DataRms(nominal);
@@ -103,7 +103,7 @@ class NoiseStudy {
     Random random(study_.seed, static_cast<std::uint64_t>(trial));
     for (Eigen::Index i = 0; i < noisy.num_poses(); ++i) {
       for (int axis = 0; axis < 3; ++axis) {
-        noisy.positions(axis, i) += noisy.sigmas(axis, i) * random.Normal();
+        noisy.positions()(axis, i) += noisy.sigmas()(axis, i) * random.Normal();
       }
     }
     const CalibrationProblem problem{model_, noisy, method.free_columns,
@@ -118,7 +118,8 @@ class NoiseStudy {
   }
 
   double DataRms(const Eigen::VectorXd& values) const {
-    return RootMeanSquare(model_.Errors(values, exact_));
+    return RootMeanSquare(model_.Predict(values, exact_.joint_values) -
+                          exact_.positions());
   }
 
   double WorkspaceRms(const Eigen::VectorXd& values) const {

@@ -1,17 +1,16 @@
 #include "preparation.h"
 
-#include <Eigen/Cholesky>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <limits>
 #include <string>
 
 #include "alidade/identifiability/analysis.h"
-#include "alidade/identifiability/factor.h"
 #include "alidade/identifiability/rules.h"
-#include "alidade/measurement/frame_start.h"
+#include "alidade/measurement/compression.h"
 #include "alidade/measurement/robust_loss.h"
-#include "alidade/model/chain_axes.h"
+#include "frame_fit.h"
 
 namespace alidade {
 namespace {
@@ -22,111 +21,165 @@ constexpr int kSigmaRounds = 4;
 // A sigma below this is exact data, which have none.
 constexpr double kSmallestSigma = 1e-12;
 
-std::vector<std::string> WithoutJoints(const std::vector<std::string>& names) {
-  std::vector<std::string> frames;
-  for (const std::string& name : names) {
-    if (name.rfind("base_", 0) == 0 || name.rfind("tool_", 0) == 0) {
-      frames.push_back(name);
+// Rows of lengths, or of orientations.
+enum class RowClass { kLength, kRotation };
+
+bool IsOf(RowClass which, int row) {
+  return (row < 3) == (which == RowClass::kLength);
+}
+
+// Distances of reference points are known beforehand; no residual tells how
+// well.
+bool IsEstimated(const ObservationBlock& block) {
+  return block.kind != MeasurementKind::kPointDistance;
+}
+
+// The data with only the rows of one class measured.
+Dataset RowsOfClass(const Dataset& data, RowClass which) {
+  Dataset rows = data;
+  for (ObservationBlock& block : rows.blocks) {
+    for (int row = 0; row < block.rows_each(); ++row) {
+      if (IsOf(which, row) && IsEstimated(block)) continue;
+      block.sigmas.row(row).setConstant(
+          std::numeric_limits<double>::infinity());
+      for (Eigen::MatrixXd& whitener : block.whiteners) {
+        if (whitener.size() > 0) whitener.row(row).setZero();
+      }
     }
   }
-  return frames;
+  return rows;
 }
 
-bool HoldsPartOfFrames(const IdentifiabilityOptions& options) {
-  return !WithoutJoints(options.fix).empty();
-}
-
-std::vector<Eigen::Isometry3d> LastFrames(const Arm& arm,
-                                          const Eigen::MatrixXd& joint_values) {
-  Arm in_base = arm;
-  in_base.instrument_from_base.setIdentity();
-  std::vector<Eigen::Isometry3d> frames;
-  frames.reserve(joint_values.cols());
-  ChainAxes axes;
-  for (Eigen::Index i = 0; i < joint_values.cols(); ++i) {
-    ComputeChainAxes(in_base, joint_values.col(i).data(), &axes);
-    frames.push_back(axes.instrument_from_last);
+void ScaleSigmas(RowClass which, double factor, Dataset* data) {
+  for (ObservationBlock& block : data->blocks) {
+    if (!IsEstimated(block)) continue;
+    for (int row = 0; row < block.rows_each(); ++row) {
+      if (!IsOf(which, row)) continue;
+      block.sigmas.row(row) *= factor;
+      for (Eigen::MatrixXd& whitener : block.whiteners) {
+        if (whitener.size() > 0) whitener.col(row) /= factor;
+      }
+    }
   }
-  return frames;
 }
 
-// The arm with base, and tool where it is to be identified, as the data alone
-// say; nothing where they do not.
-std::optional<Arm> StartFrames(const JobConfig& config) {
-  const std::vector<Eigen::Isometry3d> frames =
-      LastFrames(config.arm, config.data.joint_values);
-  Arm arm = config.arm;
-  if (config.identifiability.candidates.tool) {
-    const std::optional<PositionStart> start = StartFromPositions(
-        frames, config.data.positions, std::vector<int>(frames.size(), 0), 1);
-    if (!start) return std::nullopt;
-    arm.instrument_from_base = start->instrument_from_base;
-    arm.last_from_target().translation() = start->targets.col(0);
-    return arm;
+double MedianSigma(RowClass which, const Dataset& data) {
+  std::vector<double> sigmas;
+  for (const ObservationBlock& block : data.blocks) {
+    if (!IsEstimated(block)) continue;
+    for (int row = 0; row < block.rows_each(); ++row) {
+      if (!IsOf(which, row)) continue;
+      for (const double sigma : block.sigmas.row(row)) {
+        if (std::isfinite(sigma)) sigmas.push_back(sigma);
+      }
+    }
   }
-  Eigen::Matrix3Xd points(3, config.data.num_poses());
-  for (Eigen::Index i = 0; i < points.cols(); ++i) {
-    points.col(i) = frames[i] * arm.last_from_target().translation();
+  if (sigmas.empty()) return 0.0;
+  const auto middle = sigmas.begin() + sigmas.size() / 2;
+  std::nth_element(sigmas.begin(), middle, sigmas.end());
+  return *middle;
+}
+
+// The inverse of J^T J + P^-1 in units that make it well scaled, and what turns
+// a factor of the free columns into them.
+struct Information {
+  Eigen::VectorXd scale;
+  Eigen::MatrixXd inverse;
+};
+
+Information Invert(const CalibrationProblem& problem,
+                   const Eigen::MatrixXd& factor) {
+  const Eigen::Index p = factor.cols();
+  Information information;
+  information.scale = factor.colwise().norm();
+  Eigen::VectorXd prior = Eigen::VectorXd::Zero(p);
+  for (Eigen::Index k = 0; k < p; ++k) {
+    if (problem.priors.size() > 0) {
+      const double deviation = problem.priors[problem.free_columns[k]];
+      prior[k] = std::isfinite(deviation) ? 1.0 / (deviation * deviation) : 0.0;
+    }
+    double& scale = information.scale[k];
+    scale = std::sqrt(scale * scale + prior[k]);
+    scale = scale > 0.0 ? 1.0 / scale : 1.0;
   }
-  const std::optional<RigidFit> fit = FitRigid(points, config.data.positions);
-  if (!fit) return std::nullopt;
-  arm.instrument_from_base = fit->b_from_a;
-  return arm;
+  const Eigen::MatrixXd scaled = factor * information.scale.asDiagonal();
+  Eigen::MatrixXd normal = scaled.transpose() * scaled;
+  normal.diagonal().array() += prior.array() * information.scale.array().square();
+  information.inverse =
+      normal.completeOrthogonalDecomposition().pseudoInverse();
+  return information;
 }
 
-double MedianError(const Arm& arm, const Dataset& data, int num_threads) {
-  const MeasurementModel model(arm, num_threads);
-  Eigen::VectorXd errors =
-      model.Errors(model.NominalValues(), data).colwise().norm();
-  std::nth_element(errors.data(), errors.data() + errors.size() / 2,
-                   errors.data() + errors.size());
-  return errors[errors.size() / 2];
+// Degrees of freedom of some rows of the data: their equations less the trace
+// of their part of the hat matrix.
+double FreedomOfRows(const CalibrationProblem& problem,
+                     const Eigen::VectorXd& values, const Dataset& rows) {
+  const std::vector<int>& free = problem.free_columns;
+  const Information information =
+      Invert(problem, JacobianFactor(problem.model, values, problem.data, free));
+  const Eigen::MatrixXd part =
+      JacobianFactor(problem.model, values, rows, free) *
+      information.scale.asDiagonal();
+  const double used = (part * information.inverse * part.transpose()).trace();
+  return static_cast<double>(rows.num_equations()) - used;
 }
 
-double SigmaOfFit(const JobConfig& config, const CalibrationProblem& problem,
-                  const Eigen::VectorXd& values) {
-  const double freedom = DegreesOfFreedom(problem, values);
+// By what factor the sigmas of a class are too small.
+double SigmaFactor(const JobConfig& config, const CalibrationProblem& problem,
+                   const Eigen::VectorXd& values, RowClass which) {
+  const Dataset rows = RowsOfClass(config.data, which);
+  const auto equations = static_cast<double>(rows.num_equations());
+  const double freedom = FreedomOfRows(problem, values, rows);
   if (!(freedom > 0.0)) return 0.0;
   const Eigen::VectorXd squared =
-      SquaredNorms(problem.model.Errors(values, config.data), config.data);
-  const double used = config.data.sigmas(0, 0);
+      SquaredNorms(problem.model.Errors(values, rows), rows);
   if (config.loss == LossKind::kNone) {
-    return used * std::sqrt(squared.sum() / freedom);
+    return std::sqrt(squared.sum() / freedom);
   }
-  const Eigen::VectorXd norms = squared.cwiseSqrt();
-  const double scale = RobustScale(
-      std::vector<double>(norms.data(), norms.data() + norms.size()), 3);
-  const auto equations = static_cast<double>(config.data.num_rows());
-  return used * scale * std::sqrt(equations / freedom);
+  // Norms of observations of several dimensions compare by their medians.
+  const Eigen::VectorXi dimensions = Dimensions(rows);
+  std::vector<double> norms;
+  for (Eigen::Index i = 0; i < squared.size(); ++i) {
+    if (dimensions[i] == 0) continue;
+    norms.push_back(std::sqrt(squared[i]) / MedianOfChi(dimensions[i]));
+  }
+  return RobustScale(norms, 1) * MedianOfChi(1) *
+         std::sqrt(equations / freedom);
 }
 
 }  // namespace
+
+CalibrationProblem ProblemOf(const JobConfig& config,
+                             const MeasurementModel& model,
+                             const IdentifiabilityResult& pass) {
+  CalibrationProblem problem{model, config.data, FreeColumns(pass),
+                             pass.nominal_rank, PriorsOf(pass)};
+  if (config.bounds.empty()) return problem;
+  const double infinity = std::numeric_limits<double>::infinity();
+  problem.lower.setConstant(model.layout().size(), -infinity);
+  problem.upper.setConstant(model.layout().size(), infinity);
+  for (const ParameterBounds& bounds : config.bounds) {
+    problem.lower[bounds.column] = bounds.lower;
+    problem.upper[bounds.column] = bounds.upper;
+  }
+  return problem;
+}
 
 Fit FitOnce(const JobConfig& config, const MeasurementModel& model,
             const IdentifiabilityOptions& options) {
   Fit fit;
   fit.values = model.NominalValues();
   fit.identifiability = AnalyzeIdentifiability(model, config.data, options);
-  const CalibrationProblem problem{
-      model, config.data, FreeColumns(fit.identifiability),
-      fit.identifiability.nominal_rank, PriorsOf(fit.identifiability)};
+  const CalibrationProblem problem =
+      ProblemOf(config, model, fit.identifiability);
   fit.summary =
       SolveRobust(problem, config.loss, config.solver_options, &fit.values);
   return fit;
 }
 
-IdentifiabilityOptions FramesOnly(const IdentifiabilityOptions& options) {
-  IdentifiabilityOptions frames = options;
-  frames.candidates.joints = false;
-  frames.fix = WithoutJoints(options.fix);
-  frames.free = WithoutJoints(options.free);
-  frames.prefer = WithoutJoints(options.prefer);
-  return frames;
-}
-
 IdentifiabilityOptions OffsetsOnly(const IdentifiabilityOptions& options,
                                    const Arm& arm) {
-  const ParameterLayout layout(arm.num_joints());
+  const ParameterLayout layout(arm);
   IdentifiabilityOptions offsets = FramesOnly(options);
   offsets.candidates.joints = true;
   for (const Parameter& parameter : layout.parameters()) {
@@ -148,66 +201,33 @@ IdentifiabilityOptions OffsetsOnly(const IdentifiabilityOptions& options,
   return offsets;
 }
 
-bool FitFrames(JobConfig* config, int num_threads) {
-  const CandidateGroups& groups = config->identifiability.candidates;
-  if ((!groups.base && !groups.tool) || config->truth) return false;
-  const Arm given = config->arm;
-  if (groups.base && !HoldsPartOfFrames(config->identifiability)) {
-    const std::optional<Arm> start = StartFrames(*config);
-    if (start && MedianError(*start, config->data, num_threads) <
-                     MedianError(given, config->data, num_threads)) {
-      config->arm = *start;
-    }
-  }
-  const MeasurementModel model(config->arm, num_threads);
-  const Fit fit = FitOnce(*config, model, FramesOnly(config->identifiability));
-  if (!fit.summary.IsSolutionUsable()) {
-    config->arm = given;
-    return false;
-  }
-  config->arm = model.layout().WithValues(config->arm, fit.values);
-  return true;
-}
-
-double EstimateSigma(JobConfig* config, int num_threads) {
-  const MeasurementModel model(config->arm, num_threads);
-  double sigma = 0.0;
+EstimatedSigmas EstimateSigmas(JobConfig* config, int num_threads) {
+  const MeasurementModel model(config->arm, config->references, num_threads);
+  EstimatedSigmas sigmas;
   for (int round = 0; round < kSigmaRounds; ++round) {
     const Fit fit = FitOnce(*config, model, config->identifiability);
-    if (!fit.summary.IsSolutionUsable()) return 0.0;
-    const CalibrationProblem problem{
-        model, config->data, FreeColumns(fit.identifiability),
-        fit.identifiability.nominal_rank, PriorsOf(fit.identifiability)};
-    const double estimate = SigmaOfFit(*config, problem, fit.values);
-    if (!(estimate > kSmallestSigma)) return 0.0;
-    sigma = estimate;
-    config->data.sigmas.setConstant(sigma);
-    if (config->validation) config->validation->sigmas.setConstant(sigma);
+    if (!fit.summary.IsSolutionUsable()) return {};
+    const CalibrationProblem problem =
+        ProblemOf(*config, model, fit.identifiability);
+    for (const RowClass which : {RowClass::kLength, RowClass::kRotation}) {
+      const double used = MedianSigma(which, config->data);
+      if (used == 0.0) continue;
+      const double factor = SigmaFactor(*config, problem, fit.values, which);
+      if (!(factor * used > kSmallestSigma)) return {};
+      ScaleSigmas(which, factor, &config->data);
+      if (config->validation) {
+        ScaleSigmas(which, factor, &*config->validation);
+      }
+    }
+    sigmas.length = MedianSigma(RowClass::kLength, config->data);
+    sigmas.rotation = MedianSigma(RowClass::kRotation, config->data);
   }
-  return sigma;
+  return sigmas;
 }
 
 double DegreesOfFreedom(const CalibrationProblem& problem,
                         const Eigen::VectorXd& values) {
-  const std::vector<int>& free = problem.free_columns;
-  const PoseSet poses{problem.data.joint_values, MeasurementKind::kPosition,
-                      &problem.data.sigmas};
-  const Eigen::MatrixXd factor =
-      JacobianFactor(problem.model, values, poses, free);
-  const auto equations = static_cast<double>(problem.data.num_rows());
-  const auto p = static_cast<double>(free.size());
-  if (problem.priors.size() == 0) return equations - p;
-  // In units of the priors the matrix is I + J^T J, of eigenvalues from 1 on.
-  Eigen::MatrixXd scaled = factor;
-  for (Eigen::Index k = 0; k < scaled.cols(); ++k) {
-    scaled.col(k) *= problem.priors[free[k]];
-  }
-  const Eigen::MatrixXd normal =
-      scaled.transpose() * scaled +
-      Eigen::MatrixXd::Identity(scaled.cols(), scaled.cols());
-  const Eigen::MatrixXd inverse = normal.llt().solve(
-      Eigen::MatrixXd::Identity(scaled.cols(), scaled.cols()));
-  return equations - (p - inverse.trace());
+  return FreedomOfRows(problem, values, problem.data);
 }
 
 }  // namespace alidade

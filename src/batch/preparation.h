@@ -26,28 +26,27 @@ struct Fit {
 Fit FitOnce(const JobConfig& config, const MeasurementModel& model,
             const IdentifiabilityOptions& options);
 
-/// Base and tool alone, the geometry of the joints held at its nominal values.
-IdentifiabilityOptions FramesOnly(const IdentifiabilityOptions& options);
+/// What the solvers are given of a job after its identifiability pass.
+CalibrationProblem ProblemOf(const JobConfig& config,
+                             const MeasurementModel& model,
+                             const IdentifiabilityResult& pass);
 
-/// Base, tool and the zeros of the joints.
+/// Base, targets, references and the zeros of the joints.
 IdentifiabilityOptions OffsetsOnly(const IdentifiabilityOptions& options,
                                    const Arm& arm);
 
-/// Where base or tool are to be identified, puts them where they fit the
-/// training data best at the nominal geometry, from a start that needs no guess
-/// of the user's (frame_start.h), so that the small rotations of the layout
-/// are small: a rotation vector is a chart of SO(3) about the nominal one.
-/// Nothing is done where the true arm is given, whose deviations are from the
-/// arm as it stands. True: base or tool were fitted. On failure the arm is as
-/// it was.
-bool FitFrames(JobConfig* config, int num_threads);
+/// Standard deviations that the residuals of a fit agree with.
+struct EstimatedSigmas {
+  double length = 0.0;    ///< median over all rows (m); 0 = none could be found
+  double rotation = 0.0;  ///< the same of orientations (rad); 0 = none measured
+};
 
-/// Replaces all sigmas of training and held-out data by one that the residuals
-/// of a fit with them agree with: root of chi-square over its degrees of
-/// freedom, or, with a robust loss, the median of the residual norms. Priors
-/// weigh against sigma, so that it is iterated. Returns it (m), or 0 where a
-/// fit failed or leaves no freedom.
-double EstimateSigma(JobConfig* config, int num_threads);
+/// Scales the sigmas of training and held-out data, those of lengths and those
+/// of orientations by a factor each, until the residuals of a fit agree with
+/// them: root of chi-square over its degrees of freedom, or, with a robust
+/// loss, the median of the residual norms. Priors weigh against sigma, so that
+/// it is iterated. Lengths of 0 where a fit failed or leaves no freedom.
+EstimatedSigmas EstimateSigmas(JobConfig* config, int num_threads);
 
 /// Degrees of freedom of a fit: equations less the parameters that the data
 /// rather than their priors decide,

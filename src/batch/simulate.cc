@@ -118,7 +118,7 @@ Eigen::MatrixXd PlanPoses(const SimulationConfig& config) {
 Eigen::Matrix3Xd TruePositions(const SimulationConfig& config,
                                const Eigen::MatrixXd& joint_values) {
   using Real = long double;
-  const ParameterLayout layout(config.arm.num_joints());
+  const ParameterLayout layout(config.arm);
   const Eigen::Matrix<Real, Eigen::Dynamic, 1> values =
       config.true_values.cast<Real>();
   const GeometryView<Real> geometry = ViewOf(layout, values.data());
@@ -131,7 +131,7 @@ Eigen::Matrix3Xd TruePositions(const SimulationConfig& config,
   return positions;
 }
 
-void AddNoise(const SimulationConfig& config, Eigen::Matrix3Xd* positions) {
+void AddNoise(const SimulationConfig& config, Eigen::MatrixXd* positions) {
   for (Eigen::Index i = 0; i < positions->cols(); ++i) {
     Random random(config.seed, kNoiseStreams + static_cast<std::uint64_t>(i));
     for (int axis = 0; axis < 3; ++axis) {
@@ -147,14 +147,14 @@ Dataset Simulate(const SimulationConfig& config) {
   data.name = config.output;
   data.joint_values = PlanPoses(config);
   RoundJointValues(config.arm, config.joint_decimals, &data.joint_values);
-  data.positions = TruePositions(config, data.joint_values);
-  if (config.noise_sigma > 0.0) AddNoise(config, &data.positions);
-  if (!data.joint_values.allFinite() || !data.positions.allFinite()) {
+  data.positions() = TruePositions(config, data.joint_values);
+  if (config.noise_sigma > 0.0) AddNoise(config, &data.positions());
+  if (!data.joint_values.allFinite() || !data.positions().allFinite()) {
     throw InputError({config.path, 0, 0, ""},
                      "the arm, its limits or its deviations are so large that "
                      "positions are not finite");
   }
-  data.sigmas.setConstant(3, data.num_poses(),
+  data.sigmas().setConstant(3, data.num_poses(),
                           config.noise_sigma > 0.0 ? config.noise_sigma : 1.0);
   return data;
 }

@@ -79,7 +79,7 @@ void ShowDataset(const Arm& arm, const Dataset& data) {
     }
     for (int axis = 0; axis < 3; ++axis) {
       row.push_back(
-          FormatSignificant(data.positions(axis, i) / kMillimetre, 7));
+          FormatSignificant(data.positions()(axis, i) / kMillimetre, 7));
     }
     table.AddRow(row);
   }

@@ -8,6 +8,7 @@
 #include "alidade/report/format.h"
 #include "alidade/report/report.h"
 #include "alidade/report/text_table.h"
+#include "src/report/accuracy_report.h"
 #include "src/report/solver_names.h"
 #include "src/report/text.h"
 
@@ -73,18 +74,6 @@ TextTable ParameterTable(const ParameterColumns& columns) {
   return TextTable(std::move(titles));
 }
 
-void AddAccuracy(const std::string& poses, const std::string& when,
-                 const Accuracy& accuracy, TextTable* table) {
-  if (accuracy.n == 0) return;
-  std::vector<std::string> row = {poses, when};
-  for (const double value : {accuracy.mean, accuracy.rms, accuracy.median,
-                             accuracy.p95, accuracy.max}) {
-    row.push_back(FormatSignificant(value / kMillimetre, 4));
-  }
-  row.push_back(std::to_string(accuracy.n));
-  table->AddRow(std::move(row));
-}
-
 std::string Change(const std::string& poses, const EvaluatedSet& set) {
   return "from " + FormatLength(set.before.max, 3) + " to " +
          FormatLength(set.after.max, 3) + " at the " +
@@ -136,91 +125,6 @@ std::string Verdict(const JobResult& result) {
   return Changes(result) + text + "; " + AcceptanceVerdict(result) + ".";
 }
 
-std::string AcceptanceTable(const JobResult& result) {
-  if (result.acceptance.empty()) return "";
-  TextTable table({{"acceptance limit"},
-                   {"at most [mm]", Align::kRight},
-                   {"obtained [mm]", Align::kRight},
-                   {"verdict"}});
-  for (const AcceptanceCheck& check : result.acceptance) {
-    table.AddRow({check.quantity,
-                  FormatSignificant(check.limit / kMillimetre, 4),
-                  FormatSignificant(check.obtained / kMillimetre, 4),
-                  check.met() ? "met" : "MISSED"});
-  }
-  return "\n" + table.ToString();
-}
-
-std::string StagesTable(const JobResult& result) {
-  if (result.stages.empty()) return "";
-  const bool heldout = result.heldout.has_value();
-  TextTable table(
-      {{"calibrated"},
-       {"free", Align::kRight},
-       {heldout ? "validation mean" : "training mean", Align::kRight},
-       {"rms", Align::kRight},
-       {"median", Align::kRight},
-       {"p95", Align::kRight},
-       {"max [mm]", Align::kRight}});
-  for (const StageResult& stage : result.stages) {
-    const Accuracy& accuracy = heldout ? stage.heldout : stage.train;
-    std::vector<std::string> row = {stage.name, std::to_string(stage.num_free)};
-    for (const double value : {accuracy.mean, accuracy.rms, accuracy.median,
-                               accuracy.p95, accuracy.max}) {
-      row.push_back(FormatSignificant(value / kMillimetre, 4));
-    }
-    table.AddRow(std::move(row));
-  }
-  return "\n" + Paragraph("What each part of the calibration brings:") +
-         table.ToString();
-}
-
-// Says what "before" is, and how the residuals compare with the sigmas.
-std::string FitNotes(const JobResult& result) {
-  std::string text;
-  if (!result.before_note.empty()) text += Paragraph(result.before_note + ".");
-  if (result.estimated_sigma > 0.0) {
-    text += Paragraph("Sigma of a coordinate, estimated from the residuals: " +
-                      FormatLength(result.estimated_sigma, 3) + ".");
-  }
-  if (result.reduced_chi_square > 0.0) {
-    text += Paragraph("Chi-square by degree of freedom: " +
-                      FormatSignificant(result.reduced_chi_square, 3) +
-                      " (1 where the residuals are as the sigmas say).");
-  }
-  return text.empty() ? "" : "\n" + text;
-}
-
-std::string OutlierTable(const JobResult& result) {
-  if (result.outliers.empty()) return "";
-  constexpr std::size_t kMostRows = 30;
-  TextTable table({{"training pose", Align::kRight},
-                   {"error [mm]", Align::kRight},
-                   {"in sigmas", Align::kRight},
-                   {"weight in the fit", Align::kRight}});
-  for (const Outlier& outlier : result.outliers) {
-    if (static_cast<std::size_t>(&outlier - result.outliers.data()) ==
-        kMostRows) {
-      break;
-    }
-    table.AddRow({std::to_string(outlier.pose + 1),
-                  FormatSignificant(outlier.error / kMillimetre, 4),
-                  FormatSignificant(outlier.standardised, 3),
-                  FormatSignificant(outlier.weight, 2)});
-  }
-  std::string text = Paragraph(
-      Count(static_cast<std::int64_t>(result.outliers.size()), "pose") +
-      " of " + std::to_string(result.train.after.n) + " beyond " +
-      FormatSignificant(result.outlier_limit, 3) +
-      " sigmas, where one in twenty calibrations would have one by chance. "
-      "None was left out of the accuracy; the weight is what the loss left "
-      "them in the fit. residuals.csv has all of them.");
-  if (result.outliers.size() > kMostRows) {
-    text += Paragraph("The worst " + std::to_string(kMostRows) + ":");
-  }
-  return text + table.ToString();
-}
-
 std::string SolverMessages(const JobResult& result) {
   std::string text = "\n";
   for (const SolverRun& run : result.runs) {
@@ -249,6 +153,15 @@ std::string Provenance(const JobResult& result) {
     text += "  " + input.path + "\n    " + input.sha256 + "\n";
   }
   return text;
+}
+
+// "tool2: smr2, point1: A".
+std::string Aliases(const JobResult& result) {
+  std::vector<std::string> names;
+  for (const auto& [block, name] : result.aliases) {
+    names.push_back(block + " is " + name);
+  }
+  return names.empty() ? "" : Paragraph(Join(names, ", ") + ".");
 }
 
 std::string Section(const std::string& title, const std::string& body) {
@@ -280,25 +193,6 @@ std::string FormatParameters(const JobResult& result) {
   return text;
 }
 
-std::string FormatAccuracyTable(const JobResult& result) {
-  TextTable table({{"position error [mm]"},
-                   {"calibration"},
-                   {"mean", Align::kRight},
-                   {"rms", Align::kRight},
-                   {"median", Align::kRight},
-                   {"p95", Align::kRight},
-                   {"max", Align::kRight},
-                   {"n", Align::kRight}});
-  AddAccuracy("training poses", "before", result.train.before, &table);
-  AddAccuracy("training poses", "after", result.train.after, &table);
-  if (result.heldout) {
-    AddAccuracy("validation poses", "before", result.heldout->before, &table);
-    AddAccuracy("validation poses", "after", result.heldout->after, &table);
-  }
-  if (table.empty()) return "No pose was evaluated.\n";
-  return table.ToString();
-}
-
 std::string FormatReport(const JobResult& result) {
   const std::string title =
       result.title.empty() ? "Calibration of " + result.arm : result.title;
@@ -308,13 +202,12 @@ std::string FormatReport(const JobResult& result) {
   for (const std::string& warning : result.warnings) {
     text += Paragraph("Warning: " + warning + ".");
   }
-  text +=
-      Section("Accuracy", FormatAccuracyTable(result) + StagesTable(result) +
-                              FitNotes(result) + AcceptanceTable(result));
+  text += Section("Accuracy", AccuracySection(result));
   text += Section("Outliers", OutlierTable(result));
+  text += Section("Rejected rows", RejectedRowTable(result));
   text += Section("What can be identified",
                   FormatIdentifiability(result.identifiability));
-  text += Section("Parameters", FormatParameters(result));
+  text += Section("Parameters", FormatParameters(result) + Aliases(result));
   if (!result.runs.empty()) {
     text += Section(result.runs.size() == 1 ? "Solver" : "Solvers",
                     FormatComparison(result) + SolverMessages(result));

@@ -1,0 +1,53 @@
+#ifndef ALIDADE_SRC_BATCH_FIT_REPORT_H_
+#define ALIDADE_SRC_BATCH_FIT_REPORT_H_
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "alidade/io/job_config.h"
+#include "alidade/measurement/measurement_model.h"
+#include "alidade/results/job_result.h"
+#include "alidade/solve/solver.h"
+
+namespace alidade {
+
+/// A finished fit, for what is told of it.
+struct FinishedFit {
+  const JobConfig& config;
+  const CalibrationProblem& problem;
+  const Eigen::VectorXd& values;
+
+  const MeasurementModel& model() const { return problem.model; }
+};
+
+/// What each part of a calibration brings: frames only (the nominal values of
+/// the model), joint offsets, all geometry.
+std::vector<StageResult> ListStages(const FinishedFit& fit, int num_free);
+
+/// The observations that are farther off than one of all would be by chance in
+/// 5 % of calibrations, worst first. `limit` receives how far that is, in
+/// sigmas, for an observation of three rows; those of other dimensions have
+/// limits of the same probability.
+std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit);
+
+/// Fits all folds of the job's data, frames and all, and pools the errors of
+/// the poses held out. Nothing where one of the fits is not usable.
+std::optional<CrossValidation> CrossValidate(const JobConfig& config,
+                                             int num_threads);
+
+/// What a typical residual is in sigmas: the root of chi-square by degree of
+/// freedom or, where the loss expects outliers, what the median norm says.
+double TypicalResidual(const FinishedFit& fit, double reduced_chi_square);
+
+/// Free parameters further from nominal than their priors allow, as
+/// "d3 (6.1), ...", in standard deviations; empty where there are none.
+std::string FarFromPriors(const FinishedFit& fit);
+
+/// Free parameters at one of their bounds, by name.
+std::string AtBounds(const FinishedFit& fit);
+
+}  // namespace alidade
+
+#endif  // ALIDADE_SRC_BATCH_FIT_REPORT_H_

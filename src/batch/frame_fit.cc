@@ -1,0 +1,347 @@
+#include "frame_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "alidade/measurement/frame_start.h"
+#include "alidade/model/chain_axes.h"
+#include "alidade/model/rotation.h"
+#include "preparation.h"
+
+namespace alidade {
+namespace {
+
+using Poses = std::vector<Eigen::Isometry3d>;
+
+std::vector<std::string> WithoutJoints(const std::vector<std::string>& names,
+                                       const ParameterLayout& layout) {
+  std::vector<std::string> frames;
+  for (const std::string& name : names) {
+    const std::optional<int> column = layout.Find(name);
+    const bool is_joint =
+        column && ParameterLayout::IsJointKind(layout.parameter(*column).kind);
+    if (!is_joint) frames.push_back(name);
+  }
+  return frames;
+}
+
+bool HoldsPartOfFrames(const IdentifiabilityOptions& options) {
+  return std::any_of(options.fix.begin(), options.fix.end(),
+                     [](const std::string& name) {
+                       return name.rfind("base_", 0) == 0 ||
+                              name.rfind("tool", 0) == 0;
+                     });
+}
+
+// Finds frames and references from the data alone. What it cannot find it
+// leaves as it is.
+class FrameStarter {
+ public:
+  explicit FrameStarter(const JobConfig& config)
+      : options_(config.identifiability),
+        data_(config.data),
+        arm_(config.arm),
+        references_(config.references),
+        frames_(LastFrames(config.arm, config.data.joint_values)) {}
+
+  void Run() {
+    StartBaseAndTargets();
+    StartContacts();
+    StartDistances();
+    StartPlanes();
+  }
+
+  const Arm& arm() const { return arm_; }
+  const References& references() const { return references_; }
+
+ private:
+  static Poses LastFrames(const Arm& arm, const Eigen::MatrixXd& joint_values) {
+    Arm in_base = arm;
+    in_base.instrument_from_base.setIdentity();
+    Poses frames;
+    frames.reserve(joint_values.cols());
+    ChainAxes axes;
+    for (Eigen::Index i = 0; i < joint_values.cols(); ++i) {
+      ComputeChainAxes(in_base, joint_values.col(i).data(), &axes);
+      frames.push_back(axes.instrument_from_last);
+    }
+    return frames;
+  }
+
+  bool MovesTools() const { return options_.candidates.tool; }
+  bool MovesBase() const { return options_.candidates.base; }
+
+  // Everything that was measured in full at a place.
+  void StartBaseAndTargets() {
+    if (!MovesBase()) return;
+    if (MovesTools() && StartByPoses()) return;
+    Poses frames;
+    std::vector<int> targets;
+    std::vector<Eigen::Vector3d> points;
+    for (const ObservationBlock& block : data_.blocks) {
+      const bool has_position = block.kind == MeasurementKind::kPosition ||
+                                block.kind == MeasurementKind::kPose;
+      if (!has_position) continue;
+      for (Eigen::Index i = 0; i < block.size(); ++i) {
+        if (!block.sigmas.col(i).head<3>().allFinite()) continue;
+        frames.push_back(frames_[block.pose(i)]);
+        targets.push_back(block.target(i));
+        points.emplace_back(block.measured.col(i).head<3>());
+      }
+    }
+    if (points.empty()) return;
+    Eigen::Matrix3Xd measured(3, static_cast<Eigen::Index>(points.size()));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      measured.col(static_cast<Eigen::Index>(i)) = points[i];
+    }
+    if (MovesTools()) {
+      StartByPositions(frames, measured, targets);
+    } else {
+      StartByRigidFit(frames, measured, targets);
+    }
+  }
+
+  bool StartByPoses() {
+    Poses frames;
+    Poses measured;
+    for (const ObservationBlock& block : data_.blocks) {
+      if (block.kind != MeasurementKind::kPose) continue;
+      for (Eigen::Index i = 0; i < block.size(); ++i) {
+        if (block.target(i) != 0 || block.Dimension(i) < 6) continue;
+        frames.push_back(frames_[block.pose(i)]);
+        const Eigen::Vector3d rotation = block.measured.col(i).tail<3>();
+        Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+        pose.linear() = RotationFromVector<double>(rotation);
+        pose.translation() = block.measured.col(i).head<3>();
+        measured.push_back(pose);
+      }
+    }
+    const std::optional<PoseStart> start = StartFromPoses(frames, measured);
+    if (!start) return false;
+    arm_.instrument_from_base = start->instrument_from_base;
+    arm_.last_from_target() = start->last_from_target;
+    return true;
+  }
+
+  // Numbers the targets that were seen from 0, as StartFromPositions wants.
+  void StartByPositions(const Poses& frames, const Eigen::Matrix3Xd& measured,
+                        std::vector<int> targets) {
+    std::vector<int> seen = targets;
+    std::sort(seen.begin(), seen.end());
+    seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+    for (int& target : targets) {
+      target = static_cast<int>(
+          std::lower_bound(seen.begin(), seen.end(), target) - seen.begin());
+    }
+    const std::optional<PositionStart> start = StartFromPositions(
+        frames, measured, targets, static_cast<int>(seen.size()));
+    if (!start) return;
+    arm_.instrument_from_base = start->instrument_from_base;
+    for (std::size_t k = 0; k < seen.size(); ++k) {
+      arm_.last_from_target(seen[k]).translation() =
+          start->targets.col(static_cast<Eigen::Index>(k));
+    }
+  }
+
+  void StartByRigidFit(const Poses& frames, const Eigen::Matrix3Xd& measured,
+                       const std::vector<int>& targets) {
+    Eigen::Matrix3Xd points(3, measured.cols());
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      points.col(static_cast<Eigen::Index>(i)) =
+          frames[i] * arm_.last_from_target(targets[i]).translation();
+    }
+    const std::optional<RigidFit> fit = FitRigid(points, measured);
+    if (fit) arm_.instrument_from_base = fit->b_from_a;
+  }
+
+  // Whether the target's place is still to be found, by this kind alone.
+  bool FindsTarget(int target) const {
+    if (!MovesTools()) return false;
+    for (const ObservationBlock& block : data_.blocks) {
+      const bool has_position = block.kind == MeasurementKind::kPosition ||
+                                block.kind == MeasurementKind::kPose;
+      for (Eigen::Index i = 0; has_position && i < block.size(); ++i) {
+        if (block.target(i) == target) return false;
+      }
+    }
+    return true;
+  }
+
+  // Balls in sockets, each target with its points.
+  void StartContacts() {
+    for (const ObservationBlock& block : data_.blocks) {
+      if (block.kind != MeasurementKind::kFixedPoint) continue;
+      for (int target = 0; target < arm_.num_targets(); ++target) {
+        StartContactsOf(block, target);
+      }
+    }
+  }
+
+  void StartContactsOf(const ObservationBlock& block, int target) {
+    Poses frames;
+    std::vector<int> points;
+    std::vector<int> seen;
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      if (block.target(i) != target) continue;
+      frames.push_back(frames_[block.pose(i)]);
+      const int point = block.references[i];
+      const auto found = std::find(seen.begin(), seen.end(), point);
+      points.push_back(static_cast<int>(found - seen.begin()));
+      if (found == seen.end()) seen.push_back(point);
+    }
+    if (frames.empty()) return;
+    if (FindsTarget(target)) {
+      const std::optional<FixedPointStart> start =
+          StartFromFixedPoints(arm_.instrument_from_base, frames, points,
+                               static_cast<int>(seen.size()));
+      if (start) arm_.last_from_target(target).translation() = start->target;
+    }
+    MoveToMeans(frames, points, seen, target);
+  }
+
+  // Unknown points go to the mean of what touched them.
+  void MoveToMeans(const Poses& frames, const std::vector<int>& points,
+                   const std::vector<int>& seen, int target) {
+    Eigen::Matrix3Xd sums =
+        Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(seen.size()));
+    std::vector<int> counts(seen.size(), 0);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      sums.col(points[i]) += arm_.instrument_from_base *
+                             (frames[i] *
+                              arm_.last_from_target(target).translation());
+      ++counts[points[i]];
+    }
+    for (std::size_t k = 0; k < seen.size(); ++k) {
+      ReferencePoint& point = references_.points[seen[k]];
+      if (point.is_known) continue;
+      point.position = sums.col(static_cast<Eigen::Index>(k)) / counts[k];
+    }
+  }
+
+  // Anchors, one by one; the first that also finds the target serves the rest.
+  void StartDistances() {
+    for (int anchor = 0; anchor < references_.num_points(); ++anchor) {
+      for (const ObservationBlock& block : data_.blocks) {
+        if (block.kind != MeasurementKind::kDistance) continue;
+        StartDistance(block, anchor);
+      }
+    }
+  }
+
+  void StartDistance(const ObservationBlock& block, int anchor) {
+    Poses frames;
+    std::vector<double> lengths;
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      if (block.references[i] != anchor || block.target(i) != 0) continue;
+      frames.push_back(frames_[block.pose(i)]);
+      lengths.push_back(block.measured(0, i));
+    }
+    ReferencePoint& point = references_.points[anchor];
+    if (lengths.empty() || point.is_known) return;
+    const std::optional<DistanceStart> start = StartFromDistances(
+        arm_.instrument_from_base, frames,
+        Eigen::Map<const Eigen::VectorXd>(
+            lengths.data(), static_cast<Eigen::Index>(lengths.size())));
+    if (!start) return;
+    point.position = start->anchor;
+    if (FindsTarget(0)) arm_.last_from_target().translation() = start->target;
+  }
+
+  void StartPlanes() {
+    for (int plane = 0; plane < references_.num_planes(); ++plane) {
+      for (const ObservationBlock& block : data_.blocks) {
+        if (block.kind == MeasurementKind::kPlane) StartPlane(block, plane);
+      }
+    }
+  }
+
+  void StartPlane(const ObservationBlock& block, int index) {
+    Poses frames;
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      if (block.references[i] != index || block.target(i) != 0) continue;
+      frames.push_back(frames_[block.pose(i)]);
+    }
+    ReferencePlane& plane = references_.planes[index];
+    if (frames.empty() || plane.is_known) return;
+    const std::optional<PlaneStart> start =
+        StartFromPlane(arm_.instrument_from_base, frames);
+    if (!start) return;
+    plane.normal = start->normal;
+    plane.offset = start->offset;
+    if (FindsTarget(0)) arm_.last_from_target().translation() = start->target;
+  }
+
+  const IdentifiabilityOptions& options_;
+  const Dataset& data_;
+  Arm arm_;
+  References references_;
+  const Poses frames_;
+};
+
+double MedianError(const MeasurementModel& model, const Dataset& data) {
+  Eigen::VectorXd errors =
+      LengthErrors(model.Errors(model.NominalValues(), data), data);
+  std::nth_element(errors.data(), errors.data() + errors.size() / 2,
+                   errors.data() + errors.size());
+  return errors[errors.size() / 2];
+}
+
+}  // namespace
+
+IdentifiabilityOptions FramesOnly(const IdentifiabilityOptions& options) {
+  // Joint parameters have their names in a layout of any number of targets.
+  constexpr int kManyJoints = 99;
+  const ParameterLayout layout(kManyJoints);
+  IdentifiabilityOptions frames = options;
+  frames.candidates.joints = false;
+  frames.fix = WithoutJoints(options.fix, layout);
+  frames.free = WithoutJoints(options.free, layout);
+  frames.prefer = WithoutJoints(options.prefer, layout);
+  return frames;
+}
+
+bool HasUnknownFrames(const JobConfig& config) {
+  const auto is_unknown = [](const auto& reference) {
+    return !reference.is_known;
+  };
+  const References& references = config.references;
+  return config.identifiability.candidates.base ||
+         config.identifiability.candidates.tool ||
+         std::any_of(references.points.begin(), references.points.end(),
+                     is_unknown) ||
+         std::any_of(references.planes.begin(), references.planes.end(),
+                     is_unknown);
+}
+
+bool FitFrames(JobConfig* config, int num_threads) {
+  if (!HasUnknownFrames(*config) || config->truth) return false;
+  const Arm given = config->arm;
+  const References given_references = config->references;
+  if (!HoldsPartOfFrames(config->identifiability)) {
+    FrameStarter starter(*config);
+    starter.Run();
+    const MeasurementModel found(starter.arm(), starter.references(),
+                                 num_threads);
+    const MeasurementModel stated(given, given_references, num_threads);
+    if (MedianError(found, config->data) < MedianError(stated, config->data)) {
+      config->arm = starter.arm();
+      config->references = starter.references();
+    }
+  }
+  const MeasurementModel model(config->arm, config->references, num_threads);
+  const Fit fit = FitOnce(*config, model, FramesOnly(config->identifiability));
+  if (!fit.summary.IsSolutionUsable()) {
+    config->arm = given;
+    config->references = given_references;
+    return false;
+  }
+  config->arm = model.layout().WithValues(config->arm, fit.values);
+  config->references = model.ReferencesAt(fit.values);
+  return true;
+}
+
+}  // namespace alidade

@@ -1,0 +1,25 @@
+#ifndef ALIDADE_SRC_BATCH_FRAME_FIT_H_
+#define ALIDADE_SRC_BATCH_FRAME_FIT_H_
+
+#include "alidade/io/job_config.h"
+
+namespace alidade {
+
+/// Base, targets and references alone, the geometry of the joints held at its
+/// nominal values.
+IdentifiabilityOptions FramesOnly(const IdentifiabilityOptions& options);
+
+/// Whether base, targets or references are to be found at all.
+bool HasUnknownFrames(const JobConfig& config);
+
+/// Puts base, targets and references that are to be identified where they fit
+/// the training data at the nominal geometry, from a start that needs no guess
+/// of the user's (frame_start.h), so that the small rotations of the layout are
+/// small: a rotation vector is a chart of SO(3) about the nominal one. Nothing
+/// is done where the true arm is given, whose deviations are from the arm as it
+/// stands. True: they were fitted. On failure all is as it was.
+bool FitFrames(JobConfig* config, int num_threads);
+
+}  // namespace alidade
+
+#endif  // ALIDADE_SRC_BATCH_FRAME_FIT_H_

@@ -1,0 +1,20 @@
+#ifndef ALIDADE_SRC_REPORT_ACCURACY_REPORT_H_
+#define ALIDADE_SRC_REPORT_ACCURACY_REPORT_H_
+
+#include <string>
+
+#include "alidade/results/job_result.h"
+
+namespace alidade {
+
+/// Accuracy before and after, by stages and by cross-validation, how the
+/// residuals compare with the sigmas, and the acceptance limits.
+std::string AccuracySection(const JobResult& result);
+
+/// Empty where there are none.
+std::string OutlierTable(const JobResult& result);
+std::string RejectedRowTable(const JobResult& result);
+
+}  // namespace alidade
+
+#endif  // ALIDADE_SRC_REPORT_ACCURACY_REPORT_H_
