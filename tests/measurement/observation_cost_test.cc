@@ -1,5 +1,3 @@
-#include "alidade/measurement/position_cost.h"
-
 #include <ceres/cost_function.h>
 #include <gtest/gtest.h>
 
@@ -12,6 +10,7 @@
 
 #include "alidade/base/random.h"
 #include "alidade/measurement/measurement_model.h"
+#include "alidade/measurement/position_cost.h"
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"
@@ -71,12 +70,12 @@ struct Problem {
         values(testing::ValuesWithRotations(arm, frames ? rotation_length : 0.0,
                                             &random)),
         data(testing::RandomDataset(arm, values, 1, &random)) {
-    data.positions.col(0) += testing::RandomVector(0.01, &random);
+    data.positions().col(0) += testing::RandomVector(0.01, &random);
   }
 
   PositionObservation Observation() const {
-    return {data.joint_values.data(), data.positions.col(0),
-            data.sigmas.col(0)};
+    return {data.joint_values.data(), data.positions().col(0),
+            data.sigmas().col(0)};
   }
   Evaluation EvaluateCost() const {
     return Evaluate(*MakePositionCost(arm, Observation(), with_frames), values,
@@ -118,7 +117,7 @@ TEST_P(PositionCostTest, JacobianAgreesWithDifferences) {
         testing::MatrixJacobian(problem.arm, problem.values.cast<long double>(),
                                 problem.data.joint_values.data());
     const Eigen::Matrix3Xd error =
-        problem.data.sigmas.col(0).asDiagonal() * evaluation.jacobian -
+        problem.data.sigmas().col(0).asDiagonal() * evaluation.jacobian -
         exact.leftCols(evaluation.jacobian.cols()).cast<double>();
     // Some forty roundings of eps, in units of the reach (angles) or of one
     // (lengths); the differences (long double, extrapolated) are good to
@@ -138,7 +137,7 @@ TEST_P(PositionCostTest, AgreesWithTheGeometricJacobian) {
     MeasurementModel(problem.arm)
         .Linearize(problem.values, problem.data, columns, &geometric);
     // Both are whitened: errors of rounding grow by 1 / sigma.
-    const double largest_weight = 1.0 / problem.data.sigmas.minCoeff();
+    const double largest_weight = 1.0 / problem.data.sigmas().minCoeff();
     const double scale = largest_weight * (1.0 + Reach(problem.arm));
     const Eigen::MatrixXd difference = evaluation.jacobian - geometric.jacobian;
     EXPECT_LT(difference.cwiseAbs().maxCoeff(), 5e-14 * scale)
@@ -151,12 +150,12 @@ TEST_P(PositionCostTest, AgreesWithTheGeometricJacobian) {
 
 TEST_P(PositionCostTest, ResidualVanishesAtTheTruth) {
   Problem problem(num_joints(), 0.4, with_frames(), 604);
-  problem.data.positions.col(0) =
+  problem.data.positions().col(0) =
       testing::MatrixPosition(problem.arm, problem.values.cast<long double>(),
                               problem.data.joint_values.data())
           .cast<double>();
-  const Eigen::Vector3d error =
-      problem.EvaluateCost().residuals.cwiseProduct(problem.data.sigmas.col(0));
+  const Eigen::Vector3d error = problem.EvaluateCost().residuals.cwiseProduct(
+      problem.data.sigmas().col(0));
   // Rounding of the forward kinematics.
   EXPECT_LT(error.norm(), 1e-14 * Reach(problem.arm));
 }
@@ -167,9 +166,9 @@ TEST_P(PositionCostTest, ResidualIsPredictedMinusMeasuredOverSigma) {
       testing::MatrixPosition(problem.arm, problem.values.cast<long double>(),
                               problem.data.joint_values.data())
           .cast<double>();
-  const Eigen::Vector3d error =
-      problem.EvaluateCost().residuals.cwiseProduct(problem.data.sigmas.col(0));
-  EXPECT_LT((error - (predicted - problem.data.positions.col(0))).norm(),
+  const Eigen::Vector3d error = problem.EvaluateCost().residuals.cwiseProduct(
+      problem.data.sigmas().col(0));
+  EXPECT_LT((error - (predicted - problem.data.positions().col(0))).norm(),
             1e-14 * (1.0 + Reach(problem.arm)));
 }
 
@@ -178,7 +177,7 @@ TEST_P(PositionCostTest, SigmaOfOneAxisScalesItsRowOnly) {
   Evaluation expected = problem.EvaluateCost();
   const int axis = 2;
   // A power of two, so that the scaled numbers agree to the bit.
-  problem.data.sigmas(axis, 0) *= 8.0;
+  problem.data.sigmas()(axis, 0) *= 8.0;
   expected.residuals[axis] /= 8.0;
   expected.jacobian.row(axis) /= 8.0;
   const Evaluation scaled = problem.EvaluateCost();
@@ -198,7 +197,7 @@ TEST_P(PositionCostTest, WithoutJacobiansTheResidualIsTheSame) {
   ASSERT_TRUE(cost->Evaluate(parameters.data(), residuals.data(), nullptr));
   // The compiler may contract or reorder the two instantiations differently.
   const Eigen::Vector3d error = (residuals - problem.EvaluateCost().residuals)
-                                    .cwiseProduct(problem.data.sigmas.col(0));
+                                    .cwiseProduct(problem.data.sigmas().col(0));
   EXPECT_LT(error.norm(), 1e-14 * (1.0 + Reach(problem.arm)));
 }
 
@@ -214,7 +213,7 @@ TEST(PositionCostFixedTest, WithoutFramesTheArmsOwnBaseAndToolAreUsed) {
   ASSERT_EQ(without.values, with.values);
   const Evaluation expected = with.EvaluateCost();
   const Evaluation actual = without.EvaluateCost();
-  const double scale = (1.0 + Reach(with.arm)) / with.data.sigmas.minCoeff();
+  const double scale = (1.0 + Reach(with.arm)) / with.data.sigmas().minCoeff();
   EXPECT_LT((actual.residuals - expected.residuals).norm(), 1e-14 * scale);
   EXPECT_LT(
       (actual.jacobian - expected.jacobian.leftCols(actual.jacobian.cols()))
