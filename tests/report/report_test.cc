@@ -58,14 +58,13 @@ EvaluatedSet MakeSet(int num_poses, double before, double after) {
   set.name = "poses.csv";
   set.joint_values.resize(2, num_poses);
   set.joint_dimensions = {Dimension::kAngle, Dimension::kLength};
-  set.positions().resize(3, num_poses);
+  set.positions.resize(3, num_poses);
   set.residual_before.resize(3, num_poses);
   set.residual_after.resize(3, num_poses);
   for (int i = 0; i < num_poses; ++i) {
     const double angle = 2.0 * kPi * i / num_poses;
     set.joint_values.col(i) << 0.25 * kPi, 0.012;
-    set.positions().col(i) << 0.3 * std::cos(angle), 0.3 * std::sin(angle),
-        0.215;
+    set.positions.col(i) << 0.3 * std::cos(angle), 0.3 * std::sin(angle), 0.215;
     set.residual_before.col(i) << 0.6 * before, 0.0, -0.8 * before;
     set.residual_after.col(i) << 0.0, after, 0.0;
   }
@@ -436,7 +435,7 @@ TEST(MakeCsvFilesTest, ColumnsReadBack) {
     EXPECT_EQ(cells[2], "12");
     const auto column = static_cast<Eigen::Index>(pose - 1);
     EXPECT_EQ(std::atof(cells[3].c_str()),
-              result.train.positions()(0, column) / kMillimetre);
+              result.train.positions(0, column) / kMillimetre);
     EXPECT_EQ(std::atof(cells[8].c_str()),
               result.train.residual_before(2, column) / kMillimetre);
     EXPECT_EQ(std::atof(cells[9].c_str()),
@@ -487,7 +486,7 @@ TEST(MakeFiguresTest, ValidationIsAMapOnlyInAHorizontalPlane) {
   JobResult result = MakeResult();
   EXPECT_TRUE(Contains(ContentOf(MakeFigures(result), "validation_after.svg"),
                        ">x [mm]</text>"));
-  result.heldout->positions()(2, 3) += 0.05;
+  result.heldout->positions(2, 3) += 0.05;
   const std::string svg =
       ContentOf(MakeFigures(result), "validation_after.svg");
   EXPECT_FALSE(Contains(svg, ">x [mm]</text>"));
