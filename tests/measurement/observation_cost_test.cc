@@ -1,3 +1,5 @@
+#include "alidade/measurement/observation_cost.h"
+
 #include <ceres/cost_function.h>
 #include <gtest/gtest.h>
 
@@ -10,7 +12,6 @@
 
 #include "alidade/base/random.h"
 #include "alidade/measurement/measurement_model.h"
-#include "alidade/measurement/position_cost.h"
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"
@@ -66,6 +67,7 @@ struct Problem {
       : random(seed, num_joints),
         with_frames(frames),
         arm(testing::RandomArm(num_joints, &random)),
+        model(arm),
         layout(num_joints),
         values(testing::ValuesWithRotations(arm, frames ? rotation_length : 0.0,
                                             &random)),
@@ -73,43 +75,44 @@ struct Problem {
     data.positions().col(0) += testing::RandomVector(0.01, &random);
   }
 
-  PositionObservation Observation() const {
-    return {data.joint_values.data(), data.positions().col(0),
-            data.sigmas().col(0)};
+  ObservationCost MakeCost() const {
+    return MakeObservationCost(model, data, data.blocks[0], 0, with_frames);
   }
   Evaluation EvaluateCost() const {
-    return Evaluate(*MakePositionCost(arm, Observation(), with_frames), values,
-                    Blocks(layout, with_frames));
+    return Evaluate(*MakeCost().function, values, Blocks(layout, with_frames));
   }
 
   Random random;
   bool with_frames;
   Arm arm;
+  MeasurementModel model;
   ParameterLayout layout;
   Eigen::VectorXd values;
   Dataset data;
 };
 
-class PositionCostTest
+class ObservationCostTest
     : public ::testing::TestWithParam<std::tuple<int, bool>> {
  protected:
   int num_joints() const { return std::get<0>(GetParam()); }
   bool with_frames() const { return std::get<1>(GetParam()); }
 };
 
-TEST_P(PositionCostTest, HasTheBlocksOfTheLayout) {
+TEST_P(ObservationCostTest, HasTheBlocksOfTheLayout) {
   const Problem problem(num_joints(), 0.1, with_frames(), 601);
-  const auto cost =
-      MakePositionCost(problem.arm, problem.Observation(), with_frames());
+  const ObservationCost cost = problem.MakeCost();
   std::vector<int> expected;
+  std::vector<int> indices;
   for (const ParameterBlock& block : Blocks(problem.layout, with_frames())) {
+    indices.push_back(static_cast<int>(indices.size()));
     expected.push_back(block.size);
   }
-  EXPECT_EQ(cost->num_residuals(), 3);
-  EXPECT_EQ(cost->parameter_block_sizes(), expected);
+  EXPECT_EQ(cost.blocks, indices);
+  EXPECT_EQ(cost.function->num_residuals(), 3);
+  EXPECT_EQ(cost.function->parameter_block_sizes(), expected);
 }
 
-TEST_P(PositionCostTest, JacobianAgreesWithDifferences) {
+TEST_P(ObservationCostTest, JacobianAgreesWithDifferences) {
   for (const double length : testing::RotationLengths()) {
     const Problem problem(num_joints(), length, with_frames(), 602);
     const Evaluation evaluation = problem.EvaluateCost();
@@ -127,7 +130,7 @@ TEST_P(PositionCostTest, JacobianAgreesWithDifferences) {
   }
 }
 
-TEST_P(PositionCostTest, AgreesWithTheGeometricJacobian) {
+TEST_P(ObservationCostTest, AgreesWithTheGeometricJacobian) {
   for (const double length : testing::RotationLengths()) {
     const Problem problem(num_joints(), length, with_frames(), 603);
     const Evaluation evaluation = problem.EvaluateCost();
@@ -148,7 +151,7 @@ TEST_P(PositionCostTest, AgreesWithTheGeometricJacobian) {
   }
 }
 
-TEST_P(PositionCostTest, ResidualVanishesAtTheTruth) {
+TEST_P(ObservationCostTest, ResidualVanishesAtTheTruth) {
   Problem problem(num_joints(), 0.4, with_frames(), 604);
   problem.data.positions().col(0) =
       testing::MatrixPosition(problem.arm, problem.values.cast<long double>(),
@@ -160,7 +163,7 @@ TEST_P(PositionCostTest, ResidualVanishesAtTheTruth) {
   EXPECT_LT(error.norm(), 1e-14 * Reach(problem.arm));
 }
 
-TEST_P(PositionCostTest, ResidualIsPredictedMinusMeasuredOverSigma) {
+TEST_P(ObservationCostTest, ResidualIsPredictedMinusMeasuredOverSigma) {
   const Problem problem(num_joints(), 0.4, with_frames(), 605);
   const Eigen::Vector3d predicted =
       testing::MatrixPosition(problem.arm, problem.values.cast<long double>(),
@@ -172,7 +175,7 @@ TEST_P(PositionCostTest, ResidualIsPredictedMinusMeasuredOverSigma) {
             1e-14 * (1.0 + Reach(problem.arm)));
 }
 
-TEST_P(PositionCostTest, SigmaOfOneAxisScalesItsRowOnly) {
+TEST_P(ObservationCostTest, SigmaOfOneAxisScalesItsRowOnly) {
   Problem problem(num_joints(), 0.4, with_frames(), 606);
   Evaluation expected = problem.EvaluateCost();
   const int axis = 2;
@@ -185,16 +188,16 @@ TEST_P(PositionCostTest, SigmaOfOneAxisScalesItsRowOnly) {
   EXPECT_EQ(scaled.jacobian, expected.jacobian);
 }
 
-TEST_P(PositionCostTest, WithoutJacobiansTheResidualIsTheSame) {
+TEST_P(ObservationCostTest, WithoutJacobiansTheResidualIsTheSame) {
   const Problem problem(num_joints(), 0.4, with_frames(), 607);
-  const auto cost =
-      MakePositionCost(problem.arm, problem.Observation(), with_frames());
+  const ObservationCost cost = problem.MakeCost();
   std::vector<const double*> parameters;
   for (const ParameterBlock& block : Blocks(problem.layout, with_frames())) {
     parameters.push_back(problem.values.data() + block.first_column);
   }
   Eigen::Vector3d residuals;
-  ASSERT_TRUE(cost->Evaluate(parameters.data(), residuals.data(), nullptr));
+  ASSERT_TRUE(
+      cost.function->Evaluate(parameters.data(), residuals.data(), nullptr));
   // The compiler may contract or reorder the two instantiations differently.
   const Eigen::Vector3d error = (residuals - problem.EvaluateCost().residuals)
                                     .cwiseProduct(problem.data.sigmas().col(0));
@@ -202,11 +205,11 @@ TEST_P(PositionCostTest, WithoutJacobiansTheResidualIsTheSame) {
 }
 
 // Static sizes up to seven joints, dynamic ones beyond and with frames.
-INSTANTIATE_TEST_SUITE_P(JointsAndFrames, PositionCostTest,
+INSTANTIATE_TEST_SUITE_P(JointsAndFrames, ObservationCostTest,
                          ::testing::Combine(::testing::Range(1, 10),
                                             ::testing::Bool()));
 
-TEST(PositionCostFixedTest, WithoutFramesTheArmsOwnBaseAndToolAreUsed) {
+TEST(ObservationCostFixedTest, WithoutFramesTheArmsOwnBaseAndToolAreUsed) {
   const Problem without(5, 0.0, false, 608);
   const Problem with(5, 0.0, true, 608);
   // The rotation values are zero, so both describe the same arm.
