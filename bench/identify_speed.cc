@@ -57,8 +57,8 @@ Dataset RandomData(const Arm& arm, int poses) {
   const MeasurementModel model(arm);
   Dataset data;
   data.joint_values = DrawJointValues(arm, poses, 1);
-  data.positions = model.Predict(model.NominalValues(), data.joint_values);
-  data.sigmas = Eigen::Matrix3Xd::Constant(3, poses, 0.05 * kMillimetre);
+  data.positions() = model.Predict(model.NominalValues(), data.joint_values);
+  data.sigmas() = Eigen::Matrix3Xd::Constant(3, poses, 0.05 * kMillimetre);
   return data;
 }
 

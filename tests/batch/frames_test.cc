@@ -39,12 +39,12 @@ JobConfig FarArmJob(int num_poses, double sigma) {
   const MeasurementModel model(real);
   job.data.name = "simulated";
   job.data.joint_values = DrawJointValues(real, num_poses, 5);
-  job.data.positions =
+  job.data.positions() =
       model.Predict(model.NominalValues(), job.data.joint_values);
-  job.data.sigmas.setConstant(3, num_poses, kSigma);
+  job.data.sigmas().setConstant(3, num_poses, kSigma);
   for (Eigen::Index i = 0; i < num_poses; ++i) {
     for (int axis = 0; axis < 3; ++axis) {
-      job.data.positions(axis, i) += sigma * random.Normal();
+      job.data.positions()(axis, i) += sigma * random.Normal();
     }
   }
   job.identifiability.candidates = {true, true, true};
@@ -88,8 +88,8 @@ TEST(FramesTest, SigmaIsEstimatedFromTheResiduals) {
 TEST(FramesTest, OutliersAreListedWithTheirWeight) {
   JobConfig job = FarArmJob(100, kSigma);
   job.loss = LossKind::kTukey;
-  job.data.positions(1, 7) += 4e-3;
-  job.data.positions(2, 30) -= 2e-3;
+  job.data.positions()(1, 7) += 4e-3;
+  job.data.positions()(2, 30) -= 2e-3;
   const JobOutcome outcome = RunJob(job, "test", 1);
   ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
   const std::vector<Outlier>& outliers = outcome.result.outliers;

@@ -94,7 +94,7 @@ TEST(JobTest, RankShortWithoutAChoiceIsRefusedWithTheAnalysis) {
 
 TEST(JobTest, SolverThatCannotSolveIsReportedAndLeavesTheArmNominal) {
   JobConfig config = LoadStudy();
-  config.data.positions(1, 7) = std::numeric_limits<double>::quiet_NaN();
+  config.data.positions()(1, 7) = std::numeric_limits<double>::quiet_NaN();
   const JobOutcome outcome = RunJob(config, "test", 1);
   EXPECT_EQ(outcome.status, JobStatus::kFailed);
   EXPECT_THAT(outcome.message, HasSubstr("not finite"));
@@ -104,8 +104,8 @@ TEST(JobTest, SolverThatCannotSolveIsReportedAndLeavesTheArmNominal) {
 TEST(JobTest, ResidualsBeyondTheirSigmasAreAWarning) {
   JobConfig config = LoadStudy();
   EXPECT_TRUE(RunJob(config, "test", 1).result.warnings.empty());
-  config.data.positions.row(2).array() += 0.5e-3;
-  config.data.positions(0, 3) += 5e-3;
+  config.data.positions().row(2).array() += 0.5e-3;
+  config.data.positions()(0, 3) += 5e-3;
   const JobOutcome outcome = RunJob(config, "test", 1);
   EXPECT_THAT(outcome.result.warnings, Contains(HasSubstr("sigmas")));
 }

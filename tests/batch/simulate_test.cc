@@ -66,7 +66,7 @@ TEST(SimulateTest, ExactPositionsAreThoseOfTheRealArm) {
   const SimulationConfig config = StudySimulation(3);
   const Dataset data = Simulate(config);
   const MeasurementModel model(config.arm);
-  const Eigen::Matrix3Xd errors = model.Errors(config.true_values, data);
+  const Eigen::VectorXd errors = model.Errors(config.true_values, data);
   // A few units in the last place of half a metre.
   EXPECT_LT(errors.cwiseAbs().maxCoeff(), 4e-16);
   EXPECT_GT(model.Errors(model.NominalValues(), data).norm(), 1e-3);
@@ -79,12 +79,12 @@ TEST(SimulateTest, NoiseHasItsSigmaAndLeavesThePosesAlone) {
   config.noise_sigma = 0.02 * kMillimetre;
   const Dataset noisy = Simulate(config);
   EXPECT_EQ(exact.joint_values, noisy.joint_values);
-  const Eigen::Matrix3Xd noise = noisy.positions - exact.positions;
+  const Eigen::Matrix3Xd noise = noisy.positions() - exact.positions();
   const double sigma = std::sqrt(noise.squaredNorm() / 6000.0);
   // The estimate's own standard deviation is sigma / sqrt(2 * 6000): 0.9 %.
   EXPECT_NEAR(sigma / config.noise_sigma, 1.0, 0.04);
   EXPECT_NEAR(noise.mean() / config.noise_sigma, 0.0, 4.0 / std::sqrt(6000.0));
-  EXPECT_EQ(noisy.sigmas.minCoeff(), config.noise_sigma);
+  EXPECT_EQ(noisy.sigmas().minCoeff(), config.noise_sigma);
 }
 
 TEST(SimulateTest, SameSeedSameBitsOtherSeedOtherPoses) {
@@ -92,7 +92,7 @@ TEST(SimulateTest, SameSeedSameBitsOtherSeedOtherPoses) {
   const Dataset b = Simulate(StudySimulation(3));
   const Dataset c = Simulate(StudySimulation(4));
   EXPECT_EQ(a.joint_values, b.joint_values);
-  EXPECT_EQ(a.positions, b.positions);
+  EXPECT_EQ(a.positions(), b.positions());
   EXPECT_NE(a.joint_values, c.joint_values);
 }
 

@@ -30,8 +30,8 @@ int main() {
   alidade::Dataset data;
   data.joint_values = Eigen::MatrixXd::NullaryExpr(
       3, 30, [&random] { return random.Uniform(-1.5, 1.5); });
-  data.positions = model.Predict(real_values, data.joint_values);
-  data.sigmas = Eigen::Matrix3Xd::Constant(3, 30, 2e-5);
+  data.positions() = model.Predict(real_values, data.joint_values);
+  data.sigmas() = Eigen::Matrix3Xd::Constant(3, 30, 2e-5);
 
   const auto pass = alidade::ApplyRules(model, data, {});
   if (pass.exceeds_rank) {

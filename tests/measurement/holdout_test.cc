@@ -13,11 +13,11 @@ Dataset RowsAt(const std::vector<double>& configurations) {
   Dataset data;
   data.name = "rows";
   data.joint_values.resize(2, count);
-  data.positions.setZero(3, count);
-  data.sigmas.setConstant(3, count, 1e-3);
+  data.positions().setZero(3, count);
+  data.sigmas().setConstant(3, count, 1e-3);
   for (Eigen::Index i = 0; i < count; ++i) {
     data.joint_values.col(i) << 0.5, configurations[i];
-    data.positions(0, i) = static_cast<double>(i);
+    data.positions()(0, i) = static_cast<double>(i);
   }
   return data;
 }
@@ -66,10 +66,11 @@ TEST(HoldOutFractionTest, KeepsWhatBelongsToARowAndTheOrderOfRows) {
   const HoldOut split = HoldOutFraction(RowsAt({0, 1, 2, 3, 4, 5}), 0.5, 1);
   ASSERT_EQ(split.train.num_poses(), 3);
   for (Eigen::Index i = 0; i < 3; ++i) {
-    EXPECT_EQ(split.train.positions(0, i), split.train.joint_values(1, i));
-    EXPECT_EQ(split.train.sigmas(2, i), 1e-3);
+    EXPECT_EQ(split.train.positions()(0, i), split.train.joint_values(1, i));
+    EXPECT_EQ(split.train.sigmas()(2, i), 1e-3);
     if (i > 0) {
-      EXPECT_GT(split.train.positions(0, i), split.train.positions(0, i - 1));
+      EXPECT_GT(split.train.positions()(0, i),
+                split.train.positions()(0, i - 1));
     }
   }
 }

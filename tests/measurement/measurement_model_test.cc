@@ -45,7 +45,7 @@ Problem RandomProblem(int num_joints, int num_poses, Random* random) {
   problem.data =
       testing::RandomDataset(problem.arm, problem.values, num_poses, random);
   for (Eigen::Index i = 0; i < problem.data.num_poses(); ++i) {
-    problem.data.positions.col(i) += testing::RandomVector(0.01, random);
+    problem.data.positions().col(i) += testing::RandomVector(0.01, random);
   }
   return problem;
 }
@@ -68,7 +68,7 @@ TEST_P(JacobianTest, AgreesWithDifferencesOfTheMatrixProducts) {
     const testing::Matrix3Xl exact = testing::MatrixJacobian(
         arm, values.cast<long double>(), data.joint_values.col(i).data());
     const Eigen::Matrix3Xd unwhitened =
-        data.sigmas.col(i).asDiagonal() *
+        data.sigmas().col(i).asDiagonal() *
         linearization.jacobian.middleRows<3>(3 * i);
     const Eigen::Matrix3Xd error = unwhitened - exact.cast<double>();
     // Some forty roundings of eps, in units of the reach (angles) or of one
@@ -112,10 +112,12 @@ TEST(MeasurementModelTest, ErrorsArePredictedMinusMeasured) {
   const MeasurementModel model(arm);
   Dataset data = testing::RandomDataset(arm, model.NominalValues(), 8, &random);
   const Eigen::Vector3d offset(0.25, -0.5, 1.0);
-  data.positions.colwise() -= offset;
-  const Eigen::Matrix3Xd errors = model.Errors(model.NominalValues(), data);
+  data.positions().colwise() -= offset;
+  const Eigen::VectorXd errors = model.Errors(model.NominalValues(), data);
+  ASSERT_EQ(errors.size(), 3 * data.num_poses());
   for (Eigen::Index i = 0; i < data.num_poses(); ++i) {
-    EXPECT_LT((errors.col(i) - offset).norm(), 1e-14 * (1.0 + Reach(arm)));
+    EXPECT_LT((errors.segment<3>(3 * i) - offset).norm(),
+              1e-14 * (1.0 + Reach(arm)));
   }
 }
 
@@ -131,7 +133,7 @@ TEST(MeasurementModelTest, ResidualsVanishAtTheTruth) {
     const Eigen::Map<const Eigen::Matrix3Xd> residuals(
         linearization.residuals.data(), 3, data.num_poses());
     // Rounding of the forward kinematics, whitened.
-    EXPECT_LT(residuals.cwiseProduct(data.sigmas).cwiseAbs().maxCoeff(),
+    EXPECT_LT(residuals.cwiseProduct(data.sigmas()).cwiseAbs().maxCoeff(),
               1e-14 * Reach(arm));
   }
 }
@@ -142,11 +144,11 @@ TEST(MeasurementModelTest, ResidualsAreErrorsInUnitsOfTheirSigmas) {
   const MeasurementModel model(problem.arm);
   const Linearization linearization =
       LinearizeAll(model, problem.values, problem.data);
-  const Eigen::Matrix3Xd errors = model.Errors(problem.values, problem.data);
+  const Eigen::VectorXd errors = model.Errors(problem.values, problem.data);
   for (Eigen::Index i = 0; i < problem.data.num_poses(); ++i) {
     for (int axis = 0; axis < 3; ++axis) {
       EXPECT_EQ(linearization.residuals[3 * i + axis],
-                errors(axis, i) / problem.data.sigmas(axis, i));
+                errors[3 * i + axis] / problem.data.sigmas()(axis, i));
     }
   }
 }
@@ -159,7 +161,7 @@ TEST(MeasurementModelTest, SigmaOfOneCoordinateScalesItsRowOnly) {
   const int axis = 1;
   const Eigen::Index pose = 3;
   // A power of two, so that the scaled numbers agree to the bit.
-  problem.data.sigmas(axis, pose) *= 4.0;
+  problem.data.sigmas()(axis, pose) *= 4.0;
   expected.residuals[3 * pose + axis] /= 4.0;
   expected.jacobian.row(3 * pose + axis) /= 4.0;
   const Linearization scaled =
@@ -207,7 +209,7 @@ TEST(MeasurementModelTest, AnEmptyDataSetGivesEmptyResults) {
       LinearizeAll(model, problem.values, problem.data);
   EXPECT_EQ(linearization.residuals.size(), 0);
   EXPECT_EQ(linearization.jacobian.rows(), 0);
-  EXPECT_EQ(model.Errors(problem.values, problem.data).cols(), 0);
+  EXPECT_EQ(model.Errors(problem.values, problem.data).size(), 0);
 }
 
 TEST(MeasurementModelTest, ThreadsDoNotChangeABit) {
@@ -216,7 +218,7 @@ TEST(MeasurementModelTest, ThreadsDoNotChangeABit) {
   const MeasurementModel one(problem.arm, 1);
   const Linearization expected =
       LinearizeAll(one, problem.values, problem.data);
-  const Eigen::Matrix3Xd expected_errors =
+  const Eigen::VectorXd expected_errors =
       one.Errors(problem.values, problem.data);
   // Several times, as threads may happen to run one after the other.
   for (const int num_threads : {1, 2, 8, 2, 8, 2, 8, 2, 8}) {
@@ -258,11 +260,12 @@ TEST(MeasurementModelTest, RoundingErrorIsTheScaleOfTheActualOne) {
 }
 
 TEST(ChiSquareTest, SumsSquaresInUnitsOfSigma) {
-  Dataset data;
-  data.sigmas.resize(3, 2);
-  data.sigmas << 1.0, 2.0, 0.5, 4.0, 0.25, 8.0;
-  Eigen::Matrix3Xd errors(3, 2);
-  errors << 3.0, 2.0, -1.0, 8.0, 0.5, -24.0;
+  Eigen::Matrix3Xd sigmas(3, 2);
+  sigmas << 1.0, 2.0, 0.5, 4.0, 0.25, 8.0;
+  const Dataset data = MakePositions(Eigen::MatrixXd::Zero(1, 2),
+                                     Eigen::Matrix3Xd::Zero(3, 2), sigmas);
+  Eigen::VectorXd errors(6);
+  errors << 3.0, -1.0, 0.5, 2.0, 8.0, -24.0;
   // 3^2 + 1^2 + 2^2 + 2^2 + 2^2 + 3^2
   EXPECT_DOUBLE_EQ(ChiSquare(errors, data), 31.0);
 }

@@ -1,4 +1,4 @@
-#include "alidade/measurement/position_cost.h"
+#include "alidade/measurement/observation_cost.h"
 
 #include <ceres/cost_function.h>
 #include <gtest/gtest.h>
@@ -67,50 +67,52 @@ struct Problem {
       : random(seed, num_joints),
         with_frames(frames),
         arm(testing::RandomArm(num_joints, &random)),
+        model(arm),
         layout(num_joints),
         values(testing::ValuesWithRotations(arm, frames ? rotation_length : 0.0,
                                             &random)),
         data(testing::RandomDataset(arm, values, 1, &random)) {
-    data.positions.col(0) += testing::RandomVector(0.01, &random);
+    data.positions().col(0) += testing::RandomVector(0.01, &random);
   }
 
-  PositionObservation Observation() const {
-    return {data.joint_values.data(), data.positions.col(0),
-            data.sigmas.col(0)};
+  ObservationCost MakeCost() const {
+    return MakeObservationCost(model, data, data.blocks[0], 0, with_frames);
   }
   Evaluation EvaluateCost() const {
-    return Evaluate(*MakePositionCost(arm, Observation(), with_frames), values,
-                    Blocks(layout, with_frames));
+    return Evaluate(*MakeCost().function, values, Blocks(layout, with_frames));
   }
 
   Random random;
   bool with_frames;
   Arm arm;
+  MeasurementModel model;
   ParameterLayout layout;
   Eigen::VectorXd values;
   Dataset data;
 };
 
-class PositionCostTest
+class ObservationCostTest
     : public ::testing::TestWithParam<std::tuple<int, bool>> {
  protected:
   int num_joints() const { return std::get<0>(GetParam()); }
   bool with_frames() const { return std::get<1>(GetParam()); }
 };
 
-TEST_P(PositionCostTest, HasTheBlocksOfTheLayout) {
+TEST_P(ObservationCostTest, HasTheBlocksOfTheLayout) {
   const Problem problem(num_joints(), 0.1, with_frames(), 601);
-  const auto cost =
-      MakePositionCost(problem.arm, problem.Observation(), with_frames());
+  const ObservationCost cost = problem.MakeCost();
   std::vector<int> expected;
+  std::vector<int> indices;
   for (const ParameterBlock& block : Blocks(problem.layout, with_frames())) {
+    indices.push_back(static_cast<int>(indices.size()));
     expected.push_back(block.size);
   }
-  EXPECT_EQ(cost->num_residuals(), 3);
-  EXPECT_EQ(cost->parameter_block_sizes(), expected);
+  EXPECT_EQ(cost.blocks, indices);
+  EXPECT_EQ(cost.function->num_residuals(), 3);
+  EXPECT_EQ(cost.function->parameter_block_sizes(), expected);
 }
 
-TEST_P(PositionCostTest, JacobianAgreesWithDifferences) {
+TEST_P(ObservationCostTest, JacobianAgreesWithDifferences) {
   for (const double length : testing::RotationLengths()) {
     const Problem problem(num_joints(), length, with_frames(), 602);
     const Evaluation evaluation = problem.EvaluateCost();
@@ -118,7 +120,7 @@ TEST_P(PositionCostTest, JacobianAgreesWithDifferences) {
         testing::MatrixJacobian(problem.arm, problem.values.cast<long double>(),
                                 problem.data.joint_values.data());
     const Eigen::Matrix3Xd error =
-        problem.data.sigmas.col(0).asDiagonal() * evaluation.jacobian -
+        problem.data.sigmas().col(0).asDiagonal() * evaluation.jacobian -
         exact.leftCols(evaluation.jacobian.cols()).cast<double>();
     // Some forty roundings of eps, in units of the reach (angles) or of one
     // (lengths); the differences (long double, extrapolated) are good to
@@ -128,7 +130,7 @@ TEST_P(PositionCostTest, JacobianAgreesWithDifferences) {
   }
 }
 
-TEST_P(PositionCostTest, AgreesWithTheGeometricJacobian) {
+TEST_P(ObservationCostTest, AgreesWithTheGeometricJacobian) {
   for (const double length : testing::RotationLengths()) {
     const Problem problem(num_joints(), length, with_frames(), 603);
     const Evaluation evaluation = problem.EvaluateCost();
@@ -138,7 +140,7 @@ TEST_P(PositionCostTest, AgreesWithTheGeometricJacobian) {
     MeasurementModel(problem.arm)
         .Linearize(problem.values, problem.data, columns, &geometric);
     // Both are whitened: errors of rounding grow by 1 / sigma.
-    const double largest_weight = 1.0 / problem.data.sigmas.minCoeff();
+    const double largest_weight = 1.0 / problem.data.sigmas().minCoeff();
     const double scale = largest_weight * (1.0 + Reach(problem.arm));
     const Eigen::MatrixXd difference = evaluation.jacobian - geometric.jacobian;
     EXPECT_LT(difference.cwiseAbs().maxCoeff(), 5e-14 * scale)
@@ -149,36 +151,36 @@ TEST_P(PositionCostTest, AgreesWithTheGeometricJacobian) {
   }
 }
 
-TEST_P(PositionCostTest, ResidualVanishesAtTheTruth) {
+TEST_P(ObservationCostTest, ResidualVanishesAtTheTruth) {
   Problem problem(num_joints(), 0.4, with_frames(), 604);
-  problem.data.positions.col(0) =
+  problem.data.positions().col(0) =
       testing::MatrixPosition(problem.arm, problem.values.cast<long double>(),
                               problem.data.joint_values.data())
           .cast<double>();
-  const Eigen::Vector3d error =
-      problem.EvaluateCost().residuals.cwiseProduct(problem.data.sigmas.col(0));
+  const Eigen::Vector3d error = problem.EvaluateCost().residuals.cwiseProduct(
+      problem.data.sigmas().col(0));
   // Rounding of the forward kinematics.
   EXPECT_LT(error.norm(), 1e-14 * Reach(problem.arm));
 }
 
-TEST_P(PositionCostTest, ResidualIsPredictedMinusMeasuredOverSigma) {
+TEST_P(ObservationCostTest, ResidualIsPredictedMinusMeasuredOverSigma) {
   const Problem problem(num_joints(), 0.4, with_frames(), 605);
   const Eigen::Vector3d predicted =
       testing::MatrixPosition(problem.arm, problem.values.cast<long double>(),
                               problem.data.joint_values.data())
           .cast<double>();
-  const Eigen::Vector3d error =
-      problem.EvaluateCost().residuals.cwiseProduct(problem.data.sigmas.col(0));
-  EXPECT_LT((error - (predicted - problem.data.positions.col(0))).norm(),
+  const Eigen::Vector3d error = problem.EvaluateCost().residuals.cwiseProduct(
+      problem.data.sigmas().col(0));
+  EXPECT_LT((error - (predicted - problem.data.positions().col(0))).norm(),
             1e-14 * (1.0 + Reach(problem.arm)));
 }
 
-TEST_P(PositionCostTest, SigmaOfOneAxisScalesItsRowOnly) {
+TEST_P(ObservationCostTest, SigmaOfOneAxisScalesItsRowOnly) {
   Problem problem(num_joints(), 0.4, with_frames(), 606);
   Evaluation expected = problem.EvaluateCost();
   const int axis = 2;
   // A power of two, so that the scaled numbers agree to the bit.
-  problem.data.sigmas(axis, 0) *= 8.0;
+  problem.data.sigmas()(axis, 0) *= 8.0;
   expected.residuals[axis] /= 8.0;
   expected.jacobian.row(axis) /= 8.0;
   const Evaluation scaled = problem.EvaluateCost();
@@ -186,35 +188,35 @@ TEST_P(PositionCostTest, SigmaOfOneAxisScalesItsRowOnly) {
   EXPECT_EQ(scaled.jacobian, expected.jacobian);
 }
 
-TEST_P(PositionCostTest, WithoutJacobiansTheResidualIsTheSame) {
+TEST_P(ObservationCostTest, WithoutJacobiansTheResidualIsTheSame) {
   const Problem problem(num_joints(), 0.4, with_frames(), 607);
-  const auto cost =
-      MakePositionCost(problem.arm, problem.Observation(), with_frames());
+  const ObservationCost cost = problem.MakeCost();
   std::vector<const double*> parameters;
   for (const ParameterBlock& block : Blocks(problem.layout, with_frames())) {
     parameters.push_back(problem.values.data() + block.first_column);
   }
   Eigen::Vector3d residuals;
-  ASSERT_TRUE(cost->Evaluate(parameters.data(), residuals.data(), nullptr));
+  ASSERT_TRUE(
+      cost.function->Evaluate(parameters.data(), residuals.data(), nullptr));
   // The compiler may contract or reorder the two instantiations differently.
   const Eigen::Vector3d error = (residuals - problem.EvaluateCost().residuals)
-                                    .cwiseProduct(problem.data.sigmas.col(0));
+                                    .cwiseProduct(problem.data.sigmas().col(0));
   EXPECT_LT(error.norm(), 1e-14 * (1.0 + Reach(problem.arm)));
 }
 
 // Static sizes up to seven joints, dynamic ones beyond and with frames.
-INSTANTIATE_TEST_SUITE_P(JointsAndFrames, PositionCostTest,
+INSTANTIATE_TEST_SUITE_P(JointsAndFrames, ObservationCostTest,
                          ::testing::Combine(::testing::Range(1, 10),
                                             ::testing::Bool()));
 
-TEST(PositionCostFixedTest, WithoutFramesTheArmsOwnBaseAndToolAreUsed) {
+TEST(ObservationCostFixedTest, WithoutFramesTheArmsOwnBaseAndToolAreUsed) {
   const Problem without(5, 0.0, false, 608);
   const Problem with(5, 0.0, true, 608);
   // The rotation values are zero, so both describe the same arm.
   ASSERT_EQ(without.values, with.values);
   const Evaluation expected = with.EvaluateCost();
   const Evaluation actual = without.EvaluateCost();
-  const double scale = (1.0 + Reach(with.arm)) / with.data.sigmas.minCoeff();
+  const double scale = (1.0 + Reach(with.arm)) / with.data.sigmas().minCoeff();
   EXPECT_LT((actual.residuals - expected.residuals).norm(), 1e-14 * scale);
   EXPECT_LT(
       (actual.jacobian - expected.jacobian.leftCols(actual.jacobian.cols()))

@@ -34,8 +34,8 @@ Errors ErrorsByHand(const Calibration& calibration,
         calibration.model.nominal(), values.cast<long double>(),
         data.joint_values.col(i).data());
     for (int axis = 0; axis < 3; ++axis) {
-      const long double error = predicted[axis] - data.positions(axis, i);
-      const long double sigma = data.sigmas(axis, i);
+      const long double error = predicted[axis] - data.positions()(axis, i);
+      const long double sigma = data.sigmas()(axis, i);
       cost += (error / sigma) * (error / sigma);
       squares += error * error;
     }
@@ -60,8 +60,8 @@ class SolverSummaryTest : public ::testing::TestWithParam<SolverCase> {
   SolverSummaryTest() {
     // Uneven sigmas tell the cost from the errors, and poses from axes.
     for (Eigen::Index i = 0; i < calibration_.data.num_poses(); ++i) {
-      calibration_.data.sigmas.col(i) *= 1.0 + 0.05 * static_cast<double>(i);
-      calibration_.data.sigmas(1, i) *= 2.0;
+      calibration_.data.sigmas().col(i) *= 1.0 + 0.05 * static_cast<double>(i);
+      calibration_.data.sigmas()(1, i) *= 2.0;
     }
   }
 

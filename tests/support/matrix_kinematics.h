@@ -64,10 +64,10 @@ inline Matrix3l MatrixFromVector(const Vector3l& w) {
   return m;
 }
 
-/// The values of an arm, one per column of its layout; rotations of base and
-/// tool are zero (they act on the arm's own).
+/// The values of an arm, one per column of its layout without references;
+/// rotations of base and tools are zero (they act on the arm's own).
 inline VectorXl MatrixValues(const Arm& arm) {
-  const ParameterLayout layout(arm.num_joints());
+  const ParameterLayout layout(arm);
   VectorXl values = VectorXl::Zero(layout.size());
   for (int j = 0; j < arm.num_joints(); ++j) {
     const Joint& joint = arm.joints[j];
@@ -80,8 +80,10 @@ inline VectorXl MatrixValues(const Arm& arm) {
   for (int axis = 0; axis < 3; ++axis) {
     values[layout.Column(ParameterKind::kBaseTranslation, axis)] =
         arm.instrument_from_base.translation()[axis];
-    values[layout.Column(ParameterKind::kToolTranslation, axis)] =
-        arm.last_from_target().translation()[axis];
+    for (int target = 0; target < arm.num_targets(); ++target) {
+      values[layout.Column(ParameterKind::kToolTranslation, axis, target)] =
+          arm.last_from_target(target).translation()[axis];
+    }
   }
   return values;
 }
@@ -115,10 +117,11 @@ inline Matrix4l FrameMatrix(const Eigen::Isometry3d& nominal,
 }
 
 /// instrument_from_target of `nominal` with its parameters replaced by
-/// `values`, at `joint_values` (n values).
+/// `values`, at `joint_values` (n values). Values of references may follow
+/// those of the arm; they are not looked at.
 inline Matrix4l MatrixTargetFrame(const Arm& nominal, const VectorXl& values,
-                                  const double* joint_values) {
-  const ParameterLayout layout(nominal.num_joints());
+                                  const double* joint_values, int target = 0) {
+  const ParameterLayout layout(nominal);
   Matrix4l frame =
       FrameMatrix(nominal.instrument_from_base, values,
                   layout.Column(ParameterKind::kBaseTranslation, 0),
@@ -126,9 +129,10 @@ inline Matrix4l MatrixTargetFrame(const Arm& nominal, const VectorXl& values,
   for (int j = 0; j < nominal.num_joints(); ++j) {
     frame = frame * JointMatrix(nominal, layout, values, j, joint_values[j]);
   }
-  return frame * FrameMatrix(nominal.last_from_target(), values,
-                             layout.Column(ParameterKind::kToolTranslation, 0),
-                             layout.Column(ParameterKind::kToolRotation, 0));
+  return frame *
+         FrameMatrix(nominal.last_from_target(target), values,
+                     layout.Column(ParameterKind::kToolTranslation, 0, target),
+                     layout.Column(ParameterKind::kToolRotation, 0, target));
 }
 
 /// instrument_from_target of an arm as it is.
@@ -138,8 +142,8 @@ inline Matrix4l MatrixTargetFrame(const Arm& arm, const double* joint_values) {
 
 /// The target's position (m).
 inline Vector3l MatrixPosition(const Arm& nominal, const VectorXl& values,
-                               const double* joint_values) {
-  return MatrixTargetFrame(nominal, values, joint_values)
+                               const double* joint_values, int target = 0) {
+  return MatrixTargetFrame(nominal, values, joint_values, target)
       .topRightCorner<3, 1>();
 }
 

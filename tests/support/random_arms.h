@@ -40,6 +40,7 @@ inline Eigen::Isometry3d RandomFrame(double size, Random* random) {
 struct RandomArmOptions {
   double prismatic_fraction = 0.3;  ///< chance of a joint to be prismatic
   bool with_frames = true;          ///< false: base and tool are identities
+  int num_targets = 1;
 };
 
 /// An arm with generic parameters: no two axes parallel or intersecting, no
@@ -65,6 +66,10 @@ inline Arm RandomArm(int num_joints, Random* random,
   if (options.with_frames) {
     arm.instrument_from_base = RandomFrame(1.0, random);
     arm.last_from_target() = RandomFrame(0.2, random);
+  }
+  for (int target = 1; target < options.num_targets; ++target) {
+    arm.targets.push_back(
+        {"target" + std::to_string(target + 1), RandomFrame(0.2, random)});
   }
   return arm;
 }

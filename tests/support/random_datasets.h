@@ -21,16 +21,17 @@ inline std::vector<double> RotationLengths() {
   return {0.0, 1e-12, 1e-8, 9e-7, 1.1e-6, 9.9e-3, 1.01e-2, 1.0, kPi - 1e-6};
 }
 
-/// The values of `arm` with small rotations of base and tool that are
+/// The values of `arm` with small rotations of base and tools that are
 /// `rotation_length` long (rad), each about an axis of its own.
 inline Eigen::VectorXd ValuesWithRotations(const Arm& arm,
                                            double rotation_length,
                                            Random* random) {
-  const ParameterLayout layout(arm.num_joints());
+  const ParameterLayout layout(arm);
   Eigen::VectorXd values = layout.Values(arm);
-  for (const ParameterKind kind :
-       {ParameterKind::kBaseRotation, ParameterKind::kToolRotation}) {
-    values.segment<3>(layout.Column(kind, 0)) =
+  values.segment<3>(layout.Column(ParameterKind::kBaseRotation, 0)) =
+      rotation_length * RandomDirection(random);
+  for (int target = 0; target < arm.num_targets(); ++target) {
+    values.segment<3>(layout.Column(ParameterKind::kToolRotation, 0, target)) =
         rotation_length * RandomDirection(random);
   }
   return values;
@@ -43,15 +44,15 @@ inline Dataset RandomDataset(const Arm& arm, const Eigen::VectorXd& values,
   Dataset data;
   data.name = "random";
   data.joint_values = RandomJointValues(arm, num_poses, random);
-  data.positions.resize(3, num_poses);
-  data.sigmas.resize(3, num_poses);
+  data.positions().resize(3, num_poses);
+  data.sigmas().resize(3, num_poses);
   const VectorXl exact_values = values.cast<long double>();
   for (int i = 0; i < num_poses; ++i) {
-    data.positions.col(i) =
+    data.positions().col(i) =
         MatrixPosition(arm, exact_values, data.joint_values.col(i).data())
             .cast<double>();
     for (int axis = 0; axis < 3; ++axis) {
-      data.sigmas(axis, i) = random->Uniform(1e-5, 1e-3);
+      data.sigmas()(axis, i) = random->Uniform(1e-5, 1e-3);
     }
   }
   return data;

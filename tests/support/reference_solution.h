@@ -119,9 +119,9 @@ inline ReferenceLinearization LinearizeReference(
   for (Eigen::Index i = 0; i < data.num_poses(); ++i) {
     const ReferencePose pose =
         EvaluateReference(arm, layout, values, data.joint_values.col(i).data());
-    const Vector3l sigma = data.sigmas.col(i).cast<long double>();
+    const Vector3l sigma = data.sigmas().col(i).cast<long double>();
     const Vector3l error =
-        pose.position - data.positions.col(i).cast<long double>();
+        pose.position - data.positions().col(i).cast<long double>();
     out.residuals.segment<3>(3 * i) = error.cwiseQuotient(sigma);
     for (Eigen::Index c = 0; c < out.jacobian.cols(); ++c) {
       out.jacobian.block<3, 1>(3 * i, c) =
@@ -153,7 +153,7 @@ inline MatrixXl ScaledDifferences(const Arm& arm, const VectorXl& values,
       const double* q = data.joint_values.col(i).data();
       const Vector3l rise =
           MatrixPosition(arm, above, q) - MatrixPosition(arm, below, q);
-      const Vector3l sigma = data.sigmas.col(i).cast<long double>();
+      const Vector3l sigma = data.sigmas().col(i).cast<long double>();
       jacobian.block<3, 1>(3 * i, c) = rise.cwiseQuotient(sigma) / run;
     }
   }
@@ -200,7 +200,7 @@ inline double LargestError(const Arm& arm, const Eigen::VectorXd& values,
   for (Eigen::Index i = 0; i < data.num_poses(); ++i) {
     const Vector3l error = MatrixPosition(arm, values.cast<long double>(),
                                           data.joint_values.col(i).data()) -
-                           data.positions.col(i).cast<long double>();
+                           data.positions().col(i).cast<long double>();
     largest = std::max(largest, error.norm());
   }
   return static_cast<double>(largest);
