@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "alidade/base/error.h"
 #include "alidade/base/version.h"
 #include "alidade/batch/evaluate.h"
 #include "alidade/identifiability/analysis.h"
@@ -19,6 +20,7 @@
 #include "alidade/solve/solver.h"
 #include "fit_report.h"
 #include "frame_fit.h"
+#include "input_doubt.h"
 #include "preparation.h"
 #include "study.h"
 
@@ -72,6 +74,15 @@ std::vector<AcceptanceCheck> CheckAcceptance(const AcceptanceLimits& limits,
              limits.heldout_rotation_rms, limits.heldout_rotation_max});
   }
   return checks;
+}
+
+// Data that fit nowhere are an error of the input, before anything is fitted.
+void RefuseDoubtful(const JobConfig& config) {
+  const std::string doubt = DoubtInput(config.arm, config.data);
+  if (doubt.empty()) return;
+  SourceLocation location;
+  location.file = config.data.name;
+  throw InputError(location, doubt);
 }
 
 class JobRunner {
@@ -289,10 +300,12 @@ class JobRunner {
 
 JobOutcome RunJob(const JobConfig& config, const std::string& command,
                   int num_threads) {
+  RefuseDoubtful(config);
   return JobRunner(config, num_threads).Run(command);
 }
 
 IdentifiabilityResult IdentifyJob(const JobConfig& config, int num_threads) {
+  RefuseDoubtful(config);
   JobConfig prepared = config;
   FitFrames(&prepared, num_threads);
   const MeasurementModel model(prepared.arm, prepared.references, num_threads);
