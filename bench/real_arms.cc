@@ -1,14 +1,22 @@
-// Calibrates the real arms of configs/real_arms with configurations held out,
-// by Alidade as the job says and by a plain least-squares fit on the same
-// splits: the tables and the figure of docs/real_arms.md.
+// Calibrates the real arms of configs/real_arms with configurations held out:
+// the tables and figures of docs/real_arms.md.
 //
-// Usage: real_arms SOURCE_DIRECTORY OUTPUT.svg   (ALIDADE_DATA is set)
+// Usage: real_arms splits SOURCE_DIRECTORY DIRECTORY
+//          writes the held-out rows of every set and split, for a fit by
+//          another program (plain_fit.py)
+//        real_arms report SOURCE_DIRECTORY PLAIN.csv IMAGE_DIRECTORY
+//          prints the tables, with the other program's results beside ours
+// ALIDADE_DATA names the folder of the data.
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -23,165 +31,250 @@
 namespace alidade {
 namespace {
 
-constexpr int kSeeds = 10;
+constexpr int kSeeds = 10;  // 1 to 10
 constexpr double kHeldOut = 0.3;
 constexpr int kThreads = 2;
 constexpr std::array<int, 4> kFewPoses = {10, 15, 20, 30};
 
-const std::array<const char*, 6> kJobs = {"irb120_smr1", "lifting_column",
-                                          "panda_left",  "panda_right",
-                                          "panda_top",   "rokae_position"};
-
-Dataset Joined(const Dataset& a, const Dataset& b) {
-  Dataset all = a;
-  const auto join = [](const auto& left, const auto& right, auto* out) {
-    out->resize(left.rows(), left.cols() + right.cols());
-    out->leftCols(left.cols()) = left;
-    out->rightCols(right.cols()) = right;
-  };
-  join(a.joint_values, b.joint_values, &all.joint_values);
-  join(a.positions, b.positions, &all.positions);
-  join(a.sigmas, b.sigmas, &all.sigmas);
-  return all;
+const std::vector<std::string>& JobNames() {
+  static const auto* const names = new std::vector<std::string>{
+      "ur10_A",         "ur10_B",         "irb120",         "irb120_smr1",
+      "panda_left",     "panda_right",    "panda_top",      "rokae",
+      "rokae_position", "socket_panda_1", "socket_panda_2", "socket_panda_6",
+      "column",         "drawwire"};
+  return *names;
 }
 
-// The same job without priors, outlier treatment or weights.
-JobConfig Plain(JobConfig job) {
-  job.loss = LossKind::kNone;
-  job.identifiability.policy = WeakPolicy::kKeep;
-  return job;
+// Of how few poses these can be calibrated is asked too.
+const std::vector<std::string>& FewPosesNames() {
+  static const auto* const names = new std::vector<std::string>{
+      "ur10_B",    "irb120", "panda_left", "panda_right",
+      "panda_top", "rokae",  "column"};
+  return *names;
 }
 
+struct RealArm {
+  std::string name;
+  JobConfig job;  // data: all poses, none held out
+};
+
+RealArm Load(const std::string& root, const std::string& name) {
+  return {name, LoadWholeJob(root + "/configs/real_arms/" + name + ".yaml")};
+}
+
+std::vector<std::uint64_t> Seeds() {
+  std::vector<std::uint64_t> seeds;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) seeds.push_back(seed);
+  return seeds;
+}
+
+// Rows are counted from 0 behind the header, which is the first line.
+void WriteSplits(const RealArm& arm, const std::string& directory) {
+  for (const std::uint64_t seed : Seeds()) {
+    const HoldOut split = HoldOutFraction(arm.job.data, kHeldOut, seed);
+    std::string text;
+    for (const PoseSource& source : split.heldout.sources) {
+      text += std::to_string(source.line - 2) + "\n";
+    }
+    WriteFileAtomically(
+        directory + "/" + arm.name + "_" + std::to_string(seed) + ".txt", text);
+  }
+}
+
+// Means over splits (mm, deg).
 struct Means {
   int done = 0;
+  int worse_than_before = 0;
   int rank = 0;
   double before = 0.0;
   double mean = 0.0;
   double median = 0.0;
   double max = 0.0;
+  double rotation = 0.0;
 
   void Add(const JobResult& result) {
+    const EvaluatedSet& heldout = *result.heldout;
     ++done;
     rank = result.identifiability.num_free;
-    before += result.heldout->before.mean;
-    mean += result.heldout->after.mean;
-    median += result.heldout->after.median;
-    max += result.heldout->after.max;
+    if (heldout.after.mean > heldout.before.mean) ++worse_than_before;
+    before += heldout.before.mean / kMillimetre;
+    mean += heldout.after.mean / kMillimetre;
+    median += heldout.after.median / kMillimetre;
+    max += heldout.after.max / kMillimetre;
+    rotation += heldout.rotation_after.mean / kDegree;
+  }
+
+  void Divide() {
+    for (double* sum : {&before, &mean, &median, &max, &rotation}) {
+      *sum /= std::max(done, 1);
+    }
   }
 };
 
 // The job on splits that leave `share` of the configurations out.
-Means OverSeeds(JobConfig job, const Dataset& all, double share) {
+Means OverSeeds(const RealArm& arm, const JobConfig& options, double share) {
   Means means;
-  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    HoldOut split = HoldOutFraction(all, share, seed);
+  JobConfig job = options;
+  for (const std::uint64_t seed : Seeds()) {
+    HoldOut split = HoldOutFraction(arm.job.data, share, seed);
     job.data = std::move(split.train);
     job.validation = std::move(split.heldout);
     const JobOutcome outcome = RunJob(job, "real_arms", kThreads);
     if (outcome.result.heldout) means.Add(outcome.result);
   }
-  if (means.done > 0) {
-    for (double* value :
-         {&means.before, &means.mean, &means.median, &means.max}) {
-      *value /= means.done * kMillimetre;
-    }
-  }
+  means.Divide();
   return means;
 }
 
-struct RealArm {
-  std::string name;
-  JobConfig job;
-  Dataset all;
+// What plain_fit.py wrote, means over its splits by set.
+struct PlainFit {
+  int done = 0;
+  double before = 0.0;
+  double mean = 0.0;
+  double median = 0.0;
+  double max = 0.0;
 };
 
-RealArm Load(const std::string& root, const std::string& name) {
-  RealArm arm{name, LoadJob(root + "/configs/real_arms/" + name + ".yaml"), {}};
-  arm.all = Joined(arm.job.data, *arm.job.validation);
-  return arm;
+std::map<std::string, PlainFit> ReadPlainFits(const std::string& path) {
+  std::istringstream lines(ReadFile(path));
+  std::string line;
+  std::getline(lines, line);
+  std::map<std::string, PlainFit> fits;
+  while (std::getline(lines, line)) {
+    std::istringstream cells(line);
+    std::vector<std::string> row;
+    for (std::string cell; std::getline(cells, cell, ',');) row.push_back(cell);
+    PlainFit& fit = fits[row.at(0)];
+    ++fit.done;
+    fit.before += std::stod(row.at(4));
+    fit.mean += std::stod(row.at(6));
+    fit.median += std::stod(row.at(8));
+    fit.max += std::stod(row.at(9));
+  }
+  for (auto& [name, fit] : fits) {
+    for (double* sum : {&fit.before, &fit.mean, &fit.median, &fit.max}) {
+      *sum /= fit.done;
+    }
+  }
+  return fits;
 }
 
-void PrintAccuracy(const RealArm& arm) {
-  const Means plain = OverSeeds(Plain(arm.job), arm.all, kHeldOut);
-  const Means ours = OverSeeds(arm.job, arm.all, kHeldOut);
-  std::printf("%-15s %5d %5d %8.3f %8.3f %8.3f %8.3f %8.3f %8.3f\n",
-              arm.name.c_str(), static_cast<int>(arm.all.num_poses()),
-              ours.rank, ours.before, plain.mean, plain.median, ours.mean,
-              ours.median, ours.max);
-  std::fflush(stdout);
+std::string Number(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3f", value);
+  return text.data();
+}
+
+void PrintAccuracy(const RealArm& arm, const PlainFit& plain) {
+  const Means ours = OverSeeds(arm, arm.job, kHeldOut);
+  const std::string rotation =
+      ours.rotation > 0.0 ? Number(ours.rotation) : "-";
+  std::cout << "| `" << arm.name << "` | " << arm.job.data.num_poses() << " | "
+            << ours.rank << " | " << Number(ours.before) << " | "
+            << Number(plain.mean) << " | " << Number(ours.mean) << " | "
+            << Number(plain.median) << " | " << Number(ours.median) << " | "
+            << Number(plain.max) << " | " << Number(ours.max) << " | "
+            << rotation << " |" << std::endl;
 }
 
 std::string Cell(const Means& means) {
+  if (means.done == 0) return "refused";
+  std::string text = Number(means.mean);
   if (means.done < kSeeds) {
-    return std::to_string(means.done) + "/" + std::to_string(kSeeds) + " done";
+    text += " (" + std::to_string(means.done) + " of " +
+            std::to_string(kSeeds) + ")";
   }
-  std::array<char, 32> text;
-  std::snprintf(text.data(), text.size(), "%.3f", means.mean);
-  return text.data();
+  return text;
+}
+
+JobConfig WithoutPriors(JobConfig job) {
+  job.identifiability.policy = WeakPolicy::kKeep;
+  return job;
 }
 
 // The error on all other configurations where only so many are fitted.
 void PrintFewPoses(const RealArm& arm, LineChart* chart) {
-  ChartSeries with_priors{arm.name, {}, {}, true, MarkerStyle::kDot};
+  ChartSeries series;
+  series.label = arm.name;
+  series.marker = MarkerStyle::kDot;
   for (const int poses : kFewPoses) {
     const double share = 1.0 - static_cast<double>(poses) /
-                                   static_cast<double>(arm.all.num_poses());
+                                   static_cast<double>(arm.job.data.num_poses());
     if (share <= 0.05) continue;
-    const Means ours = OverSeeds(arm.job, arm.all, share);
-    const Means plain = OverSeeds(Plain(arm.job), arm.all, share);
-    std::printf("%-15s %5d %8.3f %10s %12s\n", arm.name.c_str(), poses,
-                ours.before, Cell(ours).c_str(), Cell(plain).c_str());
-    std::fflush(stdout);
+    const Means ours = OverSeeds(arm, arm.job, share);
+    const Means keep = OverSeeds(arm, WithoutPriors(arm.job), share);
+    std::cout << "| `" << arm.name << "` | " << poses << " | "
+              << Number(ours.before) << " | " << Cell(ours) << " | "
+              << ours.worse_than_before << " | " << Cell(keep) << " | "
+              << keep.worse_than_before << " |" << std::endl;
     if (ours.done == 0) continue;
-    with_priors.x.push_back(poses);
-    with_priors.y.push_back(ours.mean / ours.before);
+    series.x.push_back(poses);
+    series.y.push_back(ours.mean / ours.before);
   }
-  chart->series.push_back(std::move(with_priors));
+  chart->series.push_back(std::move(series));
 }
 
-int Run(const std::string& root, const std::string& figure) {
-  std::vector<RealArm> arms;
-  for (const char* name : kJobs) arms.push_back(Load(root, name));
-  std::printf(
-      "Held-out position error [mm], means over %d splits (30 %% of the "
-      "configurations held out, seeds 0 to %d)\n\n"
-      "%-15s %5s %5s %8s %8s %8s %8s %8s %8s\n"
-      "%-15s %5s %5s %8s %8s %8s %8s %8s %8s\n",
-      kSeeds, kSeeds - 1, "", "", "", "before", "plain", "plain", "Alidade",
-      "Alidade", "Alidade", "set", "N", "free", "mean", "mean", "median",
-      "mean", "median", "max");
-  for (const RealArm& arm : arms) PrintAccuracy(arm);
-  std::printf(
-      "\nFew poses: mean held-out error [mm] over %d draws\n\n"
-      "%-15s %5s %8s %10s %12s\n",
-      kSeeds, "set", "poses", "before", "priors", "no priors");
+LineChart FewPosesChart() {
   LineChart chart;
   chart.title = "Calibration from few poses";
   chart.subtitle =
-      "error on all other poses, priors of 5 mrad and 1 mm, mean "
-      "of 10 draws";
+      "error on all other poses, priors of 5 mrad and 1 mm, means of 10 draws";
   chart.x.label = "poses fitted";
   chart.y.label = "mean error after / before";
   chart.references.push_back({1.0, "not calibrated"});
-  for (const RealArm& arm : arms) PrintFewPoses(arm, &chart);
-  WriteFileAtomically(figure, RenderSvg(chart));
+  return chart;
+}
+
+int Report(const std::string& root, const std::string& plain_path,
+           const std::string& images) {
+  std::map<std::string, PlainFit> plain = ReadPlainFits(plain_path);
+  std::cout << "| set | N | free | before | plain, mean | Alidade, mean | "
+               "plain, median | Alidade, median | plain, max | Alidade, max | "
+               "Alidade, orientation [deg] |\n"
+               "|---|---|---|---|---|---|---|---|---|---|---|"
+            << std::endl;
+  for (const std::string& name : JobNames()) {
+    PrintAccuracy(Load(root, name), plain[name]);
+  }
+  std::cout << "\n| set | poses | before | with priors | worse than before | "
+               "without | worse than before |\n|---|---|---|---|---|---|---|"
+            << std::endl;
+  LineChart chart = FewPosesChart();
+  for (const std::string& name : FewPosesNames()) {
+    PrintFewPoses(Load(root, name), &chart);
+  }
+  WriteFileAtomically(images + "/real_arms_few_poses.svg", RenderSvg(chart));
   return EXIT_SUCCESS;
+}
+
+int Splits(const std::string& root, const std::string& directory) {
+  for (const std::string& name : JobNames()) {
+    WriteSplits(Load(root, name), directory);
+  }
+  return EXIT_SUCCESS;
+}
+
+int Run(const std::vector<std::string>& arguments) {
+  if (arguments.size() == 3 && arguments[0] == "splits") {
+    return Splits(arguments[1], arguments[2]);
+  }
+  if (arguments.size() == 4 && arguments[0] == "report") {
+    return Report(arguments[1], arguments[2], arguments[3]);
+  }
+  std::cerr << "usage: real_arms splits SOURCE_DIRECTORY DIRECTORY\n"
+               "       real_arms report SOURCE_DIRECTORY PLAIN.csv "
+               "IMAGE_DIRECTORY\n";
+  return 2;
 }
 
 }  // namespace
 }  // namespace alidade
 
 int main(int argc, char** argv) {
-  if (argc != 3 || std::getenv("ALIDADE_DATA") == nullptr) {
-    std::fprintf(stderr,
-                 "usage: ALIDADE_DATA=DIR real_arms SOURCE_DIRECTORY "
-                 "OUTPUT.svg\n");
-    return 2;
-  }
   try {
-    return alidade::Run(argv[1], argv[2]);
+    return alidade::Run({argv + 1, argv + argc});
   } catch (const alidade::InputError& error) {
-    std::fprintf(stderr, "real_arms: %s\n", error.what());
+    std::cerr << "real_arms: " << error.what() << "\n";
     return 2;
   }
 }

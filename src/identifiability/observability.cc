@@ -31,35 +31,75 @@ ObservabilityIndices ComputeObservability(const Eigen::MatrixXd& factor,
   return indices;
 }
 
-Eigen::VectorXd PredictDeviations(const Eigen::MatrixXd& whitened_factor,
-                                  const Eigen::VectorXd& prior) {
-  constexpr double kUntold = 1e-12;
-  // Rounding leaves this much of a direction in parameters it has no part in.
-  constexpr double kNoPart = 1e-6;
+namespace {
+
+constexpr double kUntold = 1e-12;
+
+// Rounding leaves this much of a direction in parameters it has no part in.
+constexpr double kNoPart = 1e-6;
+
+// The rows of data and priors, columns brought to unit norm.
+struct StackedRows {
+  Svd svd;
+  Eigen::VectorXd norms;
+
+  bool IsTold(Eigen::Index i) const {
+    return svd.values[i] > kUntold * svd.values[0];
+  }
+};
+
+StackedRows Stack(const Eigen::MatrixXd& whitened_factor,
+                  const Eigen::VectorXd& prior) {
   const Eigen::Index p = whitened_factor.cols();
-  if (p == 0) return {};
   Eigen::MatrixXd stacked(whitened_factor.rows() + p, p);
   stacked.topRows(whitened_factor.rows()) = whitened_factor;
   stacked.bottomRows(p) = prior.cwiseInverse().asDiagonal();
   Eigen::VectorXd norms = stacked.colwise().norm();
   for (double& norm : norms) norm = norm > 0.0 ? norm : 1.0;
   stacked *= norms.cwiseInverse().asDiagonal();
-  const Svd svd = ComputeSvd(stacked);
-  const Eigen::VectorXd& s = svd.values;
+  return {ComputeSvd(stacked), norms};
+}
+
+}  // namespace
+
+Eigen::VectorXd PredictDeviations(const Eigen::MatrixXd& whitened_factor,
+                                  const Eigen::VectorXd& prior) {
+  const Eigen::Index p = whitened_factor.cols();
+  if (p == 0) return {};
+  const StackedRows rows = Stack(whitened_factor, prior);
   Eigen::VectorXd deviations(p);
   for (Eigen::Index k = 0; k < p; ++k) {
     double variance = 0.0;
     for (Eigen::Index i = 0; i < p; ++i) {
-      const double part = svd.v(k, i);
-      if (s[i] > kUntold * s[0]) {
-        variance += part * part / (s[i] * s[i]);
+      const double part = rows.svd.v(k, i);
+      if (rows.IsTold(i)) {
+        variance += part * part / (rows.svd.values[i] * rows.svd.values[i]);
       } else if (std::abs(part) > kNoPart) {
         variance = std::numeric_limits<double>::infinity();
       }
     }
-    deviations[k] = std::sqrt(variance) / norms[k];
+    deviations[k] = std::sqrt(variance) / rows.norms[k];
   }
   return deviations;
+}
+
+double PredictTotal(const Eigen::MatrixXd& whitened_factor,
+                    const Eigen::VectorXd& prior,
+                    const Eigen::MatrixXd& other) {
+  if (whitened_factor.cols() == 0) return 0.0;
+  const StackedRows rows = Stack(whitened_factor, prior);
+  const Eigen::MatrixXd seen =
+      other * rows.norms.cwiseInverse().asDiagonal() * rows.svd.v;
+  double variance = 0.0;
+  for (Eigen::Index i = 0; i < seen.cols(); ++i) {
+    const double part = seen.col(i).norm();
+    if (rows.IsTold(i)) {
+      variance += part * part / (rows.svd.values[i] * rows.svd.values[i]);
+    } else if (part > kNoPart * seen.norm()) {
+      return std::numeric_limits<double>::infinity();
+    }
+  }
+  return std::sqrt(variance);
 }
 
 }  // namespace alidade

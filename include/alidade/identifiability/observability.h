@@ -31,6 +31,15 @@ ObservabilityIndices ComputeObservability(const Eigen::MatrixXd& factor,
 Eigen::VectorXd PredictDeviations(const Eigen::MatrixXd& whitened_factor,
                                   const Eigen::VectorXd& prior);
 
+/// Root of the trace of the predicted variance, summed over the rows of
+/// another Jacobian W of the same columns (any factor of it):
+/// sqrt(trace(W (R^T R + diag(1 / prior^2))^-1 W^T)). With the Jacobian of N
+/// positions in m, this over sqrt(N) is the root mean square of the position
+/// error that a calibration leaves there. Infinite where neither data nor
+/// priors tell a direction that W sees.
+double PredictTotal(const Eigen::MatrixXd& whitened_factor,
+                    const Eigen::VectorXd& prior, const Eigen::MatrixXd& other);
+
 }  // namespace alidade
 
 #endif  // ALIDADE_IDENTIFIABILITY_OBSERVABILITY_H_
