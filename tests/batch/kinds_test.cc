@@ -165,7 +165,7 @@ JobConfig JobOf(const Dataset& data) {
   return job;
 }
 
-JobResult Run(const JobConfig& job) {
+JobResult Calibrate(const JobConfig& job) {
   const JobOutcome outcome = RunJob(job, "test", 1);
   EXPECT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
   EXPECT_NEAR(outcome.result.reduced_chi_square, 1.0, 0.3);
@@ -176,7 +176,7 @@ JobResult Run(const JobConfig& job) {
 TEST(KindsTest, PosesFindTheFrameOfTheTargetToo) {
   const Arm real = RealArm();
   const Eigen::MatrixXd q = DrawJointValues(real, 100, 5);
-  const JobResult result = Run(JobOf(Bench(real, q).Poses().data()));
+  const JobResult result = Calibrate(JobOf(Bench(real, q).Poses().data()));
   // 4R + 2P + 6 = 30.
   EXPECT_EQ(result.identifiability.num_free, 30);
   // Noise has norms of 0.087 mm and 0.030 deg in three coordinates.
@@ -225,7 +225,7 @@ TEST(KindsTest, AxesThatWereNotMeasuredDoNotCount) {
     data.blocks[0].measured(1, i) = 123.0;
     data.blocks[0].sigmas(1, i) = std::numeric_limits<double>::infinity();
   }
-  const JobResult result = Run(JobOf(data));
+  const JobResult result = Calibrate(JobOf(data));
   // The root mean square of the norms of 2 and 3 coordinates alternately.
   EXPECT_NEAR(result.heldout->after.rms, 8.2e-5, 1.5e-5);
 }
@@ -255,7 +255,7 @@ TEST(KindsTest, TwoWiresFindTheirAnchorsAndTheTarget) {
   job.arm.instrument_from_base = real.instrument_from_base;
   job.identifiability.candidates = {true, false, true};
   job.references.points = {{"left"}, {"right"}};
-  const JobResult result = Run(job);
+  const JobResult result = Calibrate(job);
   EXPECT_NEAR(result.heldout->after.rms, kSigma, 0.25 * kSigma);
   EXPECT_GT(result.heldout->before.rms, 5.0 * kSigma);
   ASSERT_EQ(result.aliases.size(), 2u);
@@ -319,7 +319,7 @@ TEST(KindsTest, ABallInSocketsAKnownDistanceApartIsEnough) {
   job.identifiability.candidates = {true, false, true};
   job.references.points = {{"a/0"}, {"a/1"}, {"b/0"}, {"b/1"}};
   job.estimate_sigma = true;
-  const JobResult result = Run(job);
+  const JobResult result = Calibrate(job);
   EXPECT_GT(result.heldout->before.rms, 1e-3);
   EXPECT_LT(result.heldout->after.rms, 2e-4);
   EXPECT_GT(result.heldout->after.rms, 2e-5);
@@ -348,7 +348,7 @@ TEST(KindsTest, ContactWithAPlaneFindsThePlane) {
   job.identifiability.candidates = {true, false, false};
   job.references.planes = {{"table"}};
   job.estimate_sigma = true;
-  const JobResult result = Run(job);
+  const JobResult result = Calibrate(job);
   EXPECT_LT(result.heldout->after.rms, 1.5e-4);
   EXPECT_GT(result.heldout->before.rms, 3.0 * result.heldout->after.rms);
 }
@@ -360,7 +360,7 @@ TEST(KindsTest, KindsMixFreely) {
       Bench(real, q).Poses().Distances(0, {3.0, -2.0, 0.0}).data());
   job.references.points = {{"anchor"}};
   job.folds = FoldsConfig{4, 1};
-  const JobResult result = Run(job);
+  const JobResult result = Calibrate(job);
   EXPECT_EQ(result.identifiability.num_free, 33);
   ASSERT_TRUE(result.cross_validation.has_value());
   EXPECT_EQ(result.cross_validation->folds, 4);
@@ -379,7 +379,7 @@ TEST(KindsTest, SigmasOfLengthsAndOrientationsAreEstimatedApart) {
   job.data.blocks[0].sigmas.topRows<3>() *= 4.0;
   job.data.blocks[0].sigmas.bottomRows<3>() /= 5.0;
   job.estimate_sigma = true;
-  const JobResult result = Run(job);
+  const JobResult result = Calibrate(job);
   EXPECT_NEAR(result.estimated_sigma, kSigma, 0.12 * kSigma);
   EXPECT_NEAR(result.estimated_rotation_sigma, kRotationSigma,
               0.12 * kRotationSigma);
