@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "alidade/identifiability/options.h"
+#include "alidade/io/dataset_csv.h"
 #include "alidade/measurement/dataset.h"
 #include "alidade/measurement/references.h"
 #include "alidade/measurement/robust_loss.h"
@@ -68,13 +69,6 @@ struct FoldsConfig {
   std::uint64_t seed = 1;
 };
 
-/// A row of a data file that holds no measurement.
-struct RejectedRow {
-  std::string file;
-  int line = 0;
-  std::string reason;
-};
-
 /// Limits of a parameter in the solve (rad, m; absolute values).
 struct ParameterBounds {
   int column = 0;  ///< of the layout
@@ -106,8 +100,8 @@ struct JobConfig {
   /// Of the data's files, in the order of reading.
   std::vector<RejectedRow> rejected;
   std::vector<ParameterBounds> bounds;
-  /// The sigmas of lengths and of orientations are estimated from the residuals; the sigmas of
-  /// the data are a first guess.
+  /// The sigmas of lengths and of orientations are estimated from the
+  /// residuals; the sigmas of the data are a first guess.
   bool estimate_sigma = false;
   /// Values of the real arm, one per column of the layout, where it is known.
   std::optional<Eigen::VectorXd> truth;
