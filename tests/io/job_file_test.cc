@@ -552,7 +552,7 @@ TEST(LoadJobTest, ReadsForeignHeaders) {
   EXPECT_NEAR(job.data.joint_values(0, 0), 10.0 * kDegree, 1e-15);
   EXPECT_EQ(job.data.joint_values(1, 0), 0.1);
   EXPECT_EQ(job.data.positions().col(0), Eigen::Vector3d(0.001, 0.002, 0.003));
-  EXPECT_EQ(job.data.sigmas(2, 0), 2e-5);
+  EXPECT_EQ(job.data.sigmas()(2, 0), 2e-5);
 }
 
 TEST(LoadJobTest, NamesTheForeignHeaderThatIsMissing) {
