@@ -35,7 +35,11 @@ class Checker {
 
  private:
   std::string CheckCsv(const std::string& path) {
-    const Dataset data = LoadDataset(path, RequireArm(path), kMillimetre);
+    DataFormat format;
+    format.sigma = kMillimetre;
+    References references;
+    const Dataset data =
+        LoadData(path, RequireArm(path), format, &references).data;
     return "data set, " + std::to_string(data.num_poses()) + " poses of " +
            arm_->name;
   }

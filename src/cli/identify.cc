@@ -1,4 +1,5 @@
 #include <iostream>
+#include <utility>
 
 #include "alidade/base/error.h"
 #include "alidade/base/units.h"
@@ -20,7 +21,12 @@ JobConfig LoadJobOrPair(const std::vector<std::string>& files) {
   if (files.size() == 1) return LoadJob(files.front());
   JobConfig config;
   config.arm = LoadArm(files[0]);
-  config.data = LoadDataset(files[1], config.arm, kAnySigma);
+  DataFormat format;
+  format.sigma = kAnySigma;
+  LoadedData loaded =
+      LoadData(files[1], config.arm, format, &config.references);
+  config.data = std::move(loaded.data);
+  config.rejected = std::move(loaded.rejected);
   return config;
 }
 

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 
 #include "alidade/base/error.h"
 #include "alidade/base/units.h"
@@ -68,7 +69,29 @@ TextTable DatasetTable(const Arm& arm) {
   return TextTable(columns);
 }
 
+// Coordinates of the first target, 3 x poses (m); NaN where not measured.
+Eigen::Matrix3Xd Positions(const Dataset& data) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Eigen::Matrix3Xd positions =
+      Eigen::Matrix3Xd::Constant(3, data.num_poses(), nan);
+  for (const ObservationBlock& block : data.blocks) {
+    if (block.kind != MeasurementKind::kPosition &&
+        block.kind != MeasurementKind::kPose) {
+      continue;
+    }
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      if (block.target(i) != 0) continue;
+      for (int axis = 0; axis < 3; ++axis) {
+        if (std::isinf(block.sigmas(axis, i))) continue;
+        positions(axis, block.pose(i)) = block.measured(axis, i);
+      }
+    }
+  }
+  return positions;
+}
+
 void ShowDataset(const Arm& arm, const Dataset& data) {
+  const Eigen::Matrix3Xd positions = Positions(data);
   TextTable table = DatasetTable(arm);
   const Eigen::Index shown = std::min(kRowsShown, data.num_poses());
   for (Eigen::Index i = 0; i < shown; ++i) {
@@ -78,8 +101,9 @@ void ShowDataset(const Arm& arm, const Dataset& data) {
           data.joint_values(j, i) / UnitOf(arm.joints[j]), 7));
     }
     for (int axis = 0; axis < 3; ++axis) {
-      row.push_back(
-          FormatSignificant(data.positions()(axis, i) / kMillimetre, 7));
+      const double coordinate = positions(axis, i) / kMillimetre;
+      row.push_back(std::isnan(coordinate) ? "-"
+                                           : FormatSignificant(coordinate, 7));
     }
     table.AddRow(row);
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <sstream>
+#include <utility>
 
 #include "alidade/base/error.h"
 #include "alidade/base/units.h"
@@ -21,6 +22,7 @@ namespace alidade {
 namespace {
 
 constexpr std::size_t kMaxJoints = 64;
+constexpr std::size_t kMaxTargets = 64;
 
 // A joint's numbers: its key in files, what it measures and where it is kept.
 struct JointField {
@@ -200,12 +202,8 @@ void ReadMotors(const YamlValue& value, const Units& units, Arm* arm) {
   }
 }
 
-Eigen::Isometry3d ReadFrame(const YamlMap& file, const std::string& key,
-                            const Units& units) {
+Eigen::Isometry3d FrameOf(const YamlMap& map, const Units& units) {
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
-  const std::optional<YamlValue> value = file.Optional(key);
-  if (!value) return frame;
-  const YamlMap map = value->Map({"x", "y", "z", "rx", "ry", "rz"});
   Eigen::Vector3d rotation = Eigen::Vector3d::Zero();
   for (int axis = 0; axis < 3; ++axis) {
     const std::string name = std::string(1, "xyz"[axis]);
@@ -215,6 +213,43 @@ Eigen::Isometry3d ReadFrame(const YamlMap& file, const std::string& key,
   }
   frame.linear() = RotationFromVector<double>(rotation);
   return frame;
+}
+
+Eigen::Isometry3d ReadFrame(const YamlMap& file, const std::string& key,
+                            const Units& units) {
+  const std::optional<YamlValue> value = file.Optional(key);
+  if (!value) return Eigen::Isometry3d::Identity();
+  return FrameOf(value->Map({"x", "y", "z", "rx", "ry", "rz"}), units);
+}
+
+std::vector<Target> ReadTargetList(const YamlValue& value, const Units& units) {
+  std::vector<Target> targets;
+  for (const YamlValue& item : value.List()) {
+    const YamlMap map = item.Map({"name", "x", "y", "z", "rx", "ry", "rz"});
+    const YamlValue name = map.Required("name");
+    Target target{name.Text(), FrameOf(map, units)};
+    for (const Target& other : targets) {
+      if (other.name != target.name) continue;
+      name.Fail(Quote(target.name) +
+                " is repeated, expected another name for each target");
+    }
+    targets.push_back(std::move(target));
+  }
+  if (targets.empty() || targets.size() > kMaxTargets) {
+    value.Fail("expected 1 to " + std::to_string(kMaxTargets) +
+               " targets, found " + std::to_string(targets.size()));
+  }
+  return targets;
+}
+
+// `tool` is one target without a name.
+std::vector<Target> ReadTargets(const YamlMap& file, const Units& units) {
+  const std::optional<YamlValue> list = file.Optional("targets");
+  if (!list) return {{"", ReadFrame(file, "tool", units)}};
+  if (file.Optional("tool")) {
+    list->Fail("found beside \"tool\", expected one of both");
+  }
+  return ReadTargetList(*list, units);
 }
 
 Arm ReadRows(const YamlMap& map, const Units& units) {
@@ -230,8 +265,7 @@ Arm ReadRows(const YamlMap& map, const Units& units) {
   return arm;
 }
 
-Arm ReadUrdf(const YamlValue& value, const YamlMap& file,
-             const std::string& path) {
+Arm ReadUrdf(const YamlValue& value, const YamlMap& file, NamedFiles* files) {
   for (const char* key : {"joints", "convention"}) {
     if (file.Optional(key)) {
       value.Fail(std::string("found beside \"") + key +
@@ -239,9 +273,11 @@ Arm ReadUrdf(const YamlValue& value, const YamlMap& file,
     }
   }
   const YamlMap map = value.Map({"file", "base_link", "tip_link"});
-  return ArmFromChain(LoadUrdfChain(
-      ResolvePath(path, map.Required("file").Text()),
-      map.Required("base_link").Text(), map.Required("tip_link").Text()));
+  const std::string base_link = map.Required("base_link").Text();
+  const std::string tip_link = map.Required("tip_link").Text();
+  return files->Read(map.Required("file"), [&](const std::string& path) {
+    return ArmFromChain(LoadUrdfChain(path, base_link, tip_link));
+  });
 }
 
 // "90 deg", for people.
@@ -323,20 +359,37 @@ std::string FormatMotors(const Arm& arm) {
   return text.empty() ? text : "motors:\n" + text;
 }
 
-std::string FormatFrame(const std::string& key,
-                        const Eigen::Isometry3d& frame) {
-  if (frame.matrix() == Eigen::Matrix4d::Identity()) return "";
-  std::string text = key + ":\n";
+// A frame's numbers, each line behind `indent`.
+std::string FormatFrameNumbers(const std::string& indent,
+                               const Eigen::Isometry3d& frame) {
+  std::string text;
   const Eigen::Vector3d rotation = VectorFromRotation(frame.linear());
   for (int axis = 0; axis < 3; ++axis) {
     const double value = frame.translation()[axis];
-    text += std::string("  ") + "xyz"[axis] + ": " + FormatShortest(value) +
-            "  # " + Readable(value, Dimension::kLength) + "\n";
+    text += indent + "xyz"[axis] + ": " + FormatShortest(value) + "  # " +
+            Readable(value, Dimension::kLength) + "\n";
   }
   for (int axis = 0; axis < 3; ++axis) {
-    text += std::string("  r") + "xyz"[axis] + ": " +
-            FormatShortest(rotation[axis]) + "  # " +
-            Readable(rotation[axis], Dimension::kAngle) + "\n";
+    text += indent + "r" + "xyz"[axis] + ": " + FormatShortest(rotation[axis]) +
+            "  # " + Readable(rotation[axis], Dimension::kAngle) + "\n";
+  }
+  return text;
+}
+
+std::string FormatFrame(const std::string& key,
+                        const Eigen::Isometry3d& frame) {
+  if (frame.matrix() == Eigen::Matrix4d::Identity()) return "";
+  return key + ":\n" + FormatFrameNumbers("  ", frame);
+}
+
+std::string FormatTargets(const Arm& arm) {
+  if (arm.num_targets() == 1 && arm.targets[0].name.empty()) {
+    return FormatFrame("tool", arm.last_from_target());
+  }
+  std::string text = "targets:\n";
+  for (const Target& target : arm.targets) {
+    text += "  - name: " + QuoteYaml(target.name) + "\n" +
+            FormatFrameNumbers("    ", target.last_from_target);
   }
   return text;
 }
@@ -344,20 +397,33 @@ std::string FormatFrame(const std::string& key,
 }  // namespace
 
 Arm LoadArm(const std::string& path) {
-  const YamlMap map = ReadConfigFile(path, FileFormat::kArm)
-                          .Map({"format", "name", "units", "convention",
-                                "joints", "urdf", "motors", "base", "tool"});
+  std::vector<std::string> input_files;
+  return LoadArm(path, &input_files);
+}
+
+Arm LoadArm(const std::string& path, std::vector<std::string>* input_files) {
+  const YamlMap map =
+      ReadConfigFile(path, FileFormat::kArm)
+          .Map({"format", "name", "units", "convention", "joints", "urdf",
+                "motors", "base", "tool", "targets"});
+  NamedFiles files(path);
   const Units units(map);
   const std::string name = map.Required("name").Text();
   const std::optional<YamlValue> urdf = map.Optional("urdf");
-  Arm arm = urdf ? ReadUrdf(*urdf, map, path) : ReadRows(map, units);
+  Arm arm = urdf ? ReadUrdf(*urdf, map, &files) : ReadRows(map, units);
   arm.name = name;
   const std::optional<YamlValue> motors = map.Optional("motors");
   if (motors) ReadMotors(*motors, units, &arm);
   arm.instrument_from_base =
       ReadFrame(map, "base", units) * arm.instrument_from_base;
   // Behind what the standard convention leaves after the last joint.
-  arm.last_from_target() = arm.last_from_target() * ReadFrame(map, "tool", units);
+  const Eigen::Isometry3d last_from_end = arm.last_from_target();
+  arm.targets = ReadTargets(map, units);
+  for (Target& target : arm.targets) {
+    target.last_from_target = last_from_end * target.last_from_target;
+  }
+  input_files->insert(input_files->end(), files.paths().begin() + 1,
+                      files.paths().end());
   return arm;
 }
 
@@ -372,8 +438,7 @@ std::string FormatArm(const Arm& arm, const std::string& comment) {
   int number = 0;
   for (const Joint& joint : arm.joints) text += FormatJoint(joint, ++number);
   return text + FormatMotors(arm) +
-         FormatFrame("base", arm.instrument_from_base) +
-         FormatFrame("tool", arm.last_from_target());
+         FormatFrame("base", arm.instrument_from_base) + FormatTargets(arm);
 }
 
 Eigen::VectorXd LoadDeviations(const std::string& path, const Arm& arm) {

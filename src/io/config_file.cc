@@ -1,5 +1,6 @@
 #include "src/io/config_file.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <utility>
@@ -78,9 +79,17 @@ double PositiveLength(const YamlValue& value, const Units& units) {
   return length;
 }
 
+double PositiveAngle(const YamlValue& value, const Units& units) {
+  const double angle = value.Quantity(Dimension::kAngle, units);
+  if (!(angle > 0.0)) {
+    value.Fail("expected an angle above zero, found " + value.Text());
+  }
+  return angle;
+}
+
 Eigen::VectorXd ReadDeviations(const YamlValue& value, const Units& units,
                                const Arm& arm) {
-  const ParameterLayout layout(arm.num_joints());
+  const ParameterLayout layout(arm);
   std::vector<std::string> names;
   for (const Parameter& parameter : layout.parameters()) {
     names.push_back(parameter.name);
@@ -96,9 +105,17 @@ Eigen::VectorXd ReadDeviations(const YamlValue& value, const Units& units,
 }
 
 Arm NamedFiles::ReadArm(const YamlValue& value) {
-  Arm arm = Read(value, LoadArm);
+  std::vector<std::string> named;
+  Arm arm = Read(
+      value, [&](const std::string& path) { return LoadArm(path, &named); });
+  for (const std::string& path : named) Remember(path);
   arm_path_ = Resolve(value);
   return arm;
+}
+
+void NamedFiles::Remember(const std::string& path) {
+  if (std::find(paths_.begin(), paths_.end(), path) != paths_.end()) return;
+  paths_.push_back(path);
 }
 
 std::string NamedFiles::ExpandVariable(const YamlValue& value) {

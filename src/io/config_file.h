@@ -17,11 +17,12 @@ namespace alidade {
 /// @throws InputError.
 YamlValue ReadConfigFile(const std::string& path, FileFormat expected);
 
-/// A length above zero (m). @throws InputError.
+/// A length (m) or an angle (rad) above zero. @throws InputError.
 double PositiveLength(const YamlValue& value, const Units& units);
+double PositiveAngle(const YamlValue& value, const Units& units);
 
-/// A map from parameter names to deviations: one entry per column of the arm's
-/// layout, zero where the map names none. @throws InputError.
+/// A map from parameter names to deviations: one entry per column of the layout
+/// of the arm alone, zero where the map names none. @throws InputError.
 Eigen::VectorXd ReadDeviations(const YamlValue& value, const Units& units,
                                const Arm& arm);
 
@@ -43,7 +44,7 @@ class NamedFiles {
   template <typename Load>
   auto Read(const YamlValue& value, const Load& load) {
     const std::string path = Resolve(value);
-    paths_.push_back(path);
+    Remember(path);
     try {
       return load(path);
     } catch (const InputError& error) {
@@ -51,12 +52,15 @@ class NamedFiles {
     }
   }
 
+  /// The arm that `value` names, and the files that it names. @throws
+  /// InputError.
   Arm ReadArm(const YamlValue& value);
 
-  /// Every file read so far, the config file first.
+  /// Every file read so far, the config file first, each once.
   const std::vector<std::string>& paths() const { return paths_; }
 
  private:
+  void Remember(const std::string& path);
   static std::string ExpandVariable(const YamlValue& value);
   InputError Explain(const InputError& error, const YamlValue& value) const;
 

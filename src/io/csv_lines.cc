@@ -59,7 +59,7 @@ void CsvLines::Fail(const std::string& message, const char* cell,
   location.file = path_;
   location.line = line_number_;
   if (cell != nullptr) {
-    location.column = static_cast<int>(cell - line_.data()) + 1;
+    location.column = ColumnOf(cell);
   }
   location.key = column;
   throw InputError(location, message);

@@ -19,10 +19,16 @@ class CsvLines {
   bool Next();
 
   std::string_view line() const { return line_; }
+  int line_number() const { return line_number_; }  ///< from 1
 
   /// The cells of the line, without the spaces and the double quotes around
   /// them. @throws InputError where a quote is not closed.
   void Split(std::vector<std::string_view>* cells) const;
+
+  /// The column (from 1) that a part of the line begins at.
+  int ColumnOf(const char* cell) const {
+    return static_cast<int>(cell - line_.data()) + 1;
+  }
 
   /// @throws InputError at the line that was read last. `cell` is a part of
   /// that line, or null; `column` is its name.

@@ -4,11 +4,14 @@
 #include <utility>
 
 #include "alidade/io/arm_file.h"
-#include "alidade/io/dataset_csv.h"
-#include "alidade/measurement/holdout.h"
 #include "alidade/model/parameter_layout.h"
 #include "src/io/config_file.h"
+#include "src/io/data_section.h"
+#include "src/io/identifiability_section.h"
+#include "src/io/job_context.h"
 #include "src/io/names.h"
+#include "src/io/references_section.h"
+#include "src/io/validation_section.h"
 #include "src/io/yaml_reader.h"
 
 namespace alidade {
@@ -16,157 +19,12 @@ namespace {
 
 constexpr int kMaxDecimals = 15;
 
-// What every part of a job file needs to be read.
-struct Context {
-  YamlMap file;
-  Units units;
-  NamedFiles files;
-};
-
-template <typename Options>
-void CheckOptions(const Options& options, const YamlMap& map) {
-  std::string error;
-  if (!options.IsValid(&error)) map.Fail(error);
-}
-
 SolverName ReadSolverName(const YamlValue& value) {
   const std::string name = value.Choice("solver", {"ceres", "pseudo_inverse"});
   return name == "ceres" ? SolverName::kCeres : SolverName::kPseudoInverse;
 }
 
-std::vector<std::string> ReadParameterNames(const YamlValue& value,
-                                            const Arm& arm) {
-  const ParameterLayout layout(arm.num_joints());
-  std::vector<std::string> names;
-  for (const Parameter& parameter : layout.parameters()) {
-    names.push_back(parameter.name);
-  }
-  std::vector<std::string> chosen;
-  for (const YamlValue& item : value.List()) {
-    const std::string name = item.Choice("parameter", names);
-    if (std::find(chosen.begin(), chosen.end(), name) != chosen.end()) {
-      item.Fail(Quote(name) + " is repeated, expected each name once");
-    }
-    chosen.push_back(name);
-  }
-  return chosen;
-}
-
-// A parameter cannot be both held and free.
-void CheckDisjoint(const IdentifiabilityOptions& options, const YamlMap& map) {
-  for (const std::string& name : options.fix) {
-    for (const auto* list : {&options.free, &options.prefer}) {
-      if (std::find(list->begin(), list->end(), name) == list->end()) continue;
-      map.Fail(Quote(name) + " stands in `fix` and in `" +
-               (list == &options.free ? "free" : "prefer") +
-               "`, expected in one of them");
-    }
-  }
-}
-
-// What the published rules do not know is not read over in silence.
-void CheckMethod(const IdentifiabilityOptions& options, const YamlMap& map) {
-  if (options.method == IdentifiabilityMethod::kRank) return;
-  if (!options.prefer.empty() || !options.free.empty()) {
-    map.Fail("`prefer` and `free` go with `method: rank`");
-  }
-  if (options.candidates.base || options.candidates.tool ||
-      !options.candidates.joints) {
-    map.Fail("`parameters` other than [joints] go with `method: rank`");
-  }
-  if (options.policy == WeakPolicy::kFreeze) {
-    map.Fail("`policy: freeze` goes with `method: rank`");
-  }
-}
-
-WeakPolicy ReadPolicy(const YamlValue& value) {
-  const std::string name = value.Choice("policy", {"freeze", "prior", "keep"});
-  if (name == "freeze") return WeakPolicy::kFreeze;
-  return name == "prior" ? WeakPolicy::kPrior : WeakPolicy::kKeep;
-}
-
-CandidateGroups ReadCandidates(const YamlValue& value) {
-  CandidateGroups groups{false, false, false};
-  for (const YamlValue& item : value.List()) {
-    const std::string name =
-        item.Choice("group of parameters", {"joints", "base", "tool"});
-    bool& group = name == "joints" ? groups.joints
-                  : name == "base" ? groups.base
-                                   : groups.tool;
-    if (group) item.Fail(Quote(name) + " is repeated, expected once");
-    group = true;
-  }
-  if (!groups.joints && !groups.base && !groups.tool) {
-    value.Fail("the list is empty, expected some of joints, base and tool");
-  }
-  return groups;
-}
-
-void ReadPriors(const Context& context, const YamlMap& identifiability,
-                PriorTolerances* priors) {
-  const std::optional<YamlValue> value = identifiability.Optional("priors");
-  if (!value) return;
-  const std::vector<std::tuple<const char*, Dimension, double*>> fields = {
-      {"beta", Dimension::kAngle, &priors->beta},
-      {"alpha", Dimension::kAngle, &priors->alpha},
-      {"d", Dimension::kLength, &priors->d},
-      {"theta", Dimension::kAngle, &priors->theta},
-      {"r", Dimension::kLength, &priors->r},
-      {"frame_length", Dimension::kLength, &priors->frame_length},
-      {"frame_angle", Dimension::kAngle, &priors->frame_angle}};
-  std::vector<std::string> keys;
-  for (const auto& field : fields) keys.emplace_back(std::get<0>(field));
-  const YamlMap map = value->Map(keys);
-  for (const auto& [key, dimension, target] : fields) {
-    if (const auto entry = map.Optional(key)) {
-      *target = entry->Quantity(dimension, context.units);
-    }
-  }
-  CheckOptions(*priors, map);
-}
-
-void ReadIdentifiability(const Context& context, const Arm& arm,
-                         IdentifiabilityOptions* options) {
-  const std::optional<YamlValue> value =
-      context.file.Optional("identifiability");
-  if (!value) return;
-  const YamlMap map =
-      value->Map({"method", "policy", "parameters", "fix", "prefer", "free",
-                  "priors", "proceed_beyond_rank", "angle_tolerance",
-                  "relative_tolerance", "perturbation", "seed"});
-  if (const auto method = map.Optional("method")) {
-    options->method = method->Choice("method", {"rules", "rank"}) == "rules"
-                          ? IdentifiabilityMethod::kRules
-                          : IdentifiabilityMethod::kRank;
-  }
-  if (const auto policy = map.Optional("policy")) {
-    options->policy = ReadPolicy(*policy);
-  }
-  if (const auto groups = map.Optional("parameters")) {
-    options->candidates = ReadCandidates(*groups);
-  }
-  for (const auto& [key, names] :
-       {std::pair("fix", &options->fix), std::pair("prefer", &options->prefer),
-        std::pair("free", &options->free)}) {
-    if (const auto list = map.Optional(key)) {
-      *names = ReadParameterNames(*list, arm);
-    }
-  }
-  CheckDisjoint(*options, map);
-  CheckMethod(*options, map);
-  ReadPriors(context, map, &options->priors);
-  map.ReadBoolean("proceed_beyond_rank", &options->proceed_beyond_rank);
-  if (const auto tolerance = map.Optional("angle_tolerance")) {
-    options->angle_tolerance =
-        tolerance->Quantity(Dimension::kAngle, context.units);
-  }
-  map.ReadNumber("relative_tolerance", &options->relative_tolerance);
-  map.ReadNumber("perturbation", &options->perturbation);
-  map.ReadSeed("seed", &options->seed);
-  CheckOptions(*options, map);
-}
-
-void ReadSolver(const Context& context, JobConfig* job) {
+void ReadSolver(const JobContext& context, JobConfig* job) {
   const std::optional<YamlValue> value = context.file.Optional("solver");
   if (!value) return;
   const YamlMap map =
@@ -190,7 +48,7 @@ void ReadSolver(const Context& context, JobConfig* job) {
   CheckOptions(options, map);
 }
 
-void ReadRobust(const Context& context, JobConfig* job) {
+void ReadRobust(const JobContext& context, JobConfig* job) {
   const std::optional<YamlValue> value = context.file.Optional("robust");
   if (!value) return;
   const YamlValue loss = value->Map({"loss"}).Required("loss");
@@ -206,7 +64,7 @@ void ReadRobust(const Context& context, JobConfig* job) {
   }
 }
 
-void ReadCompareWith(const Context& context, JobConfig* job) {
+void ReadCompareWith(const JobContext& context, JobConfig* job) {
   const std::optional<YamlValue> value = context.file.Optional("compare_with");
   if (!value) return;
   for (const YamlValue& item : value->List()) {
@@ -221,23 +79,52 @@ void ReadCompareWith(const Context& context, JobConfig* job) {
   }
 }
 
-void ReadAcceptance(const Context& context, JobConfig* job) {
+// A limit of poses that the fit does not use needs some.
+void CheckHeldout(const YamlValue& limit, const std::string& key,
+                  const JobConfig& job) {
+  if (key.rfind("heldout", 0) != 0 || job.validation || job.folds) return;
+  limit.Fail("needs poses that the fit does not use: add \"validation\"");
+}
+
+void CheckRotation(const YamlValue& limit, const std::string& key,
+                   const JobConfig& job) {
+  const bool is_heldout = key.rfind("heldout", 0) == 0 && job.validation;
+  const Dataset& data = is_heldout ? *job.validation : job.data;
+  if (data.Has(MeasurementKind::kPose)) return;
+  limit.Fail("no orientation is measured, expected limits of positions alone");
+}
+
+void ReadAcceptance(const JobContext& context, JobConfig* job) {
   const std::optional<YamlValue> value = context.file.Optional("acceptance");
   if (!value) return;
-  const YamlMap map =
-      value->Map({"train_rms", "train_max", "heldout_rms", "heldout_max"});
-  const auto read = [&](const std::string& key, std::optional<double>* limit) {
+  AcceptanceLimits& limits = job->acceptance;
+  const std::vector<std::pair<std::string, std::optional<double>*>> lengths = {
+      {"train_rms", &limits.train_rms},
+      {"train_max", &limits.train_max},
+      {"heldout_rms", &limits.heldout_rms},
+      {"heldout_max", &limits.heldout_max}};
+  const std::vector<std::pair<std::string, std::optional<double>*>> angles = {
+      {"train_rotation_rms", &limits.train_rotation_rms},
+      {"train_rotation_max", &limits.train_rotation_max},
+      {"heldout_rotation_rms", &limits.heldout_rotation_rms},
+      {"heldout_rotation_max", &limits.heldout_rotation_max}};
+  std::vector<std::string> keys;
+  for (const auto& entry : lengths) keys.push_back(entry.first);
+  for (const auto& entry : angles) keys.push_back(entry.first);
+  const YamlMap map = value->Map(keys);
+  for (const auto& [key, limit] : lengths) {
     const std::optional<YamlValue> found = map.Optional(key);
-    if (!found) return;
-    if (key.rfind("heldout", 0) == 0 && !job->validation) {
-      found->Fail("needs poses that the fit does not use: add \"validation\"");
-    }
+    if (!found) continue;
+    CheckHeldout(*found, key, *job);
     *limit = PositiveLength(*found, context.units);
-  };
-  read("train_rms", &job->acceptance.train_rms);
-  read("train_max", &job->acceptance.train_max);
-  read("heldout_rms", &job->acceptance.heldout_rms);
-  read("heldout_max", &job->acceptance.heldout_max);
+  }
+  for (const auto& [key, limit] : angles) {
+    const std::optional<YamlValue> found = map.Optional(key);
+    if (!found) continue;
+    CheckHeldout(*found, key, *job);
+    CheckRotation(*found, key, *job);
+    *limit = PositiveAngle(*found, context.units);
+  }
 }
 
 void ReadBaseline(const YamlValue& value, PublishedStudy* study) {
@@ -269,15 +156,25 @@ std::vector<PublishedFigure> ReadFigures(const YamlValue& value) {
   return figures;
 }
 
-void ReadPublished(const Context& context, JobConfig* job) {
+// Deviations of the arm, with zeros for the references.
+Eigen::VectorXd WithReferences(const Eigen::VectorXd& deviations,
+                               const JobConfig& job) {
+  Eigen::VectorXd all =
+      Eigen::VectorXd::Zero(LayoutOf(job.arm, job.references).size());
+  all.head(deviations.size()) = deviations;
+  return all;
+}
+
+void ReadPublished(const JobContext& context, JobConfig* job) {
   const std::optional<YamlValue> value = context.file.Optional("published");
   if (!value) return;
   const YamlMap map = value->Map({"source", "deviations", "angle_decimals",
                                   "length_decimals", "baseline", "figures"});
   PublishedStudy study;
   study.source = map.Required("source").Text();
-  study.deviations =
-      ReadDeviations(map.Required("deviations"), context.units, job->arm);
+  study.deviations = WithReferences(
+      ReadDeviations(map.Required("deviations"), context.units, job->arm),
+      *job);
   if (const auto decimals = map.Optional("angle_decimals")) {
     study.angle_decimals = static_cast<int>(decimals->Integer(0, kMaxDecimals));
   }
@@ -294,117 +191,33 @@ void ReadPublished(const Context& context, JobConfig* job) {
   job->published = std::move(study);
 }
 
-// A first guess of a sigma that is to be estimated: what an arm's calibration
-// commonly leaves. Only the ratio to the priors hangs on it, until the
-// estimate replaces it.
-constexpr double kFirstSigma = 1e-4;
-
-double ReadSigma(const Context& context, JobConfig* job) {
-  const YamlValue sigma =
-      context.file.Required("measurement").Map({"sigma"}).Required("sigma");
-  if (sigma.Text() == "estimate") {
-    job->estimate_sigma = true;
-    return kFirstSigma;
-  }
-  return PositiveLength(sigma, context.units);
+// Identifiability is read last: its parameters are those of the arm and of
+// what the data are measured against.
+void ReadMeasurements(JobContext* context, JobConfig* job) {
+  const MeasurementSigmas sigmas = ReadSigmas(*context, job);
+  job->references = ReadReferences(*context);
+  LoadedData loaded =
+      ReadData(context->file.Required("data"), sigmas, context, job);
+  job->data = std::move(loaded.data);
+  ReadValidation(sigmas, loaded.sets, context, job);
+  ReadPointDistances(*context, sigmas.length, job);
+  const ParameterLayout layout = LayoutOf(job->arm, job->references);
+  ReadIdentifiability(*context, layout, &job->identifiability);
+  job->bounds =
+      ReadBounds(*context, layout, NominalValues(job->arm, job->references));
 }
 
-std::vector<std::string> ReadHeaders(const YamlValue& value, std::size_t size,
-                                     const std::string& what) {
-  std::vector<std::string> headers;
-  for (const YamlValue& item : value.List(size, what)) {
-    headers.push_back(item.Text());
-    if (std::count(headers.begin(), headers.end(), headers.back()) > 1) {
-      item.Fail("column " + Quote(headers.back()) +
-                " is repeated, expected each once");
-    }
-  }
-  return headers;
-}
-
-ColumnMapping ReadMapping(const YamlValue& value, const Arm& arm) {
-  const YamlMap map = value.Map({"joints", "position"});
-  ColumnMapping mapping;
-  if (const auto joints = map.Optional("joints")) {
-    mapping.joints = ReadHeaders(*joints, arm.joints.size(),
-                                 "the header of each joint's column");
-  }
-  if (const auto position = map.Optional("position")) {
-    mapping.position = ReadHeaders(*position, 3, "the headers of x, y and z");
-  }
-  return mapping;
-}
-
-// A path, or `{file, columns}` where the headers are another program's.
-Dataset ReadDataEntry(Context* context, const YamlValue& value, const Arm& arm,
-                      double sigma) {
-  if (!value.IsMap()) {
-    return context->files.Read(value, [&](const std::string& path) {
-      return LoadDataset(path, arm, sigma);
-    });
-  }
-  const YamlMap map = value.Map({"file", "columns"});
-  const ColumnMapping mapping = ReadMapping(map.Required("columns"), arm);
-  return context->files.Read(
-      map.Required("file"), [&](const std::string& path) {
-        return LoadMappedDataset(path, arm, sigma, mapping);
-      });
-}
-
-void HoldOutPoses(const YamlMap& validation, JobConfig* job) {
-  HoldOutConfig config;
-  const YamlValue fraction = validation.Required("fraction");
-  config.fraction = fraction.Number();
-  if (!(config.fraction > 0.0 && config.fraction < 1.0)) {
-    fraction.Fail("expected a fraction between 0 and 1, found " +
-                  fraction.Text());
-  }
-  validation.ReadSeed("seed", &config.seed);
-  HoldOut split = HoldOutFraction(job->data, config.fraction, config.seed);
-  if (split.train.num_poses() == 0 || split.heldout.num_poses() == 0) {
-    fraction.Fail(
-        "leaves no configuration on one side: the data set has too few "
-        "different ones for it");
-  }
-  job->data = std::move(split.train);
-  job->validation = std::move(split.heldout);
-  job->holdout = config;
-}
-
-void ReadValidation(Context* context, double sigma, JobConfig* job) {
-  const std::optional<YamlValue> value = context->file.Optional("validation");
-  if (!value) return;
-  const YamlMap map = value->Map({"data", "fraction", "seed"});
-  const std::optional<YamlValue> data = map.Optional("data");
-  const bool draws = map.Optional("fraction") || map.Optional("seed");
-  if (data && draws) {
-    map.Fail("expected `data`, or `fraction` and `seed`, not both");
-  }
-  if (data) {
-    job->validation = ReadDataEntry(context, *data, job->arm, sigma);
-  } else {
-    HoldOutPoses(map, job);
-  }
-}
-
-void ReadData(Context* context, JobConfig* job) {
-  const double sigma = ReadSigma(*context, job);
-  job->data =
-      ReadDataEntry(context, context->file.Required("data"), job->arm, sigma);
-  ReadValidation(context, sigma, job);
-}
-
-void ReadTruth(Context* context, JobConfig* job) {
+void ReadTruth(JobContext* context, JobConfig* job) {
   const std::optional<YamlValue> value = context->file.Optional("truth");
   if (!value) return;
   const Eigen::VectorXd deviations = context->files.Read(
       *value,
       [&](const std::string& path) { return LoadDeviations(path, job->arm); });
-  const ParameterLayout layout(job->arm.num_joints());
-  job->truth = layout.Values(job->arm) + deviations;
+  job->truth = NominalValues(job->arm, job->references) +
+               WithReferences(deviations, *job);
 }
 
-void ReadNoiseStudy(const Context& context, JobConfig* job) {
+void ReadNoiseStudy(const JobContext& context, JobConfig* job) {
   const std::optional<YamlValue> value = context.file.Optional("noise_study");
   if (!value) return;
   const YamlMap map = value->Map({"trials", "workspace_poses", "seed"});
@@ -436,17 +249,17 @@ JobConfig LoadJob(const std::string& path) {
       ReadConfigFile(path, FileFormat::kJob)
           .Map({"format", "title", "units", "arm", "data", "measurement",
                 "truth", "validation", "identifiability", "solver", "robust",
-                "compare_with", "acceptance", "published", "noise_study"});
-  Context context{file, Units(file), NamedFiles(path)};
+                "compare_with", "acceptance", "published", "noise_study",
+                "references", "bounds"});
+  JobContext context{file, Units(file), NamedFiles(path)};
   JobConfig job;
   job.path = path;
   job.title = file.Required("title").Text();
   job.arm = context.files.ReadArm(file.Required("arm"));
-  ReadIdentifiability(context, job.arm, &job.identifiability);
   ReadSolver(context, &job);
   ReadRobust(context, &job);
   ReadCompareWith(context, &job);
-  ReadData(&context, &job);
+  ReadMeasurements(&context, &job);
   ReadTruth(&context, &job);
   ReadAcceptance(context, &job);
   ReadPublished(context, &job);

@@ -122,7 +122,7 @@ void ReadNoise(const YamlMap& file, const Units& units,
 
 void ReadTrueValues(const YamlMap& file, NamedFiles* files,
                     SimulationConfig* config) {
-  const ParameterLayout layout(config->arm.num_joints());
+  const ParameterLayout layout(config->arm);
   config->true_values = layout.Values(config->arm);
   const std::optional<YamlValue> deviations = file.Optional("deviations");
   if (!deviations) return;

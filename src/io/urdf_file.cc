@@ -143,7 +143,16 @@ class UrdfReader {
     const std::string upper = Attribute(limit, "upper");
     if (!lower.empty()) read.lower = Number(*limit, lower);
     if (!upper.empty()) read.upper = Number(*limit, upper);
+    CheckLimits(read, *limit, name);
     return read;
+  }
+
+  void CheckLimits(const ChainJoint& joint, const XMLElement& limit,
+                   const std::string& name) const {
+    if (joint.lower <= joint.upper) return;
+    Fail(&limit, name + " has the lower limit " + FormatShortest(joint.lower) +
+                     " above the upper one " + FormatShortest(joint.upper) +
+                     ", expected lower <= upper");
   }
 
   std::string path_;

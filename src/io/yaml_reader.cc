@@ -187,6 +187,8 @@ std::uint64_t YamlValue::Seed() const {
 
 bool YamlValue::IsMap() const { return node_->kind == Kind::kMap; }
 
+bool YamlValue::IsList() const { return node_->kind == Kind::kList; }
+
 std::vector<YamlValue> YamlValue::List() const {
   if (node_->kind != Kind::kList) FailType("a list");
   std::vector<YamlValue> values;
@@ -227,6 +229,11 @@ YamlMap YamlValue::Map(const std::vector<std::string>& keys) const {
     entries.emplace_back(key, value);
   }
   return YamlMap(*this, std::move(entries));
+}
+
+YamlMap YamlValue::AnyMap(const std::string& what) const {
+  if (node_->kind != Kind::kMap) FailType("a map of " + what);
+  return Map(node_->keys);
 }
 
 std::optional<YamlValue> YamlValue::Find(const std::string& key) const {

@@ -83,12 +83,15 @@ class YamlValue {
   std::uint64_t Seed() const;
 
   bool IsMap() const;
+  bool IsList() const;
   /// The items of a list, which may be empty.
   std::vector<YamlValue> List() const;
   /// The items of a list of exactly `size`; `what` describes them.
   std::vector<YamlValue> List(std::size_t size, const std::string& what) const;
   /// A map that may hold `keys` and no others.
   YamlMap Map(const std::vector<std::string>& keys) const;
+  /// A map with keys of the user's choice; `what` describes them.
+  YamlMap AnyMap(const std::string& what) const;
   /// The value of `key` where this is a map that has it, whatever else is in
   /// the map.
   std::optional<YamlValue> Find(const std::string& key) const;

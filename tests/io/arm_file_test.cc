@@ -274,7 +274,8 @@ TEST(FormatArmTest, KeepsRotationsToRounding) {
     Eigen::Vector3d rotation;
     for (double& x : rotation) x = random.Uniform(-1.7, 1.7);
     arm.instrument_from_base.linear() = RotationFromVector<double>(rotation);
-    arm.last_from_target().linear() = RotationFromVector<double>(1e-9 * rotation);
+    arm.last_from_target().linear() =
+        RotationFromVector<double>(1e-9 * rotation);
     const Arm read = LoadText(FormatArm(arm, ""));
     // A few roundings of numbers of size one.
     EXPECT_LT(
@@ -282,10 +283,11 @@ TEST(FormatArmTest, KeepsRotationsToRounding) {
             .cwiseAbs()
             .maxCoeff(),
         3e-15);
-    EXPECT_LT((read.last_from_target().linear() - arm.last_from_target().linear())
-                  .cwiseAbs()
-                  .maxCoeff(),
-              1e-15);
+    EXPECT_LT(
+        (read.last_from_target().linear() - arm.last_from_target().linear())
+            .cwiseAbs()
+            .maxCoeff(),
+        1e-15);
   }
 }
 

@@ -164,9 +164,9 @@ TEST(LoadJobTest, ReadsTheDataAndWhatIsKnown) {
   EXPECT_EQ(job.title, "A test");
   EXPECT_EQ(job.arm.name, "two joints");
   EXPECT_EQ(job.data.num_poses(), 2);
-  EXPECT_TRUE((job.data.sigmas.array() == 2e-5).all());
+  EXPECT_TRUE((job.data.sigmas().array() == 2e-5).all());
   ASSERT_TRUE(job.validation.has_value());
-  EXPECT_EQ(job.validation->positions, job.data.positions);
+  EXPECT_EQ(job.validation->positions(), job.data.positions());
   ASSERT_TRUE(job.truth.has_value());
   const ParameterLayout layout(2);
   const Eigen::VectorXd deviations = *job.truth - layout.Values(job.arm);
@@ -551,8 +551,8 @@ TEST(LoadJobTest, ReadsForeignHeaders) {
       "pz_m]}\n"));
   EXPECT_NEAR(job.data.joint_values(0, 0), 10.0 * kDegree, 1e-15);
   EXPECT_EQ(job.data.joint_values(1, 0), 0.1);
-  EXPECT_EQ(job.data.positions.col(0), Eigen::Vector3d(0.001, 0.002, 0.003));
-  EXPECT_EQ(job.data.sigmas(2, 0), 2e-5);
+  EXPECT_EQ(job.data.positions().col(0), Eigen::Vector3d(0.001, 0.002, 0.003));
+  EXPECT_EQ(job.data.sigmas()(2, 0), 2e-5);
 }
 
 TEST(LoadJobTest, NamesTheForeignHeaderThatIsMissing) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <vector>
 
 #include "alidade/model/arm.h"
 
@@ -12,14 +13,19 @@ namespace alidade {
 /// @throws InputError with file, line, column and key.
 Arm LoadArm(const std::string& path);
 
+/// The same; the paths of further files that the arm file names (a URDF) are
+/// appended to `input_files`.
+Arm LoadArm(const std::string& path, std::vector<std::string>* input_files);
+
 /// The text of an arm file that LoadArm reads back to the same bits (rotations
-/// of base and tool to about 1e-15). Numbers are in m and rad, with mm and deg
-/// beside them in comments for people. `comment` goes on top, each of its lines
-/// behind "# ".
+/// of base and targets to about 1e-15). Numbers are in m and rad, with mm and
+/// deg beside them in comments for people. `comment` goes on top, each of its
+/// lines behind "# ".
 std::string FormatArm(const Arm& arm, const std::string& comment);
 
 /// Reads deviations from nominal (docs/files.md, "alidade-deviations-1"): one
-/// entry per column of the arm's layout, zero where the file names none.
+/// entry per column of the layout of the arm alone, zero where the file names
+/// none.
 /// @throws InputError with file, line, column and key.
 Eigen::VectorXd LoadDeviations(const std::string& path, const Arm& arm);
 

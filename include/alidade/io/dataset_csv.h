@@ -1,43 +1,98 @@
 #ifndef ALIDADE_IO_DATASET_CSV_H_
 #define ALIDADE_IO_DATASET_CSV_H_
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "alidade/io/rotation_convention.h"
 #include "alidade/measurement/dataset.h"
+#include "alidade/measurement/references.h"
 #include "alidade/model/arm.h"
+#include "alidade/results/job_result.h"
 
 namespace alidade {
 
 /// Headers of a file that was not written for Alidade: which of its columns
-/// hold what. Each ends in its unit ("q1_cmd_deg", "smr2_x_mm"); all others are
-/// passed over. Empty lists leave the usual names.
+/// hold what. Those of numbers end in their units ("q1_cmd_deg", "smr2_x_mm").
+/// What is empty here goes by its usual name.
 struct ColumnMapping {
   std::vector<std::string> joints;    ///< one per joint, from the base
   std::vector<std::string> position;  ///< x, y, z
+  /// rx, ry, rz, or a quaternion: w, x, y, z (without units).
+  std::vector<std::string> orientation;
+  std::vector<std::string> std_position;     ///< of x, y, z
+  std::vector<std::string> std_orientation;  ///< of rx, ry, rz; else about axes
+  std::string distance;
+  std::string std_distance;
+  /// Name of the reference point; of several columns, joined by "/".
+  std::vector<std::string> point;
+  std::string plane;
+  std::string target;
+  std::string set;
+  /// Positions of several targets in one row: names, and headers of x, y, z.
+  std::vector<std::pair<std::string, std::vector<std::string>>> targets;
 };
 
-/// Reads measured positions. Lines that begin with '#' are comments; the first
-/// other line is the header. Columns, in any order: q1_deg or q1_rad
-/// (revolute), q1_mm or q1_m (prismatic) ... for every joint; x_mm y_mm z_mm
-/// (or _m); optionally std_x_mm std_y_mm std_z_mm (or _m), else `default_sigma`
-/// (m) is used. @throws InputError with file, line and column name.
+/// What a data set's file does not say itself.
+struct DataFormat {
+  ColumnMapping columns;
+  /// Columns with other names are passed over instead of refused.
+  bool ignore_others = false;
+  /// Of rx, ry, rz; they are refused where it is not stated.
+  std::optional<RotationConvention> rotation;
+  /// Orientations are passed over.
+  bool ignore_rotation = false;
+  double sigma = 1e-3;  ///< of lengths without a sigma of their own (m)
+  /// Of orientations without sigmas of their own (rad), about each axis of the
+  /// instrument; 0 = DefaultRotationSigma(sigma).
+  double rotation_sigma = 0.0;
+  /// Reference point, plane and target of all rows; empty: the file's columns
+  /// name them.
+  std::string point;
+  std::string plane;
+  std::string target;
+  /// Rows are kept whose cell in the column (first) has the text (second).
+  std::vector<std::pair<std::string, std::string>> where;
+};
+
+/// What goes with a sigma of lengths where none of orientations is stated
+/// (rad): that of points 0.2 m apart, about the size of a target that is
+/// measured with its orientation.
+double DefaultRotationSigma(double sigma);
+
+struct LoadedData {
+  Dataset data;
+  std::vector<std::string> sets;  ///< one per pose; empty: no such column
+  std::vector<RejectedRow> rejected;
+};
+
+/// Reads measurements of any kind (docs/files.md, "Data set"). Points and
+/// planes are looked up by their names in `references`; those that are not
+/// there are appended as unknown.
+/// @pre the mapping's lists are empty or as long as they should be.
+/// @throws InputError with file, line and column name.
+LoadedData LoadData(const std::string& path, const Arm& arm,
+                    const DataFormat& format, References* references);
+
+/// The same of a file in our own format that needs nothing besides: positions,
+/// orientations as quaternions or rotation vectors, differences.
+/// `default_sigma` (m) is that of lengths without one.
+/// @throws InputError, also where the file needs more than that.
 Dataset LoadDataset(const std::string& path, const Arm& arm,
                     double default_sigma);
-
-/// The same of a file with other headers: a mapping of nothing passes over the
-/// columns that are none of the usual ones.
-/// @pre the mapping's lists are empty or as long as they should be.
-Dataset LoadMappedDataset(const std::string& path, const Arm& arm,
-                          double default_sigma, const ColumnMapping& mapping);
 
 /// Reads only the joint columns; others are allowed and ignored.
 Eigen::MatrixXd LoadJointValues(const std::string& path, const Arm& arm);
 
-/// The text of a data set that LoadDataset reads back: joint values in deg and
-/// mm with `joint_decimals` decimals, positions in mm with the fewest digits
-/// that read back to the same bits, sigmas likewise when `with_sigmas`. Each of
-/// `comments` is a line behind "# " on top.
+/// The text of a data set of positions or poses that LoadDataset reads back:
+/// joint values in deg and mm with `joint_decimals` decimals; positions in mm
+/// with the fewest digits that read back to the same bits; orientations as
+/// rotation vectors in deg that read back to rounding; sigmas likewise when
+/// `with_sigmas` (not the correlations of whiteners). What was not measured is
+/// an empty cell. Each of `comments` is a line behind "# " on top.
+/// @pre blocks are of kPosition and kPose.
 std::string FormatDataset(const Dataset& dataset, const Arm& arm,
                           int joint_decimals, bool with_sigmas,
                           const std::vector<std::string>& comments);

@@ -100,8 +100,8 @@ struct JobConfig {
   /// Of the data's files, in the order of reading.
   std::vector<RejectedRow> rejected;
   std::vector<ParameterBounds> bounds;
-  /// The sigmas of lengths and of orientations are estimated from the residuals; the sigmas of
-  /// the data are a first guess.
+  /// The sigmas of lengths and of orientations are estimated from the
+  /// residuals; the sigmas of the data are a first guess.
   bool estimate_sigma = false;
   /// Values of the real arm, one per column of the layout, where it is known.
   std::optional<Eigen::VectorXd> truth;

@@ -14,7 +14,7 @@ namespace alidade {
 /// @throws InputError with the file (and the line) where it is no XML or not
 /// expanded from xacro, a link is unknown, the links are not joined upwards
 /// from the tip, a joint between them floats, is planar or mimics another, its
-/// axis is zero, or none of them moves.
+/// axis is zero, its lower limit is above the upper one, or none of them moves.
 std::vector<ChainJoint> LoadUrdfChain(const std::string& path,
                                       const std::string& base_link,
                                       const std::string& tip_link);

@@ -1,0 +1,27 @@
+#ifndef ALIDADE_SRC_IO_JOB_CONTEXT_H_
+#define ALIDADE_SRC_IO_JOB_CONTEXT_H_
+
+#include <string>
+
+#include "src/io/config_file.h"
+#include "src/io/yaml_reader.h"
+
+namespace alidade {
+
+/// What every part of a job file needs to be read.
+struct JobContext {
+  YamlMap file;
+  Units units;
+  NamedFiles files;
+};
+
+/// @throws InputError at the map where the options are not valid.
+template <typename Options>
+void CheckOptions(const Options& options, const YamlMap& map) {
+  std::string error;
+  if (!options.IsValid(&error)) map.Fail(error);
+}
+
+}  // namespace alidade
+
+#endif  // ALIDADE_SRC_IO_JOB_CONTEXT_H_

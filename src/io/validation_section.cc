@@ -1,0 +1,188 @@
+#include "src/io/validation_section.h"
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "alidade/measurement/holdout.h"
+#include "src/io/names.h"
+
+namespace alidade {
+namespace {
+
+constexpr int kMaxFolds = 1000;
+
+void Take(HoldOut split, JobConfig* job) {
+  job->data = std::move(split.train);
+  job->validation = std::move(split.heldout);
+}
+
+void ReadFraction(const YamlMap& map, JobConfig* job) {
+  HoldOutConfig config;
+  const YamlValue fraction = map.Required("fraction");
+  config.fraction = fraction.Number();
+  if (!(config.fraction > 0.0 && config.fraction < 1.0)) {
+    fraction.Fail("expected a fraction between 0 and 1, found " +
+                  fraction.Text());
+  }
+  map.ReadSeed("seed", &config.seed);
+  HoldOut split = HoldOutFraction(job->data, config.fraction, config.seed);
+  if (split.train.num_poses() == 0 || split.heldout.num_poses() == 0) {
+    fraction.Fail(
+        "leaves no configuration on one side: the data set has too few "
+        "different ones for it");
+  }
+  Take(std::move(split), job);
+  job->holdout = config;
+}
+
+void ReadFolds(const YamlMap& map, JobConfig* job) {
+  FoldsConfig config;
+  const YamlValue folds = map.Required("folds");
+  config.folds = static_cast<int>(folds.Integer(2, kMaxFolds));
+  map.ReadSeed("seed", &config.seed);
+  const std::vector<int> groups = GroupByConfiguration(job->data);
+  const int count = 1 + *std::max_element(groups.begin(), groups.end());
+  if (config.folds > count) {
+    folds.Fail("the data set has " + std::to_string(count) +
+               " different configurations, expected as many folds at most");
+  }
+  job->folds = config;
+}
+
+// Holds out the poses, unless that leaves nothing to fit.
+void HoldOutChosen(const std::vector<bool>& is_heldout, const YamlValue& key,
+                   JobConfig* job) {
+  if (std::all_of(is_heldout.begin(), is_heldout.end(),
+                  [](bool chosen) { return chosen; })) {
+    key.Fail("holds out all poses, expected some to be left for the fit");
+  }
+  Take(HoldOutPoses(job->data, is_heldout), job);
+}
+
+void ReadSets(const YamlValue& value, const std::vector<std::string>& sets,
+              JobConfig* job) {
+  if (sets.empty()) {
+    value.Fail("no data set has a column \"set\", expected one");
+  }
+  std::vector<std::string> names;
+  for (const std::string& set : sets) {
+    if (set.empty()) continue;
+    if (std::find(names.begin(), names.end(), set) == names.end()) {
+      names.push_back(set);
+    }
+  }
+  std::vector<bool> is_heldout(sets.size(), false);
+  std::vector<YamlValue> items = {value};
+  if (value.IsList()) items = value.List();
+  if (items.empty()) value.Fail("the list is empty, expected names of sets");
+  for (const YamlValue& item : items) {
+    const std::string name = item.Choice("set", names);
+    for (std::size_t i = 0; i < sets.size(); ++i) {
+      if (sets[i] == name) is_heldout[i] = true;
+    }
+  }
+  HoldOutChosen(is_heldout, value, job);
+}
+
+std::optional<int> ParseIndex(const std::string& text) {
+  int index = 0;
+  const char* const end = text.data() + text.size();
+  const auto result = std::from_chars(text.data(), end, index);
+  if (result.ec != std::errc() || result.ptr != end) return std::nullopt;
+  return index;
+}
+
+// Whether the text names the job's data file number i (from 0): by its place in
+// the list, its path, or its name without folders.
+bool NamesFile(const std::string& text, const std::string& resolved,
+               const Dataset& data, int i) {
+  const std::optional<int> index = ParseIndex(text);
+  if (index) return *index == i + 1;
+  const std::string& path = data.files[i];
+  return path == resolved ||
+         std::filesystem::path(path).filename().string() == text;
+}
+
+void ReadFile(const YamlValue& value, const JobContext& context,
+              JobConfig* job) {
+  const Dataset& data = job->data;
+  const std::string text = value.Text();
+  const std::string resolved = context.files.Resolve(value);
+  std::vector<bool> is_heldout;
+  for (const PoseSource& source : data.sources) {
+    is_heldout.push_back(NamesFile(text, resolved, data, source.file));
+  }
+  if (std::none_of(is_heldout.begin(), is_heldout.end(),
+                   [](bool chosen) { return chosen; })) {
+    value.Fail(
+        "found " + Quote(text) + ", expected one of the files of " +
+        "`data` or its place in that list, from 1: " + JoinNames(data.files));
+  }
+  HoldOutChosen(is_heldout, value, job);
+}
+
+// What the fit does not identify tells nothing of held-out poses.
+void CheckReferences(const YamlValue& value, const JobConfig& job) {
+  const References& references = job.references;
+  std::vector<bool> points;
+  std::vector<bool> planes;
+  for (const auto& point : references.points) points.push_back(point.is_known);
+  for (const auto& plane : references.planes) planes.push_back(plane.is_known);
+  const auto list_of = [&](MeasurementKind kind) {
+    return kind == MeasurementKind::kPlane ? &planes : &points;
+  };
+  for (const ObservationBlock& block : job.data.blocks) {
+    if (block.kind == MeasurementKind::kPointDistance) continue;
+    for (const int i : block.references) (*list_of(block.kind))[i] = true;
+  }
+  for (const ObservationBlock& block : job.validation->blocks) {
+    for (const int i : block.references) {
+      if ((*list_of(block.kind))[i]) continue;
+      const std::string name = block.kind == MeasurementKind::kPlane
+                                   ? references.planes[i].name
+                                   : references.points[i].name;
+      value.Fail(Quote(name) +
+                 " is measured against at held-out poses alone, expected it "
+                 "among the poses of the fit too, or known in `references`");
+    }
+  }
+}
+
+}  // namespace
+
+void ReadValidation(const MeasurementSigmas& sigmas,
+                    const std::vector<std::string>& sets, JobContext* context,
+                    JobConfig* job) {
+  const std::optional<YamlValue> value = context->file.Optional("validation");
+  if (!value) return;
+  const YamlMap map =
+      value->Map({"data", "fraction", "folds", "set", "file", "seed"});
+  int ways = 0;
+  for (const char* key : {"data", "fraction", "folds", "set", "file"}) {
+    if (map.Optional(key)) ++ways;
+  }
+  const bool has_seed = map.Optional("seed").has_value();
+  const bool draws = map.Optional("fraction") || map.Optional("folds");
+  if (ways > 1 || (ways == 1 && has_seed && !draws)) {
+    map.Fail(
+        "expected `data`, or `fraction` and `seed`, or `folds` and `seed`, or "
+        "`set`, or `file`, not both");
+  }
+  if (const auto data = map.Optional("data")) {
+    job->validation = ReadData(*data, sigmas, context, job).data;
+  } else if (map.Optional("folds")) {
+    ReadFolds(map, job);
+  } else if (const auto set = map.Optional("set")) {
+    ReadSets(*set, sets, job);
+  } else if (const auto file = map.Optional("file")) {
+    ReadFile(*file, *context, job);
+  } else {
+    ReadFraction(map, job);
+  }
+  if (job->validation) CheckReferences(*value, *job);
+}
+
+}  // namespace alidade
