@@ -14,6 +14,7 @@
 #include "alidade/measurement/dataset.h"
 #include "alidade/measurement/measurement_model.h"
 #include "alidade/measurement/observation_cost.h"
+#include "tests/support/cost_evaluation.h"
 #include "tests/support/measurement_oracle.h"
 #include "tests/support/random_measurements.h"
 
@@ -177,44 +178,6 @@ TEST_P(MeasurementKindsTest, JacobianIsThatOfTheOracle) {
   }
 }
 
-// An autodiff residual with its derivatives in the columns of the layout.
-struct CostEvaluation {
-  Eigen::VectorXd residuals;
-  Eigen::MatrixXd jacobian;
-};
-
-CostEvaluation EvaluateCost(const ObservationCost& cost,
-                            const ParameterLayout& layout,
-                            const Eigen::VectorXd& values) {
-  using RowMajor =
-      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const int rows = cost.function->num_residuals();
-  std::vector<const double*> parameters;
-  std::vector<std::vector<double>> derivatives;
-  std::vector<double*> pointers;
-  for (std::size_t b = 0; b < cost.blocks.size(); ++b) {
-    const ParameterBlock& block = layout.blocks()[cost.blocks[b]];
-    EXPECT_EQ(cost.function->parameter_block_sizes()[b], block.size);
-    parameters.push_back(values.data() + block.first_column);
-    derivatives.emplace_back(rows * block.size);
-  }
-  for (std::vector<double>& derivative : derivatives) {
-    pointers.push_back(derivative.data());
-  }
-  CostEvaluation evaluation;
-  evaluation.residuals.resize(rows);
-  evaluation.jacobian.setZero(rows, layout.size());
-  EXPECT_TRUE(cost.function->Evaluate(
-      parameters.data(), evaluation.residuals.data(), pointers.data()));
-  for (std::size_t b = 0; b < cost.blocks.size(); ++b) {
-    const ParameterBlock& block = layout.blocks()[cost.blocks[b]];
-    // A block that is there twice has its derivatives added.
-    evaluation.jacobian.middleCols(block.first_column, block.size) +=
-        Eigen::Map<const RowMajor>(pointers[b], rows, block.size);
-  }
-  return evaluation;
-}
-
 TEST_P(MeasurementKindsTest, AutodiffCostsAgreeWithLinearize) {
   for (int stream = 0; stream < kArms; ++stream) {
     MeasuredArm measured = MakeArm(stream);
@@ -226,8 +189,8 @@ TEST_P(MeasurementKindsTest, AutodiffCostsAgreeWithLinearize) {
       const ObservationCost cost =
           MakeObservationCost(model, measured.data, block, i, true);
       ASSERT_EQ(cost.function->num_residuals(), block.rows_each());
-      const CostEvaluation autodiff =
-          EvaluateCost(cost, model.layout(), measured.values);
+      const testing::CostEvaluation autodiff =
+          testing::EvaluateCost(cost, model.layout(), measured.values);
       // As above; derivatives by blocks that the cost does not have are zero
       // in both.
       const double scale =
@@ -259,8 +222,8 @@ TEST_P(MeasurementKindsTest, CostsWithoutFramesUseTheArmsOwn) {
                                         Eigen::Index i, Eigen::Index row) {
     const ObservationCost cost =
         MakeObservationCost(model, measured.data, block, i, false);
-    const CostEvaluation autodiff =
-        EvaluateCost(cost, model.layout(), measured.values);
+    const testing::CostEvaluation autodiff =
+        testing::EvaluateCost(cost, model.layout(), measured.values);
     const double scale = (1.0 + Reach(measured.arm)) * LargestWeight(block, i);
     const int height = block.rows_each();
     EXPECT_LE(

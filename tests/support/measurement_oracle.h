@@ -29,9 +29,13 @@ struct MeasuredArm {
 /// The rotation vector of a rotation matrix that is the nearest to `near`: the
 /// shortest for zero. By the angle and the axis, the axis from the odd part of
 /// the matrix for turns below 120 degrees and from the even part beyond.
-inline Vector3l LogOfMatrix(const Matrix3l& r,
+inline Vector3l LogOfMatrix(const Matrix3l& matrix,
                             const Vector3l& near = Vector3l::Zero()) {
   constexpr long double kTurn = 6.283185307179586476925286766559005768L;
+  // Frames of arms are rotations to 1e-16 only, and the two parts would differ
+  // by so much: a step of Newton's makes it 1e-32.
+  const Matrix3l r = matrix * (1.5L * Matrix3l::Identity() -
+                               0.5L * matrix.transpose() * matrix);
   const Vector3l odd(r(2, 1) - r(1, 2), r(0, 2) - r(2, 0), r(1, 0) - r(0, 1));
   const long double sine = 0.5L * odd.norm();
   const long double cosine = 0.5L * (r.trace() - 1.0L);
