@@ -193,13 +193,14 @@ void ReadPublished(const JobContext& context, JobConfig* job) {
 
 // Identifiability is read last: its parameters are those of the arm and of
 // what the data are measured against.
-void ReadMeasurements(JobContext* context, JobConfig* job) {
+void ReadMeasurements(bool with_validation, JobContext* context,
+                      JobConfig* job) {
   const MeasurementSigmas sigmas = ReadSigmas(*context, job);
   job->references = ReadReferences(*context);
   LoadedData loaded =
       ReadData(context->file.Required("data"), sigmas, context, job);
   job->data = std::move(loaded.data);
-  ReadValidation(sigmas, loaded.sets, context, job);
+  if (with_validation) ReadValidation(sigmas, loaded.sets, context, job);
   ReadPointDistances(*context, sigmas.length, job);
   const ParameterLayout layout = LayoutOf(job->arm, job->references);
   ReadIdentifiability(*context, layout, &job->identifiability);
@@ -234,17 +235,7 @@ void ReadNoiseStudy(const JobContext& context, JobConfig* job) {
   job->noise_study = study;
 }
 
-}  // namespace
-
-const std::vector<std::string>& PublishedQuantityNames() {
-  static const auto* const names = new std::vector<std::string>{
-      "before_range",           "after_max",           "error_at_iteration_4",
-      "error_at_iteration_100", "time_100_iterations", "identified",
-      "not_identified",         "validation_after",    "as_printed"};
-  return *names;
-}
-
-JobConfig LoadJob(const std::string& path) {
+JobConfig Load(const std::string& path, bool with_validation) {
   const YamlMap file =
       ReadConfigFile(path, FileFormat::kJob)
           .Map({"format", "title", "units", "arm", "data", "measurement",
@@ -259,7 +250,7 @@ JobConfig LoadJob(const std::string& path) {
   ReadSolver(context, &job);
   ReadRobust(context, &job);
   ReadCompareWith(context, &job);
-  ReadMeasurements(&context, &job);
+  ReadMeasurements(with_validation, &context, &job);
   ReadTruth(&context, &job);
   ReadAcceptance(context, &job);
   ReadPublished(context, &job);
@@ -267,5 +258,19 @@ JobConfig LoadJob(const std::string& path) {
   job.input_files = context.files.paths();
   return job;
 }
+
+}  // namespace
+
+const std::vector<std::string>& PublishedQuantityNames() {
+  static const auto* const names = new std::vector<std::string>{
+      "before_range",           "after_max",           "error_at_iteration_4",
+      "error_at_iteration_100", "time_100_iterations", "identified",
+      "not_identified",         "validation_after",    "as_printed"};
+  return *names;
+}
+
+JobConfig LoadJob(const std::string& path) { return Load(path, true); }
+
+JobConfig LoadWholeJob(const std::string& path) { return Load(path, false); }
 
 }  // namespace alidade

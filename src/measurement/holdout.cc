@@ -78,8 +78,11 @@ ObservationBlock SelectObservations(const ObservationBlock& block,
                                     const std::vector<int>& new_pose) {
   const bool has_poses = block.kind != MeasurementKind::kPointDistance;
   const bool is_difference = block.kind == MeasurementKind::kDifference;
+  // Observation i stays that of pose i, unless it may go for its second pose.
+  const bool is_of_each_pose =
+      has_poses && block.poses.empty() && !is_difference;
   std::vector<Eigen::Index> chosen;
-  if (has_poses && block.poses.empty()) {
+  if (is_of_each_pose) {
     chosen = poses;
   } else {
     for (Eigen::Index i = 0; i < block.size(); ++i) {
@@ -90,14 +93,17 @@ ObservationBlock SelectObservations(const ObservationBlock& block,
   }
   ObservationBlock selected;
   selected.kind = block.kind;
-  Gather(block.poses, chosen, &selected.poses);
+  if (has_poses && !is_of_each_pose) {
+    for (const Eigen::Index i : chosen) {
+      selected.poses.push_back(new_pose[block.pose(i)]);
+    }
+  }
   Gather(block.targets, chosen, &selected.targets);
   Gather(block.references, chosen, &selected.references);
   Gather(block.seconds, chosen, &selected.seconds);
   Gather(block.whiteners, chosen, &selected.whiteners);
   GatherColumns(block.measured, chosen, &selected.measured);
   GatherColumns(block.sigmas, chosen, &selected.sigmas);
-  for (int& pose : selected.poses) pose = new_pose[pose];
   if (is_difference) {
     for (int& pose : selected.seconds) pose = new_pose[pose];
   }

@@ -10,6 +10,7 @@
 #include "alidade/base/random.h"
 #include "alidade/base/units.h"
 #include "tests/support/matrix_kinematics.h"
+#include "tests/support/measurement_oracle.h"
 #include "tests/support/random_arms.h"
 
 namespace alidade {
@@ -202,6 +203,137 @@ TEST(VectorFromRotationTest, IsNeverLongerThanAHalfTurnAndExpInvertsIt) {
     const Eigen::Vector3d w = VectorFromRotation(rotation);
     EXPECT_LE(w.norm(), kPi * (1.0 + 4e-16));
     EXPECT_LT((Exact(w) - rotation).cwiseAbs().maxCoeff(), 5e-15);
+  }
+}
+
+// Angles (rad) of rotation vectors that Log returns: 2e-7 is where its series
+// ends, 120 degrees where it takes another component of the quaternion.
+std::vector<double> LogAngles() {
+  const double third = 2.0 * kPi / 3.0;
+  std::vector<double> angles = {1.9e-7, 2.1e-7, third - 1e-9, third,
+                                third + 1e-9};
+  for (const double angle : Angles()) {
+    if (angle <= kPi) angles.push_back(angle);
+  }
+  return angles;
+}
+
+Eigen::Matrix<Jet, 3, 1> Variable(const Eigen::Vector3d& w) {
+  return {Jet(w.x(), 0), Jet(w.y(), 1), Jet(w.z(), 2)};
+}
+
+Eigen::Matrix3d DerivativeOf(const Eigen::Matrix<Jet, 3, 1>& vector) {
+  Eigen::Matrix3d derivative;
+  for (int row = 0; row < 3; ++row) {
+    derivative.row(row) = vector[row].v.transpose();
+  }
+  return derivative;
+}
+
+TEST(VectorFromRotationTest, LongDoubleInvertsExpToItsOwnPrecision) {
+  Random random(310);
+  for (const double angle : LogAngles()) {
+    if (angle == kPi) continue;
+    const testing::Vector3l w =
+        (angle * testing::RandomDirection(&random)).cast<long double>();
+    const testing::Vector3l again =
+        VectorFromRotation<long double>(testing::MatrixFromVector(w));
+    // A few units of 1.1e-19, relative even for the smallest angles.
+    EXPECT_LT((again - w).norm(), 2e-18L * w.norm() + 1e-320L) << angle;
+  }
+}
+
+TEST(VectorFromRotationTest, JetsHaveTheValueOfDouble) {
+  Random random(311);
+  for (const double angle : LogAngles()) {
+    const Eigen::Matrix3d rotation =
+        Exact(angle * testing::RandomDirection(&random));
+    const Eigen::Matrix<Jet, 3, 1> jets =
+        VectorFromRotation<Jet>(rotation.cast<Jet>());
+    const Eigen::Vector3d w = VectorFromRotation(rotation);
+    for (int row = 0; row < 3; ++row) {
+      EXPECT_NEAR(jets[row].a, w[row], 2e-15 * w.norm()) << angle;
+    }
+  }
+}
+
+TEST(VectorFromRotationTest, JetsOfExpAndLogAreThoseOfTheVector) {
+  Random random(312);
+  for (const double angle : LogAngles()) {
+    // At half a turn Log may return the other vector.
+    if (angle == kPi) continue;
+    const Eigen::Vector3d w = angle * testing::RandomDirection(&random);
+    const Eigen::Matrix<Jet, 3, 1> again =
+        VectorFromRotation<Jet>(RotationFromVector<Jet>(Variable(w)));
+    // As in Exp, quotients of numbers near 1e-7 lose some digits.
+    EXPECT_LT((DerivativeOf(again) - Eigen::Matrix3d::Identity())
+                  .cwiseAbs()
+                  .maxCoeff(),
+              2e-14)
+        << angle;
+  }
+}
+
+TEST(VectorFromRotationTest, DerivativeOfATurnOnTheLeftIsTheInverseJacobian) {
+  Random random(313);
+  for (const double angle : LogAngles()) {
+    const Eigen::Matrix3d rotation =
+        Exact(angle * testing::RandomDirection(&random));
+    const Eigen::Matrix<Jet, 3, 3> turned =
+        RotationFromVector<Jet>(Variable(Eigen::Vector3d::Zero())) *
+        rotation.cast<Jet>();
+    const Eigen::Matrix3d derivative =
+        DerivativeOf(VectorFromRotation<Jet>(turned));
+    ASSERT_TRUE(derivative.allFinite()) << angle;
+    const Eigen::Matrix3d expected =
+        InverseLeftJacobianOfRotation(VectorFromRotation(rotation));
+    EXPECT_LT((derivative - expected).cwiseAbs().maxCoeff(), 2e-14) << angle;
+  }
+}
+
+TEST(InverseLeftJacobianTest, IsTheIdentityAtZero) {
+  EXPECT_EQ(InverseLeftJacobianOfRotation(Eigen::Vector3d::Zero()),
+            Eigen::Matrix3d::Identity());
+}
+
+TEST(InverseLeftJacobianTest, InvertsTheLeftJacobian) {
+  Random random(314);
+  for (const double angle : Angles()) {
+    const Eigen::Vector3d w = angle * testing::RandomDirection(&random);
+    const Eigen::Matrix3d product =
+        InverseLeftJacobianOfRotation(w) * LeftJacobianOfRotation(w);
+    // The inverse grows beyond half a turn, to 4 at 5 rad.
+    EXPECT_LT((product - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff(),
+              5e-15)
+        << angle;
+  }
+}
+
+// Log(Exp(e) R) - Log(R) = J^-1 e + O(e^2): central differences over e = h and
+// h / 2 in long double, extrapolated once, are good to h^4, 1e-15 at half a
+// turn, and to 1e-19 / h.
+TEST(InverseLeftJacobianTest, IsTheFirstOrderOfLogAfterATurnOnTheLeft) {
+  Random random(315);
+  for (const double angle : LogAngles()) {
+    const Eigen::Vector3d w = angle * testing::RandomDirection(&random);
+    const testing::Vector3l exact_w = w.cast<long double>();
+    const testing::Matrix3l rotation = testing::MatrixFromVector(exact_w);
+    const Eigen::Matrix3d inverse = InverseLeftJacobianOfRotation(w);
+    for (int k = 0; k < 3; ++k) {
+      const auto difference = [&](long double step) -> testing::Vector3l {
+        const testing::Vector3l turn = step * testing::Vector3l::Unit(k);
+        return (testing::LogOfMatrix(testing::MatrixFromVector(turn) * rotation,
+                                     exact_w) -
+                testing::LogOfMatrix(
+                    testing::MatrixFromVector(-turn) * rotation, exact_w)) /
+               (2.0L * step);
+      };
+      const long double h = 1e-4L;
+      const testing::Vector3l derivative =
+          (4.0L * difference(h / 2) - difference(h)) / 3.0L;
+      EXPECT_LT((inverse.col(k) - derivative.cast<double>()).norm(), 1e-14)
+          << "angle " << angle << ", axis " << k;
+    }
   }
 }
 

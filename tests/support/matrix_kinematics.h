@@ -17,6 +17,7 @@ using VectorXl = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
 using Vector3l = Eigen::Matrix<long double, 3, 1>;
 using Matrix3l = Eigen::Matrix<long double, 3, 3>;
 using Matrix4l = Eigen::Matrix<long double, 4, 4>;
+using MatrixXl = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 using Matrix3Xl = Eigen::Matrix<long double, 3, Eigen::Dynamic>;
 
 inline Matrix4l RotationX(long double angle) {
@@ -117,11 +118,12 @@ inline Matrix4l FrameMatrix(const Eigen::Isometry3d& nominal,
 }
 
 /// instrument_from_target of `nominal` with its parameters replaced by
-/// `values`, at `joint_values` (n values). Values of references may follow
-/// those of the arm; they are not looked at.
-inline Matrix4l MatrixTargetFrame(const Arm& nominal, const VectorXl& values,
+/// `values`, at `joint_values` (n values). `layout` is the arm's, with any
+/// references.
+inline Matrix4l MatrixTargetFrame(const Arm& nominal,
+                                  const ParameterLayout& layout,
+                                  const VectorXl& values,
                                   const double* joint_values, int target = 0) {
-  const ParameterLayout layout(nominal);
   Matrix4l frame =
       FrameMatrix(nominal.instrument_from_base, values,
                   layout.Column(ParameterKind::kBaseTranslation, 0),
@@ -133,6 +135,12 @@ inline Matrix4l MatrixTargetFrame(const Arm& nominal, const VectorXl& values,
          FrameMatrix(nominal.last_from_target(target), values,
                      layout.Column(ParameterKind::kToolTranslation, 0, target),
                      layout.Column(ParameterKind::kToolRotation, 0, target));
+}
+
+inline Matrix4l MatrixTargetFrame(const Arm& nominal, const VectorXl& values,
+                                  const double* joint_values, int target = 0) {
+  return MatrixTargetFrame(nominal, ParameterLayout(nominal), values,
+                           joint_values, target);
 }
 
 /// instrument_from_target of an arm as it is.

@@ -21,7 +21,6 @@ namespace alidade::testing {
 /// over products of 4 x 4 matrices and their exact derivatives. It shares
 /// nothing with the library but Arm, Dataset and ParameterLayout. Base and
 /// tool are the arm's own.
-using MatrixXl = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 using Vector4l = Eigen::Matrix<long double, 4, 1>;
 
 /// One factor of T(j-1, j): a rotation about (`angular`) or a translation

@@ -17,6 +17,10 @@ FileFormat DetectFormat(const std::string& path);
 /// @throws InputError with file, line, column and key.
 JobConfig LoadJob(const std::string& path);
 
+/// The same without `validation`: no pose is held out of `data`. For studies
+/// that hold out their own.
+JobConfig LoadWholeJob(const std::string& path);
+
 /// Reads a simulation and every file it names.
 /// @throws InputError with file, line, column and key.
 SimulationConfig LoadSimulation(const std::string& path);

@@ -79,8 +79,9 @@ inline Eigen::Matrix3d InverseLeftJacobianOfRotation(
 /// Log of a rotation, |w| <= pi, for any scalar. By the quaternion (x, s) of
 /// the rotation, from its largest component (Shepperd 1978, "Quaternion from
 /// rotation matrix"): w = 2 atan2(|x|, s) x / |x|, exact to rounding for small
-/// angles and for half a turn alike. Where |x|^2 is below 1e-14, w = 2 x, with
-/// the right derivatives at the identity.
+/// angles and for half a turn alike. Where |x|^2 is below 1e-14, the series
+/// w = (2 + |x|^2 / 3) x of the arcsine takes over, with the right derivatives
+/// at the identity.
 template <typename T>
 Eigen::Matrix<T, 3, 1> VectorFromRotation(const Eigen::Matrix<T, 3, 3>& rotation) {
   using std::atan2;
@@ -111,7 +112,7 @@ Eigen::Matrix<T, 3, 1> VectorFromRotation(const Eigen::Matrix<T, 3, 3>& rotation
     }
   }
   const T norm_squared = x.squaredNorm();
-  if (norm_squared < T(1e-14)) return T(2.0) * x;
+  if (norm_squared < T(1e-14)) return x * (T(2.0) + norm_squared / T(3.0));
   const T norm = sqrt(norm_squared);
   return x * (T(2.0) * atan2(norm, s) / norm);
 }

@@ -1,0 +1,197 @@
+#ifndef ALIDADE_TESTS_SUPPORT_RANDOM_MEASUREMENTS_H_
+#define ALIDADE_TESTS_SUPPORT_RANDOM_MEASUREMENTS_H_
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "alidade/base/random.h"
+#include "alidade/measurement/dataset.h"
+#include "alidade/measurement/references.h"
+#include "alidade/model/arm.h"
+#include "alidade/model/parameter_layout.h"
+#include "tests/support/measurement_oracle.h"
+#include "tests/support/random_arms.h"
+#include "tests/support/random_datasets.h"
+
+namespace alidade::testing {
+
+/// Poses and observations of what RandomMeasurements makes. Observation i of a
+/// block is of pose i and of target i modulo the number of targets.
+inline constexpr int kMeasuredPoses = 6;
+inline constexpr int kMeasuredTargets = 2;
+/// The first three points are where a target really is, the others are far
+/// from all.
+inline constexpr int kContactPoints = 3;
+inline constexpr int kMeasuredPoints = 5;
+inline constexpr int kMeasuredPlanes = 2;
+
+/// How rows are weighted.
+enum class Weighting {
+  kSigmas,  ///< each row its own
+  kMasked,  ///< and some rows not measured
+  kFull,    ///< whiteners, full or none, some rows not measured
+};
+
+/// Places the first points and the planes where targets are, so that sockets
+/// and planes really are touched, and the other points 2 m and more from them.
+inline void PlaceReferences(MeasuredArm* measured, Random* random) {
+  const VectorXl values = measured->values.cast<long double>();
+  const ParameterLayout& layout = measured->layout;
+  const auto position = [&](int pose) {
+    return OraclePosition(*measured, values, pose, pose % kMeasuredTargets);
+  };
+  const auto set_point = [&](int k, const Eigen::Vector3d& point) {
+    measured->values.segment<3>(layout.Column(ParameterKind::kPoint, 0, k)) =
+        point;
+  };
+  for (int k = 0; k < kContactPoints; ++k) {
+    set_point(k, position(k).cast<double>());
+  }
+  const double away = 2.0 * Reach(measured->arm) + 2.0;
+  for (int k = kContactPoints; k < kMeasuredPoints; ++k) {
+    set_point(k, away * RandomDirection(random));
+  }
+  for (int plane = 0; plane < kMeasuredPlanes; ++plane) {
+    // Of three poses, both targets among them.
+    const Vector3l corner = position(3 * plane);
+    const Vector3l normal = (position(3 * plane + 1) - corner)
+                                .cross(position(3 * plane + 2) - corner)
+                                .normalized();
+    Eigen::Vector3d& nominal = measured->references.planes[plane].normal;
+    nominal = normal.cast<double>() + RandomVector(0.2, random);
+    nominal.normalize();
+    Vector3l t1;
+    Vector3l t2;
+    const Vector3l n0 = nominal.cast<long double>();
+    TangentsOf(n0, &t1, &t2);
+    const int tilt = layout.Column(ParameterKind::kPlaneTilt, 0, plane);
+    const long double along = normal.dot(n0);
+    measured->values[tilt] = static_cast<double>(normal.dot(t1) / along);
+    measured->values[tilt + 1] = static_cast<double>(normal.dot(t2) / along);
+    measured->values[tilt + 2] = static_cast<double>(normal.dot(corner));
+  }
+}
+
+/// A block of one kind without measured values, unit sigmas.
+inline ObservationBlock MakeBlock(MeasurementKind kind, int count) {
+  ObservationBlock block;
+  block.kind = kind;
+  block.measured.setZero(RowsOf(kind), count);
+  block.sigmas.setOnes(RowsOf(kind), count);
+  const bool is_of_points = kind == MeasurementKind::kPointDistance;
+  for (int i = 0; i < count; ++i) {
+    if (!is_of_points) {
+      block.poses.push_back(i);
+      block.targets.push_back(i % kMeasuredTargets);
+    }
+    if (kind == MeasurementKind::kDifference) {
+      block.seconds.push_back((i + 2) % kMeasuredPoses);
+    }
+    if (is_of_points) {
+      // From a contact point to a far one or back: differences of a distance
+      // are exact only where it is long.
+      block.references.push_back(i % kContactPoints);
+      block.seconds.push_back(kContactPoints + i % 2);
+      if (i % 2 == 1) std::swap(block.references[i], block.seconds[i]);
+    }
+    if (kind == MeasurementKind::kDistance) {
+      block.references.push_back(kContactPoints + i % 2);
+    }
+    if (kind == MeasurementKind::kFixedPoint) block.references.push_back(i);
+    if (kind == MeasurementKind::kPlane) block.references.push_back(i / 3);
+  }
+  return block;
+}
+
+/// What the values really give, rounded to double.
+inline void Measure(const MeasuredArm& measured, ObservationBlock* block) {
+  const VectorXl values = measured.values.cast<long double>();
+  block->measured.setZero();
+  if (block->kind == MeasurementKind::kFixedPoint ||
+      block->kind == MeasurementKind::kPlane) {
+    return;
+  }
+  for (Eigen::Index i = 0; i < block->size(); ++i) {
+    block->measured.col(i) =
+        OracleResidual(measured, values, *block, i).cast<double>();
+  }
+}
+
+/// Sigmas of 0.01 to 1 mm or mrad; of the second observation of three, one row
+/// not measured; whiteners for two of three.
+inline void WeightRows(Weighting weighting, ObservationBlock* block,
+                       Random* random) {
+  const int height = block->rows_each();
+  for (Eigen::Index i = 0; i < block->size(); ++i) {
+    for (int row = 0; row < height; ++row) {
+      block->sigmas(row, i) = random->Uniform(1e-5, 1e-3);
+    }
+    const bool is_masked = weighting != Weighting::kSigmas && i % 3 == 1;
+    const auto mask = static_cast<int>(i + 1) % height;
+    if (is_masked) {
+      block->sigmas(mask, i) = std::numeric_limits<double>::infinity();
+    }
+    if (weighting != Weighting::kFull) continue;
+    Eigen::MatrixXd whitener;
+    if (i % 3 != 2) {
+      whitener = Eigen::MatrixXd::NullaryExpr(
+          height, height, [&] { return random->Uniform(-1e4, 1e4); });
+      if (is_masked) {
+        whitener.row(mask).setZero();
+        whitener.col(mask).setZero();
+      }
+    }
+    block->whiteners.push_back(whitener);
+  }
+}
+
+inline const std::vector<MeasurementKind>& AllKinds() {
+  static const std::vector<MeasurementKind> kinds = {
+      MeasurementKind::kPosition,     MeasurementKind::kPose,
+      MeasurementKind::kDistance,     MeasurementKind::kFixedPoint,
+      MeasurementKind::kPlane,        MeasurementKind::kDifference,
+      MeasurementKind::kPointDistance};
+  return kinds;
+}
+
+/// A random arm of two targets with rotated frames, five points and two planes,
+/// and one block of exact measurements of every kind.
+inline MeasuredArm RandomMeasurements(int num_joints, Weighting weighting,
+                                      Random* random,
+                                      double prismatic_fraction = 0.3) {
+  RandomArmOptions options;
+  options.num_targets = kMeasuredTargets;
+  options.prismatic_fraction = prismatic_fraction;
+  MeasuredArm measured{
+      RandomArm(num_joints, random, options),
+      {},
+      ParameterLayout(LayoutShape{num_joints, kMeasuredTargets, kMeasuredPoints,
+                                  kMeasuredPlanes}),
+      {},
+      {}};
+  measured.references.points.resize(kMeasuredPoints);
+  measured.references.planes.resize(kMeasuredPlanes);
+  measured.data.name = "random";
+  measured.data.joint_values =
+      RandomJointValues(measured.arm, kMeasuredPoses, random);
+  const Eigen::VectorXd of_arm = ValuesWithRotations(measured.arm, 0.4, random);
+  measured.values = Eigen::VectorXd::Zero(measured.layout.size());
+  measured.values.head(of_arm.size()) = of_arm;
+  PlaceReferences(&measured, random);
+  for (const MeasurementKind kind : AllKinds()) {
+    const bool is_contact = kind == MeasurementKind::kFixedPoint;
+    ObservationBlock block =
+        MakeBlock(kind, is_contact ? kContactPoints : kMeasuredPoses);
+    Measure(measured, &block);
+    WeightRows(weighting, &block, random);
+    measured.data.blocks.push_back(block);
+  }
+  return measured;
+}
+
+}  // namespace alidade::testing
+
+#endif  // ALIDADE_TESTS_SUPPORT_RANDOM_MEASUREMENTS_H_
