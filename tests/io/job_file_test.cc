@@ -227,6 +227,24 @@ TEST(LoadJobTest, ListsEveryFileItRead) {
   EXPECT_EQ(LoadJob(files.job()).input_files, expected);
 }
 
+TEST(LoadJobTest, ListsTheUrdfOfItsArm) {
+  const ConfigFiles files;
+  const TestDirectory& directory = files.directory();
+  directory.Write("arm.urdf",
+                  "<robot><link name='a'/><link name='b'/><link name='c'/>"
+                  "<joint name='j' type='continuous'><parent link='a'/>"
+                  "<child link='b'/><axis xyz='0 0 1'/></joint>"
+                  "<joint name='k' type='prismatic'><parent link='b'/>"
+                  "<child link='c'/><axis xyz='1 0 0'/>"
+                  "<limit lower='0' upper='1'/></joint></robot>");
+  directory.Write("arm.yaml",
+                  "format: alidade-arm-1\nname: x\n"
+                  "units: {length: mm, angle: deg}\n"
+                  "urdf: {file: arm.urdf, base_link: a, tip_link: c}\n");
+  const JobConfig job = LoadJob(files.job());
+  EXPECT_EQ(job.input_files.at(2), directory.Path("arm.urdf"));
+}
+
 TEST(LoadJobTest, NeedsOnlyAnArmAndData) {
   const ConfigFiles files;
   const std::string path = files.directory().Write(
