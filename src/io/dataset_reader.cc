@@ -122,7 +122,8 @@ void DatasetReader::ReadPositions() {
     return;
   }
   Observation::Rows measured(6);
-  measured << position.value, VectorFromRotation(ReadOrientation());
+  measured.head<3>() = position.value;
+  measured.tail<3>() = VectorFromRotation(ReadOrientation());
   Add(MeasurementKind::kPose, ReadTarget(), 0, measured,
       StackNoise(PositionNoise(position), OrientationNoise()));
 }

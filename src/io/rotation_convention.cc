@@ -17,9 +17,12 @@ std::string NameOf(const RotationConvention& convention) {
   return name;
 }
 
-// Those with three axes first, as they are the common ones.
+// The common ones first: lists in messages are cut.
 std::vector<RotationConvention> AllConventions() {
   std::vector<RotationConvention> conventions;
+  RotationConvention vector;
+  vector.is_vector = true;
+  conventions.push_back(vector);
   for (const bool is_proper : {false, true}) {
     for (const bool is_intrinsic : {true, false}) {
       for (int a = 0; a < 3; ++a) {
@@ -31,9 +34,6 @@ std::vector<RotationConvention> AllConventions() {
       }
     }
   }
-  RotationConvention vector;
-  vector.is_vector = true;
-  conventions.push_back(vector);
   return conventions;
 }
 

@@ -204,6 +204,21 @@ INSTANTIATE_TEST_SUITE_P(
                      WithJoints("  - {type: revolute, sign: -1}\n") +
                          "motors: {offset: [1]}\n",
                      {6, 9, "motors", "found both"}},
+        ArmErrorCase{"ToolAndTargets",
+                     WithJoints("  - {type: revolute}\n") +
+                         "tool: {x: 1}\ntargets: [{name: a}]\n",
+                     {7, 10, "targets", "found beside \"tool\""}},
+        ArmErrorCase{"NoTargets",
+                     WithJoints("  - {type: revolute}\n") + "targets: []\n",
+                     {6, 10, "targets", "expected 1 to 64 targets, found 0"}},
+        ArmErrorCase{
+            "TargetWithoutName",
+            WithJoints("  - {type: revolute}\n") + "targets: [{x: 1}]\n",
+            {6, 11, "targets[1].name", "missing"}},
+        ArmErrorCase{"RepeatedTarget",
+                     WithJoints("  - {type: revolute}\n") +
+                         "targets: [{name: a}, {name: a}]\n",
+                     {6, 29, "targets[2].name", "\"a\" is repeated"}},
         ArmErrorCase{
             "RotationMatrix",
             WithJoints("  - {type: revolute}\n") + "base: {x: 1, roll: 2}\n",
@@ -372,6 +387,87 @@ TEST(LoadArmTest, ReadsUrdfBetweenBaseAndTool) {
   EXPECT_EQ(arm.joints[0].r, 1.0);
   EXPECT_EQ(arm.instrument_from_base.translation().x(), 0.005);
   EXPECT_EQ(arm.last_from_target().translation().y(), 0.007);
+}
+
+TEST(LoadArmTest, ReadsSeveralTargets) {
+  const Arm arm = LoadText(std::string(kHeader) +
+                           "convention: standard\n"
+                           "joints: [{type: revolute, a: 3}]\n"
+                           "targets: [{name: ball, z: 10}, "
+                           "{name: probe, x: 1, rz: 90}]\n");
+  ASSERT_EQ(arm.num_targets(), 2);
+  EXPECT_EQ(arm.targets[0].name, "ball");
+  EXPECT_EQ(arm.last_from_target(0).translation(),
+            Eigen::Vector3d(0.003, 0.0, 0.01));
+  EXPECT_EQ(arm.targets[1].name, "probe");
+  EXPECT_EQ(arm.last_from_target(1).translation(),
+            Eigen::Vector3d(0.004, 0.0, 0.0));
+  EXPECT_NEAR(arm.last_from_target(1).linear()(1, 0), 1.0, 1e-15);
+}
+
+TEST(FormatArmTest, KeepsTargetsToTheBit) {
+  Random random(3);
+  Arm arm;
+  arm.name = "test";
+  arm.joints.emplace_back();
+  arm.targets.clear();
+  for (const char* name : {"a: \"b\"", "probe", "12"}) {
+    Target target;
+    target.name = name;
+    for (double& x : target.last_from_target.translation()) {
+      x = random.Normal();
+    }
+    arm.targets.push_back(target);
+  }
+  const std::string text = FormatArm(arm, "");
+  const Arm read = LoadText(text);
+  ASSERT_EQ(read.num_targets(), 3);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(read.targets[i].name, arm.targets[i].name);
+    EXPECT_EQ(read.last_from_target(i).matrix(),
+              arm.last_from_target(i).matrix());
+  }
+  EXPECT_EQ(FormatArm(read, ""), text);
+  arm.targets.resize(1);
+  EXPECT_EQ(LoadText(FormatArm(arm, "")).targets[0].name, arm.targets[0].name);
+}
+
+const char kUrdf[] =
+    "<robot><link name='a'/><link name='b'/>\n"
+    "<joint name='j' type='revolute'><parent link='a'/><child link='b'/>"
+    "<axis xyz='0 0 1'/>\n"
+    "<limit lower='-1' upper='2'/></joint></robot>";
+
+TEST(LoadArmTest, NamesTheUrdfThatItRead) {
+  const TestDirectory directory;
+  directory.Write("arm.urdf", kUrdf);
+  const std::string path = directory.Write(
+      "arm.yaml", std::string(kHeader) +
+                      "urdf: {file: arm.urdf, base_link: a, tip_link: b}\n");
+  std::vector<std::string> files;
+  LoadArm(path, &files);
+  EXPECT_EQ(files, std::vector<std::string>{directory.Path("arm.urdf")});
+}
+
+TEST(LoadArmTest, ErrorsInAUrdfNameTheArmFile) {
+  const TestDirectory directory;
+  std::string urdf = kUrdf;
+  urdf.replace(urdf.find("lower='-1'"), 10, "lower='3'");
+  directory.Write("arm.urdf", urdf);
+  const std::string text =
+      std::string(kHeader) +
+      "urdf: {file: arm.urdf, base_link: a, tip_link: b}\n";
+  const std::string path = directory.Write("arm.yaml", text);
+  ExpectInputError([&] { LoadArm(path); },
+                   {3, 0, "",
+                    "joint \"j\" has the lower limit 3 above the upper one 2, "
+                    "expected lower <= upper (named in " +
+                        path + ":4: urdf.file)"});
+  std::string missing = text;
+  missing.replace(missing.find("arm.urdf"), 8, "no.urdf");
+  directory.Write("arm.yaml", missing);
+  ExpectInputError([&] { LoadArm(path); },
+                   {4, 14, "urdf.file", "no.urdf: cannot be read"});
 }
 
 TEST(FormatArmTest, KeepsTheMotorMap) {

@@ -14,125 +14,13 @@
 #include "alidade/io/arm_file.h"
 #include "alidade/io/files.h"
 #include "alidade/model/parameter_layout.h"
+#include "tests/io/config_files.h"
 #include "tests/io/io_test_util.h"
 
 namespace alidade {
 namespace {
 
 namespace fs = std::filesystem;
-
-const char kArmText[] =
-    "format: alidade-arm-1\n"
-    "name: two joints\n"
-    "units: {length: mm, angle: deg}\n"
-    "joints:\n"
-    "  - {type: revolute, r: 100, limits: [-90, 90]}\n"
-    "  - {type: prismatic, alpha: 90, limits: [0, 500]}\n";
-
-const char kDeviationsText[] =
-    "format: alidade-deviations-1\n"
-    "units: {length: mm, angle: mrad}\n"
-    "deviations: {r1: 0.5, alpha2: 2}\n";
-
-const char kDataText[] =
-    "q1_deg,q2_mm,x_mm,y_mm,z_mm\n"
-    "10,100,1,2,3\n"
-    "20,200,4,5,6\n";
-
-const char kJobText[] =
-    "format: alidade-job-1\n"
-    "title: A test\n"
-    "units: {length: mm, angle: mrad}\n"
-    "arm: arm.yaml\n"
-    "data: data.csv\n"
-    "measurement: {sigma: 0.02}\n"
-    "truth: deviations.yaml\n"
-    "validation: {data: heldout.csv}\n"
-    "identifiability:\n"
-    "  method: rules\n"
-    "  fix: [alpha2, d1]\n"
-    "  proceed_beyond_rank: true\n"
-    "  angle_tolerance: 0.5\n"
-    "  relative_tolerance: 1e-8\n"
-    "  perturbation: 0.02\n"
-    "  seed: 7\n"
-    "solver:\n"
-    "  name: pseudo_inverse\n"
-    "  max_iterations: 12\n"
-    "  function_tolerance: 1e-14\n"
-    "  rounding_floor_factor: 2\n"
-    "  wanted_precision: 0.001\n"
-    "  initial_trust_region_radius: 1e6\n"
-    "  pseudo_inverse_tolerance: 1e-9\n"
-    "compare_with: [ceres]\n"
-    "acceptance: {train_rms: 0.1, train_max: 0.2, heldout_rms: 0.3, "
-    "heldout_max: 0.4}\n"
-    "published:\n"
-    "  source: A study\n"
-    "  deviations: {r1: 0.4}\n"
-    "  angle_decimals: 3\n"
-    "  length_decimals: 2\n"
-    "  baseline: {iterations: 5, time_s: 60.5}\n"
-    "  figures:\n"
-    "    - {quantity: after_max, published: 1 mm}\n";
-
-const char kSimulationText[] =
-    "format: alidade-simulation-1\n"
-    "title: A test\n"
-    "units: {length: mm, angle: deg}\n"
-    "arm: arm.yaml\n"
-    "deviations: deviations.yaml\n"
-    "poses:\n"
-    "  cylinder:\n"
-    "    azimuth: {from: -90, to: 90, count: 3}\n"
-    "    radius: {from: 100, to: 200, count: 2}\n"
-    "    height: 250\n"
-    "    elevation: [-45, 30]\n"
-    "    start: [10, 20]\n"
-    "noise: {sigma: 0.02}\n"
-    "seed: 5\n"
-    "joint_decimals: 3\n"
-    "output: out/data.csv\n";
-
-// Text that is replaced once in a file that is right without it.
-struct Edit {
-  std::string from;
-  std::string to;
-};
-
-std::string Apply(std::string text, const Edit& edit) {
-  if (edit.from.empty()) return text;
-  const std::size_t at = text.find(edit.from);
-  EXPECT_NE(at, std::string::npos) << edit.from;
-  return text.replace(at, edit.from.size(), edit.to);
-}
-
-// A job, a simulation and the files they name.
-class ConfigFiles {
- public:
-  explicit ConfigFiles(const Edit& edit = {}) {
-    directory_.Write("arm.yaml", kArmText);
-    directory_.Write("deviations.yaml", kDeviationsText);
-    directory_.Write("data.csv", kDataText);
-    directory_.Write("heldout.csv", kDataText);
-    job_ = directory_.Write("job.yaml", EditIfFound(kJobText, edit));
-    simulation_ =
-        directory_.Write("simulation.yaml", EditIfFound(kSimulationText, edit));
-  }
-
-  const TestDirectory& directory() const { return directory_; }
-  const std::string& job() const { return job_; }
-  const std::string& simulation() const { return simulation_; }
-
- private:
-  static std::string EditIfFound(const std::string& text, const Edit& edit) {
-    return text.find(edit.from) == std::string::npos ? text : Apply(text, edit);
-  }
-
-  TestDirectory directory_;
-  std::string job_;
-  std::string simulation_;
-};
 
 TEST(DetectFormatTest, TellsEveryFormat) {
   const ConfigFiles files;
@@ -227,6 +115,24 @@ TEST(LoadJobTest, ListsEveryFileItRead) {
   EXPECT_EQ(LoadJob(files.job()).input_files, expected);
 }
 
+TEST(LoadJobTest, ListsTheUrdfOfItsArm) {
+  const ConfigFiles files;
+  const TestDirectory& directory = files.directory();
+  directory.Write("arm.urdf",
+                  "<robot><link name='a'/><link name='b'/><link name='c'/>"
+                  "<joint name='j' type='continuous'><parent link='a'/>"
+                  "<child link='b'/><axis xyz='0 0 1'/></joint>"
+                  "<joint name='k' type='prismatic'><parent link='b'/>"
+                  "<child link='c'/><axis xyz='1 0 0'/>"
+                  "<limit lower='0' upper='1'/></joint></robot>");
+  directory.Write("arm.yaml",
+                  "format: alidade-arm-1\nname: x\n"
+                  "units: {length: mm, angle: deg}\n"
+                  "urdf: {file: arm.urdf, base_link: a, tip_link: c}\n");
+  const JobConfig job = LoadJob(files.job());
+  EXPECT_EQ(job.input_files.at(2), directory.Path("arm.urdf"));
+}
+
 TEST(LoadJobTest, NeedsOnlyAnArmAndData) {
   const ConfigFiles files;
   const std::string path = files.directory().Write(
@@ -241,20 +147,6 @@ TEST(LoadJobTest, NeedsOnlyAnArmAndData) {
   EXPECT_TRUE(job.compare_with.empty());
   EXPECT_FALSE(job.validation || job.truth || job.published);
   EXPECT_FALSE(job.acceptance.train_rms || job.acceptance.train_max);
-}
-
-struct ConfigErrorCase {
-  const char* name;
-  Edit edit;
-  ExpectedError expected;
-};
-
-void PrintTo(const ConfigErrorCase& error_case, std::ostream* out) {
-  *out << error_case.name;
-}
-
-std::string CaseName(const ::testing::TestParamInfo<ConfigErrorCase>& info) {
-  return info.param.name;
 }
 
 class LoadJobErrorTest : public ::testing::TestWithParam<ConfigErrorCase> {};
@@ -389,130 +281,6 @@ TEST(LoadJobTest, NamesTheFileThatAnErrorIsIn) {
     EXPECT_EQ(error.location().key, "deviations.r3");
   }
 }
-
-TEST(LoadSimulationTest, ReadsACylinder) {
-  const ConfigFiles files;
-  const SimulationConfig config = LoadSimulation(files.simulation());
-  EXPECT_EQ(config.title, "A test");
-  EXPECT_EQ(config.noise_sigma, 2e-5);
-  EXPECT_EQ(config.seed, 5U);
-  EXPECT_EQ(config.joint_decimals, 3);
-  EXPECT_EQ(config.output, files.directory().Path("out/data.csv"));
-  const auto& grid = std::get<CylinderGrid>(config.poses);
-  EXPECT_EQ(grid.azimuth.from, -kPi / 2.0);
-  EXPECT_EQ(grid.azimuth.to, kPi / 2.0);
-  EXPECT_EQ(grid.azimuth.count, 3);
-  EXPECT_EQ(grid.radius.from, 0.1);
-  EXPECT_EQ(grid.radius.to, 0.2);
-  EXPECT_EQ(grid.radius.count, 2);
-  EXPECT_EQ(grid.height, 0.25);
-  EXPECT_EQ(grid.elevation_from, -45.0 * kDegree);
-  EXPECT_EQ(grid.elevation_to, 30.0 * kDegree);
-  EXPECT_EQ(grid.start, Eigen::Vector2d(10.0 * kDegree, 0.02));
-}
-
-TEST(LoadSimulationTest, AddsDeviationsToTheNominalArm) {
-  const ConfigFiles files;
-  const SimulationConfig config = LoadSimulation(files.simulation());
-  const ParameterLayout layout(2);
-  EXPECT_NEAR(config.true_values[*layout.Find("r1")], 0.1005, 1e-15);
-  EXPECT_NEAR(config.true_values[*layout.Find("alpha2")], kPi / 2.0 + 0.002,
-              1e-15);
-}
-
-SimulationConfig LoadWithPoses(const std::string& poses) {
-  const ConfigFiles files;
-  const std::string text =
-      "format: alidade-simulation-1\nunits: {length: mm, angle: deg}\n"
-      "arm: arm.yaml\nposes: " +
-      poses + "\nseed: 0\noutput: o.csv\n";
-  return LoadSimulation(files.directory().Write("poses.yaml", text));
-}
-
-TEST(LoadSimulationTest, ReadsOtherKindsOfPoses) {
-  const SimulationConfig random = LoadWithPoses("{random: {count: 10}}");
-  EXPECT_EQ(std::get<RandomPoses>(random.poses).count, 10);
-  EXPECT_EQ(random.noise_sigma, 0.0);
-  EXPECT_EQ(random.joint_decimals, 4);
-  const SimulationConfig file = LoadWithPoses("{file: data.csv}");
-  const auto& poses = std::get<PosesFromFile>(file.poses);
-  EXPECT_EQ(poses.joint_values.col(1), Eigen::Vector2d(20.0 * kDegree, 0.2));
-  ASSERT_EQ(file.input_files.size(), 3U);
-  EXPECT_EQ(file.input_files[2], poses.path);
-}
-
-TEST(LoadSimulationTest, RandomPosesNeedLimits) {
-  const ConfigFiles files;
-  files.directory().Write("arm.yaml",
-                          Apply(kArmText, {", limits: [0, 500]", ""}));
-  const std::string path = files.directory().Write(
-      "poses.yaml",
-      "format: alidade-simulation-1\nunits: {length: mm, angle: deg}\n"
-      "arm: arm.yaml\nposes:\n  random: {count: 10}\nseed: 0\noutput: o.csv\n");
-  ExpectInputError([&] { LoadSimulation(path); },
-                   {5, 11, "poses.random", "joint 2 of arm \"two joints\""});
-}
-
-class LoadSimulationErrorTest
-    : public ::testing::TestWithParam<ConfigErrorCase> {};
-
-TEST_P(LoadSimulationErrorTest, NamesLineColumnKeyAndWhatWasExpected) {
-  const ConfigFiles files(GetParam().edit);
-  ExpectInputError([&] { LoadSimulation(files.simulation()); },
-                   GetParam().expected);
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    Simulations, LoadSimulationErrorTest,
-    ::testing::Values(
-        ConfigErrorCase{"UnknownPoses",
-                        {"  cylinder:", "  cilinder:"},
-                        {7, 3, "poses.cilinder", "did you mean \"cylinder\""}},
-        ConfigErrorCase{"TwoKindsOfPoses",
-                        {"poses:\n", "poses:\n  random: {count: 1}\n"},
-                        {7, 3, "poses",
-                         "expected exactly one of cylinder, "
-                         "random, file, found 2"}},
-        ConfigErrorCase{"NegativeCount",
-                        {"count: 3", "count: -3"},
-                        {8, 41, "poses.cylinder.azimuth.count",
-                         "expected an integer from 1 to 10000000, found -3"}},
-        ConfigErrorCase{
-            "CountOfOne",
-            {"count: 3", "count: 1"},
-            {8, 41, "poses.cylinder.azimuth.count", "expected 2 or more"}},
-        ConfigErrorCase{"TooManyPoses",
-                        {"count: 3", "count: 9000000"},
-                        {8, 5, "poses.cylinder",
-                         "expected at most 10000000 poses, found 18000000"}},
-        ConfigErrorCase{"NegativeRadius",
-                        {"from: 100", "from: -100"},
-                        {9, 13, "poses.cylinder.radius", "not below zero"}},
-        ConfigErrorCase{"ElevationSwapped",
-                        {"[-45, 30]", "[30, -45]"},
-                        {11, 16, "poses.cylinder.elevation",
-                         "expected [from, to] with \"to\" not below"}},
-        ConfigErrorCase{"StartTooShort",
-                        {"[10, 20]", "[10]"},
-                        {12, 12, "poses.cylinder.start",
-                         "expected a list of 2 (a value for every joint of "
-                         "the arm), found 1"}},
-        ConfigErrorCase{"NegativeNoise",
-                        {"sigma: 0.02", "sigma: -0.02"},
-                        {13, 16, "noise.sigma",
-                         "expected a length not below zero, found -0.02"}},
-        ConfigErrorCase{"NoSeed",
-                        {"seed: 5\n", ""},
-                        {1, 1, "seed", "missing, expected this key"}},
-        ConfigErrorCase{"TooManyDecimals",
-                        {"joint_decimals: 3", "joint_decimals: 13"},
-                        {15, 17, "joint_decimals",
-                         "expected an integer from 0 to 12, found 13"}},
-        ConfigErrorCase{"OutputIsInput",
-                        {"out/data.csv", "./arm.yaml"},
-                        {16, 9, "output",
-                         "expected a file that the simulation does not read"}}),
-    CaseName);
 
 std::vector<std::string> YamlFiles(const std::string& directory) {
   std::vector<std::string> paths;

@@ -50,6 +50,9 @@ TEST(LoadUrdfChainTest, SaysWhatIsWrong) {
   expect(
       "<joint name='j' type='revolute'>" + ends + "<mimic joint='k'/></joint>",
       2, "mimics");
+  expect("<joint name='j' type='prismatic'>" + ends +
+             "\n<limit lower='2' upper='1'/></joint>",
+         3, "lower limit 2 above the upper one 1");
   expect("", 1, "no chain from link");
   expect("<xacro:arm/>", 1, "expand it first");
   ExpectInputError([] { Load("", "d"); }, {1, 0, "", "unknown link"});
