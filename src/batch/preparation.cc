@@ -1,10 +1,13 @@
 #include "preparation.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "alidade/identifiability/analysis.h"
 #include "alidade/identifiability/rules.h"
@@ -34,31 +37,58 @@ bool IsEstimated(const ObservationBlock& block) {
   return block.kind != MeasurementKind::kPointDistance;
 }
 
-// The data with only the rows of one class measured.
+// The data with only the rows of one class measured, correlations left out.
 Dataset RowsOfClass(const Dataset& data, RowClass which) {
   Dataset rows = data;
   for (ObservationBlock& block : rows.blocks) {
+    block.whiteners.clear();
     for (int row = 0; row < block.rows_each(); ++row) {
       if (IsOf(which, row) && IsEstimated(block)) continue;
       block.sigmas.row(row).setConstant(
           std::numeric_limits<double>::infinity());
-      for (Eigen::MatrixXd& whitener : block.whiteners) {
-        if (whitener.size() > 0) whitener.row(row).setZero();
-      }
     }
   }
   return rows;
 }
 
-void ScaleSigmas(RowClass which, double factor, Dataset* data) {
+// What the sigmas of a class become: scale * sqrt(sigma^2 + added^2).
+struct SigmaChange {
+  double scale = 1.0;
+  double added = 0.0;
+};
+
+// The whitener of an observation after its covariance has changed.
+Eigen::MatrixXd ChangedWhitener(const Eigen::MatrixXd& whitener,
+                                RowClass which, const SigmaChange& change) {
+  Eigen::MatrixXd covariance =
+      (whitener.transpose() * whitener)
+          .llt()
+          .solve(Eigen::MatrixXd::Identity(whitener.rows(), whitener.cols()));
+  for (Eigen::Index row = 0; row < covariance.rows(); ++row) {
+    if (!IsOf(which, static_cast<int>(row))) continue;
+    covariance(row, row) += change.added * change.added;
+    covariance.row(row) *= change.scale;
+    covariance.col(row) *= change.scale;
+  }
+  const Eigen::MatrixXd information = covariance.llt().solve(
+      Eigen::MatrixXd::Identity(covariance.rows(), covariance.cols()));
+  return information.llt().matrixU();
+}
+
+void ChangeSigmas(RowClass which, const SigmaChange& change, Dataset* data) {
   for (ObservationBlock& block : data->blocks) {
     if (!IsEstimated(block)) continue;
     for (int row = 0; row < block.rows_each(); ++row) {
       if (!IsOf(which, row)) continue;
-      block.sigmas.row(row) *= factor;
-      for (Eigen::MatrixXd& whitener : block.whiteners) {
-        if (whitener.size() > 0) whitener.col(row) /= factor;
-      }
+      auto sigmas = block.sigmas.row(row).array();
+      sigmas = change.scale *
+               (sigmas.square() + change.added * change.added).sqrt();
+    }
+    for (Eigen::MatrixXd& whitener : block.whiteners) {
+      if (whitener.size() == 0) continue;
+      // Rows that were not measured have no covariance to change.
+      if ((whitener.rowwise().norm().array() == 0.0).any()) continue;
+      whitener = ChangedWhitener(whitener, which, change);
     }
   }
 }
@@ -124,18 +154,11 @@ double FreedomOfRows(const CalibrationProblem& problem,
   return static_cast<double>(rows.num_equations()) - used;
 }
 
-// By what factor the sigmas of a class are too small.
-double SigmaFactor(const JobConfig& config, const CalibrationProblem& problem,
-                   const Eigen::VectorXd& values, RowClass which) {
-  const Dataset rows = RowsOfClass(config.data, which);
-  const auto equations = static_cast<double>(rows.num_equations());
-  const double freedom = FreedomOfRows(problem, values, rows);
-  if (!(freedom > 0.0)) return 0.0;
-  const Eigen::VectorXd squared =
-      SquaredNorms(problem.model.Errors(values, rows), rows);
-  if (config.loss == LossKind::kNone) {
-    return std::sqrt(squared.sum() / freedom);
-  }
+// By what factor the sigmas of `rows` are too small for these errors.
+double SigmaFactor(LossKind loss, const Eigen::VectorXd& errors,
+                   const Dataset& rows, double freedom) {
+  const Eigen::VectorXd squared = SquaredNorms(errors, rows);
+  if (loss == LossKind::kNone) return std::sqrt(squared.sum() / freedom);
   // Norms of observations of several dimensions compare by their medians.
   const Eigen::VectorXi dimensions = Dimensions(rows);
   std::vector<double> norms;
@@ -143,8 +166,38 @@ double SigmaFactor(const JobConfig& config, const CalibrationProblem& problem,
     if (dimensions[i] == 0) continue;
     norms.push_back(std::sqrt(squared[i]) / MedianOfChi(dimensions[i]));
   }
+  const auto equations = static_cast<double>(rows.num_equations());
   return RobustScale(norms, 1) * MedianOfChi(1) *
          std::sqrt(equations / freedom);
+}
+
+double LargestSigma(const Dataset& rows) {
+  double largest = 0.0;
+  for (const ObservationBlock& block : rows.blocks) {
+    for (const double sigma : block.sigmas.reshaped()) {
+      if (std::isfinite(sigma)) largest = std::max(largest, sigma);
+    }
+  }
+  return largest;
+}
+
+// The change that makes the sigmas of `rows` agree with the errors. Where they
+// are too small, the model leaves more than the instrument: a variance that all
+// rows have in common is added. Where they are too large, all are scaled.
+SigmaChange FindChange(LossKind loss, const Eigen::VectorXd& errors,
+                       RowClass which, const Dataset& rows, double freedom) {
+  constexpr int kBisections = 40;
+  const double factor = SigmaFactor(loss, errors, rows, freedom);
+  if (!(factor > 1.0)) return {factor, 0.0};
+  double low = 0.0;
+  double high = factor * LargestSigma(rows);
+  for (int step = 0; step < kBisections; ++step) {
+    const double middle = 0.5 * (low + high);
+    Dataset changed = rows;
+    ChangeSigmas(which, {1.0, middle}, &changed);
+    (SigmaFactor(loss, errors, changed, freedom) > 1.0 ? low : high) = middle;
+  }
+  return {1.0, high};
 }
 
 }  // namespace
@@ -203,22 +256,31 @@ IdentifiabilityOptions OffsetsOnly(const IdentifiabilityOptions& options,
 
 EstimatedSigmas EstimateSigmas(JobConfig* config, int num_threads) {
   const MeasurementModel model(config->arm, config->references, num_threads);
+  const Dataset stated = config->data;
+  const std::optional<Dataset> stated_validation = config->validation;
   EstimatedSigmas sigmas;
   for (int round = 0; round < kSigmaRounds; ++round) {
     const Fit fit = FitOnce(*config, model, config->identifiability);
     if (!fit.summary.IsSolutionUsable()) return {};
     const CalibrationProblem problem =
         ProblemOf(*config, model, fit.identifiability);
+    Dataset next = stated;
+    std::optional<Dataset> next_validation = stated_validation;
     for (const RowClass which : {RowClass::kLength, RowClass::kRotation}) {
-      const double used = MedianSigma(which, config->data);
-      if (used == 0.0) continue;
-      const double factor = SigmaFactor(*config, problem, fit.values, which);
-      if (!(factor * used > kSmallestSigma)) return {};
-      ScaleSigmas(which, factor, &config->data);
-      if (config->validation) {
-        ScaleSigmas(which, factor, &*config->validation);
-      }
+      const Dataset current = RowsOfClass(config->data, which);
+      if (current.num_equations() == 0) continue;
+      const double freedom = FreedomOfRows(problem, fit.values, current);
+      if (!(freedom > 0.0)) return {};
+      const Dataset rows = RowsOfClass(stated, which);
+      const SigmaChange change =
+          FindChange(config->loss, model.Errors(fit.values, rows), which, rows,
+                     freedom);
+      ChangeSigmas(which, change, &next);
+      if (!(MedianSigma(which, next) > kSmallestSigma)) return {};
+      if (next_validation) ChangeSigmas(which, change, &*next_validation);
     }
+    config->data = std::move(next);
+    config->validation = std::move(next_validation);
     sigmas.length = MedianSigma(RowClass::kLength, config->data);
     sigmas.rotation = MedianSigma(RowClass::kRotation, config->data);
   }
