@@ -43,8 +43,8 @@ void Repeat(int times, ObservationBlock* block, Random* random) {
 }
 
 // All kinds, full whiteners and rows not measured among them; whitened
-// residuals of 0.1 to 100. With 180 repeats a block has more observations than
-// its parts have passes.
+// residuals of 0.1 to 100. With 180 repeats most blocks have more observations
+// than sixteen parts take in one pass each.
 MeasuredArm ManyMeasurements(int repeats, int seed) {
   Random random(51, seed);
   MeasuredArm measured =
