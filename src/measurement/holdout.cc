@@ -40,7 +40,8 @@ HoldOut Split(const Dataset& data, const std::vector<int>& groups,
 // The first pose of the configuration that `pose` belongs to (a forest of
 // pointers to earlier poses).
 Eigen::Index FirstOf(std::vector<Eigen::Index>* first, Eigen::Index pose) {
-  while ((*first)[pose] != pose) pose = (*first)[pose] = (*first)[(*first)[pose]];
+  while ((*first)[pose] != pose)
+    pose = (*first)[pose] = (*first)[(*first)[pose]];
   return pose;
 }
 
@@ -167,12 +168,12 @@ HoldOut HoldOutPoses(const Dataset& data, const std::vector<bool>& is_heldout) {
   }
   HoldOut split{SelectPoses(data, train), SelectPoses(data, heldout)};
   std::vector<ObservationBlock>& blocks = split.heldout.blocks;
-  blocks.erase(
-      std::remove_if(blocks.begin(), blocks.end(),
-                     [](const ObservationBlock& block) {
-                       return block.kind == MeasurementKind::kPointDistance;
-                     }),
-      blocks.end());
+  blocks.erase(std::remove_if(blocks.begin(), blocks.end(),
+                              [](const ObservationBlock& block) {
+                                return block.kind ==
+                                       MeasurementKind::kPointDistance;
+                              }),
+               blocks.end());
   return split;
 }
 
