@@ -176,9 +176,9 @@ EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
   return set;
 }
 
-Accuracy EvaluateAccuracy(const MeasurementModel& model, const Dataset& data,
-                          const Eigen::VectorXd& values) {
-  const Eigen::VectorXd norms = LengthErrors(model.Errors(values, data), data);
+Eigen::VectorXd CountedLengths(const Eigen::VectorXd& errors,
+                               const Dataset& data) {
+  const Eigen::VectorXd norms = LengthErrors(errors, data);
   std::vector<double> counted;
   ForEach(data, [&](const ObservationBlock& block, Eigen::Index i,
                     Eigen::Index count, Eigen::Index) {
@@ -188,7 +188,12 @@ Accuracy EvaluateAccuracy(const MeasurementModel& model, const Dataset& data,
       counted.push_back(norms[count]);
     }
   });
-  return SummarizeErrors(ToVector(counted));
+  return ToVector(counted);
+}
+
+Accuracy EvaluateAccuracy(const MeasurementModel& model, const Dataset& data,
+                          const Eigen::VectorXd& values) {
+  return SummarizeErrors(CountedLengths(model.Errors(values, data), data));
 }
 
 Accuracy EvaluateRotations(const MeasurementModel& model, const Dataset& data,
@@ -198,7 +203,7 @@ Accuracy EvaluateRotations(const MeasurementModel& model, const Dataset& data,
 }
 
 RepeatSpread MeasureRepeats(const Dataset& data) {
-  const std::vector<int> groups = GroupByConfiguration(data);
+  const std::vector<int> groups = GroupByJointValues(data);
   RepeatSpread spread;
   for (const ObservationBlock& block : data.blocks) {
     if (!HoldsPositions(block.kind)) continue;

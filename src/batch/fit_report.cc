@@ -1,12 +1,15 @@
 #include "fit_report.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "alidade/base/chi_square.h"
 #include "alidade/batch/evaluate.h"
+#include "alidade/identifiability/analysis.h"
 #include "alidade/measurement/holdout.h"
 #include "alidade/measurement/robust_loss.h"
 #include "alidade/report/format.h"
@@ -51,38 +54,48 @@ ObservationLabel LabelOf(const FinishedFit& fit, const ObservationBlock& block,
   return label;
 }
 
-// Norms of the errors over all poses that were held out once.
-struct PooledErrors {
-  std::vector<double> lengths;
-  std::vector<double> rotations;
+void AppendTo(const Eigen::VectorXd& norms, std::vector<double>* all) {
+  all->insert(all->end(), norms.data(), norms.data() + norms.size());
+}
 
-  void Add(const MeasurementModel& model, const Dataset& data,
-           const Eigen::VectorXd& values) {
-    const Eigen::VectorXd errors = model.Errors(values, data);
-    for (const double norm : LengthErrors(errors, data)) {
-      lengths.push_back(norm);
-    }
-    for (const double norm : RotationErrors(errors, data)) {
-      rotations.push_back(norm);
+Accuracy Summarize(const std::vector<double>& norms) {
+  return SummarizeErrors(Eigen::Map<const Eigen::VectorXd>(
+      norms.data(), static_cast<Eigen::Index>(norms.size())));
+}
+
+// Targets, points and planes that data say something of, as names.
+std::set<std::string> ObjectsIn(const Dataset& data) {
+  std::set<std::string> objects;
+  for (const ObservationBlock& block : data.blocks) {
+    const bool is_plane = block.kind == MeasurementKind::kPlane;
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      objects.insert("target " + std::to_string(block.target(i)));
+      if (block.references.empty()) continue;
+      objects.insert((is_plane ? "plane " : "point ") +
+                     std::to_string(block.references[i]));
     }
   }
+  return objects;
+}
 
-  static Accuracy Summarize(const std::vector<double>& norms) {
-    return SummarizeErrors(Eigen::Map<const Eigen::VectorXd>(
-        norms.data(), static_cast<Eigen::Index>(norms.size())));
-  }
-};
+bool CoversObjects(const HoldOut& split) {
+  const std::set<std::string> train = ObjectsIn(split.train);
+  const std::set<std::string> heldout = ObjectsIn(split.heldout);
+  return std::includes(train.begin(), train.end(), heldout.begin(),
+                       heldout.end());
+}
 
 }  // namespace
 
 std::vector<StageResult> ListStages(const FinishedFit& fit, int num_free) {
   const IdentifiabilityOptions& options = fit.config.identifiability;
-  const Fit frames = FitOnce(fit.config, fit.model(), FramesOnly(options));
+  const IdentifiabilityResult frames = AnalyzeIdentifiability(
+      fit.model(), fit.config.data, FramesOnly(options, fit.model().layout()));
   std::vector<StageResult> stages = {MakeStage(
-      fit, "frames only", frames.num_free(), fit.model().NominalValues())};
+      fit, "frames only", frames.num_free, fit.model().NominalValues())};
   if (!options.candidates.joints) return stages;
-  const Fit offsets = FitOnce(fit.config, fit.model(),
-                              OffsetsOnly(options, fit.config.arm));
+  const Fit offsets = FitPart(fit.config, fit.model(),
+                              OffsetsOnly(options, fit.model()));
   if (offsets.summary.IsSolutionUsable()) {
     stages.push_back(MakeStage(fit, "joint offsets", offsets.num_free(),
                                offsets.values));
@@ -99,18 +112,20 @@ std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit) {
   const double chance =
       kChanceOfOutlier / static_cast<double>(std::max<Eigen::Index>(
                              1, squared.size()));
+  // Squared limits of observations of 0 to 6 rows.
+  std::array<double, 7> limits{};
+  for (std::size_t rows = 1; rows < limits.size(); ++rows) {
+    limits[rows] = ChiSquareUpperQuantile(chance, static_cast<int>(rows));
+  }
   constexpr int kPositionRows = 3;
-  *limit = std::sqrt(ChiSquareUpperQuantile(chance, kPositionRows));
+  *limit = std::sqrt(limits[kPositionRows]);
   const std::vector<RobustLoss> losses = TunedLosses(fit.config.loss);
   std::vector<Outlier> outliers;
   Eigen::Index count = 0;
   for (const ObservationBlock& block : data.blocks) {
     for (Eigen::Index i = 0; i < block.size(); ++i, ++count) {
       const int rows = block.Dimension(i);
-      if (rows == 0 ||
-          squared[count] <= ChiSquareUpperQuantile(chance, rows)) {
-        continue;
-      }
+      if (rows == 0 || squared[count] <= limits[rows]) continue;
       const double weight =
           losses.empty() ? 1.0 : losses[rows - 1].Weight(squared[count]);
       outliers.push_back({count, LabelOf(fit, block, i), lengths[count],
@@ -126,35 +141,31 @@ std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit) {
 
 std::optional<CrossValidation> CrossValidate(const JobConfig& config,
                                              int num_threads) {
-  PooledErrors pooled;
+  std::vector<double> lengths;
+  std::vector<double> rotations;
   for (int k = 0; k < config.folds->folds; ++k) {
-    JobConfig fold = config;
     HoldOut split =
         HoldOutFold(config.data, config.folds->folds, k, config.folds->seed);
+    if (!CoversObjects(split)) return std::nullopt;
+    JobConfig fold = config;
     fold.data = std::move(split.train);
-    FitFrames(&fold, num_threads);
+    if (HasUnknownFrames(fold) && !fold.truth &&
+        !FitFrames(&fold, num_threads)) {
+      return std::nullopt;
+    }
+    if (fold.estimate_sigma &&
+        !(EstimateSigmas(&fold, num_threads).length > 0.0)) {
+      return std::nullopt;
+    }
     const MeasurementModel model(fold.arm, fold.references, num_threads);
     const Fit fit = FitOnce(fold, model, fold.identifiability);
     if (!fit.summary.IsSolutionUsable()) return std::nullopt;
-    pooled.Add(model, split.heldout, fit.values);
+    const Eigen::VectorXd errors = model.Errors(fit.values, split.heldout);
+    AppendTo(CountedLengths(errors, split.heldout), &lengths);
+    AppendTo(RotationErrors(errors, split.heldout), &rotations);
   }
-  return CrossValidation{config.folds->folds,
-                         PooledErrors::Summarize(pooled.lengths),
-                         PooledErrors::Summarize(pooled.rotations)};
-}
-
-double TypicalResidual(const FinishedFit& fit, double reduced_chi_square) {
-  if (fit.config.loss == LossKind::kNone) return std::sqrt(reduced_chi_square);
-  const Dataset& data = fit.config.data;
-  const Eigen::VectorXd squared =
-      SquaredNorms(fit.model().Errors(fit.values, data), data);
-  const Eigen::VectorXi dimensions = Dimensions(data);
-  std::vector<double> norms;
-  for (Eigen::Index i = 0; i < squared.size(); ++i) {
-    if (dimensions[i] == 0) continue;
-    norms.push_back(std::sqrt(squared[i]) / MedianOfChi(dimensions[i]));
-  }
-  return RobustScale(std::move(norms), 1) * MedianOfChi(1);
+  return CrossValidation{config.folds->folds, Summarize(lengths),
+                         Summarize(rotations)};
 }
 
 std::string FarFromPriors(const FinishedFit& fit) {

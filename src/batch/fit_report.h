@@ -37,10 +37,6 @@ std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit);
 std::optional<CrossValidation> CrossValidate(const JobConfig& config,
                                              int num_threads);
 
-/// What a typical residual is in sigmas: the root of chi-square by degree of
-/// freedom or, where the loss expects outliers, what the median norm says.
-double TypicalResidual(const FinishedFit& fit, double reduced_chi_square);
-
 /// Free parameters further from nominal than their priors allow, as
 /// "d3 (6.1), ...", in standard deviations; empty where there are none.
 std::string FarFromPriors(const FinishedFit& fit);

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "alidade/batch/evaluate.h"
 #include "alidade/measurement/frame_start.h"
 #include "alidade/model/chain_axes.h"
 #include "alidade/model/rotation.h"
@@ -29,12 +31,16 @@ std::vector<std::string> WithoutJoints(const std::vector<std::string>& names,
   return frames;
 }
 
-bool HoldsPartOfFrames(const IdentifiabilityOptions& options) {
-  return std::any_of(options.fix.begin(), options.fix.end(),
-                     [](const std::string& name) {
-                       return name.rfind("base_", 0) == 0 ||
-                              name.rfind("tool", 0) == 0;
-                     });
+ParameterLayout LayoutOfJob(const JobConfig& config) {
+  return ParameterLayout(
+      LayoutShape{config.arm.num_joints(), config.arm.num_targets(),
+                  config.references.num_points(),
+                  config.references.num_planes()});
+}
+
+bool HoldsPartOfFrames(const JobConfig& config) {
+  return !WithoutJoints(config.identifiability.fix, LayoutOfJob(config))
+              .empty();
 }
 
 // Finds frames and references from the data alone. What it cannot find it
@@ -49,6 +55,7 @@ class FrameStarter {
         frames_(LastFrames(config.arm, config.data.joint_values)) {}
 
   void Run() {
+    FindMeasuredTargets();
     StartBaseAndTargets();
     StartContacts();
     StartDistances();
@@ -158,17 +165,22 @@ class FrameStarter {
     if (fit) arm_.instrument_from_base = fit->b_from_a;
   }
 
-  // Whether the target's place is still to be found, by this kind alone.
-  bool FindsTarget(int target) const {
-    if (!MovesTools()) return false;
+  // Targets whose positions were measured are found with the base.
+  void FindMeasuredTargets() {
+    is_found_.assign(arm_.num_targets(), !MovesTools());
     for (const ObservationBlock& block : data_.blocks) {
       const bool has_position = block.kind == MeasurementKind::kPosition ||
                                 block.kind == MeasurementKind::kPose;
       for (Eigen::Index i = 0; has_position && i < block.size(); ++i) {
-        if (block.target(i) == target) return false;
+        is_found_[block.target(i)] = true;
       }
     }
-    return true;
+  }
+
+  void Found(int target, const Eigen::Vector3d& place) {
+    if (is_found_[target]) return;
+    arm_.last_from_target(target).translation() = place;
+    is_found_[target] = true;
   }
 
   // Balls in sockets, each target with its points.
@@ -194,11 +206,11 @@ class FrameStarter {
       if (found == seen.end()) seen.push_back(point);
     }
     if (frames.empty()) return;
-    if (FindsTarget(target)) {
+    if (!is_found_[target]) {
       const std::optional<FixedPointStart> start =
           StartFromFixedPoints(arm_.instrument_from_base, frames, points,
                                static_cast<int>(seen.size()));
-      if (start) arm_.last_from_target(target).translation() = start->target;
+      if (start) Found(target, start->target);
     }
     MoveToMeans(frames, points, seen, target);
   }
@@ -222,57 +234,69 @@ class FrameStarter {
     }
   }
 
-  // Anchors, one by one; the first that also finds the target serves the rest.
-  void StartDistances() {
-    for (int anchor = 0; anchor < references_.num_points(); ++anchor) {
-      for (const ObservationBlock& block : data_.blocks) {
-        if (block.kind != MeasurementKind::kDistance) continue;
-        StartDistance(block, anchor);
+  // The frames at which a target was measured against a reference by this
+  // kind, and what was measured.
+  struct Against {
+    Poses frames;
+    Eigen::VectorXd lengths;
+  };
+
+  Against MeasuredAgainst(MeasurementKind kind, int reference,
+                          int target) const {
+    Against against;
+    std::vector<double> lengths;
+    for (const ObservationBlock& block : data_.blocks) {
+      if (block.kind != kind) continue;
+      for (Eigen::Index i = 0; i < block.size(); ++i) {
+        if (block.references[i] != reference || block.target(i) != target) {
+          continue;
+        }
+        against.frames.push_back(frames_[block.pose(i)]);
+        lengths.push_back(block.measured(0, i));
       }
     }
+    against.lengths = Eigen::Map<const Eigen::VectorXd>(
+        lengths.data(), static_cast<Eigen::Index>(lengths.size()));
+    return against;
   }
 
-  void StartDistance(const ObservationBlock& block, int anchor) {
-    Poses frames;
-    std::vector<double> lengths;
-    for (Eigen::Index i = 0; i < block.size(); ++i) {
-      if (block.references[i] != anchor || block.target(i) != 0) continue;
-      frames.push_back(frames_[block.pose(i)]);
-      lengths.push_back(block.measured(0, i));
+  // Of an anchor or plane the start finds the target too; the first that does
+  // settles it.
+  void StartDistances() {
+    for (int anchor = 0; anchor < references_.num_points(); ++anchor) {
+      ReferencePoint& point = references_.points[anchor];
+      for (int target = 0; target < arm_.num_targets(); ++target) {
+        if (point.is_known) break;
+        const Against against =
+            MeasuredAgainst(MeasurementKind::kDistance, anchor, target);
+        if (against.frames.empty()) continue;
+        const std::optional<DistanceStart> start = StartFromDistances(
+            arm_.instrument_from_base, against.frames, against.lengths);
+        if (!start) continue;
+        point.position = start->anchor;
+        Found(target, start->target);
+        break;
+      }
     }
-    ReferencePoint& point = references_.points[anchor];
-    if (lengths.empty() || point.is_known) return;
-    const std::optional<DistanceStart> start = StartFromDistances(
-        arm_.instrument_from_base, frames,
-        Eigen::Map<const Eigen::VectorXd>(
-            lengths.data(), static_cast<Eigen::Index>(lengths.size())));
-    if (!start) return;
-    point.position = start->anchor;
-    if (FindsTarget(0)) arm_.last_from_target().translation() = start->target;
   }
 
   void StartPlanes() {
-    for (int plane = 0; plane < references_.num_planes(); ++plane) {
-      for (const ObservationBlock& block : data_.blocks) {
-        if (block.kind == MeasurementKind::kPlane) StartPlane(block, plane);
+    for (int index = 0; index < references_.num_planes(); ++index) {
+      ReferencePlane& plane = references_.planes[index];
+      for (int target = 0; target < arm_.num_targets(); ++target) {
+        if (plane.is_known) break;
+        const Against against =
+            MeasuredAgainst(MeasurementKind::kPlane, index, target);
+        if (against.frames.empty()) continue;
+        const std::optional<PlaneStart> start =
+            StartFromPlane(arm_.instrument_from_base, against.frames);
+        if (!start) continue;
+        plane.normal = start->normal;
+        plane.offset = start->offset;
+        Found(target, start->target);
+        break;
       }
     }
-  }
-
-  void StartPlane(const ObservationBlock& block, int index) {
-    Poses frames;
-    for (Eigen::Index i = 0; i < block.size(); ++i) {
-      if (block.references[i] != index || block.target(i) != 0) continue;
-      frames.push_back(frames_[block.pose(i)]);
-    }
-    ReferencePlane& plane = references_.planes[index];
-    if (frames.empty() || plane.is_known) return;
-    const std::optional<PlaneStart> start =
-        StartFromPlane(arm_.instrument_from_base, frames);
-    if (!start) return;
-    plane.normal = start->normal;
-    plane.offset = start->offset;
-    if (FindsTarget(0)) arm_.last_from_target().translation() = start->target;
   }
 
   const IdentifiabilityOptions& options_;
@@ -280,11 +304,13 @@ class FrameStarter {
   Arm arm_;
   References references_;
   const Poses frames_;
+  std::vector<bool> is_found_;  // one per target
 };
 
 double MedianError(const MeasurementModel& model, const Dataset& data) {
   Eigen::VectorXd errors =
-      LengthErrors(model.Errors(model.NominalValues(), data), data);
+      CountedLengths(model.Errors(model.NominalValues(), data), data);
+  if (errors.size() == 0) return std::numeric_limits<double>::infinity();
   std::nth_element(errors.data(), errors.data() + errors.size() / 2,
                    errors.data() + errors.size());
   return errors[errors.size() / 2];
@@ -292,11 +318,11 @@ double MedianError(const MeasurementModel& model, const Dataset& data) {
 
 }  // namespace
 
-IdentifiabilityOptions FramesOnly(const IdentifiabilityOptions& options) {
-  // Joint parameters have their names in a layout of any number of targets.
-  constexpr int kManyJoints = 99;
-  const ParameterLayout layout(kManyJoints);
+IdentifiabilityOptions FramesOnly(const IdentifiabilityOptions& options,
+                                  const ParameterLayout& layout) {
   IdentifiabilityOptions frames = options;
+  // The published rules know joints alone.
+  frames.method = IdentifiabilityMethod::kRank;
   frames.candidates.joints = false;
   frames.fix = WithoutJoints(options.fix, layout);
   frames.free = WithoutJoints(options.free, layout);
@@ -321,7 +347,8 @@ bool FitFrames(JobConfig* config, int num_threads) {
   if (!HasUnknownFrames(*config) || config->truth) return false;
   const Arm given = config->arm;
   const References given_references = config->references;
-  if (!HoldsPartOfFrames(config->identifiability)) {
+  bool is_found = false;
+  if (!HoldsPartOfFrames(*config)) {
     FrameStarter starter(*config);
     starter.Run();
     const MeasurementModel found(starter.arm(), starter.references(),
@@ -330,15 +357,14 @@ bool FitFrames(JobConfig* config, int num_threads) {
     if (MedianError(found, config->data) < MedianError(stated, config->data)) {
       config->arm = starter.arm();
       config->references = starter.references();
+      is_found = true;
     }
   }
   const MeasurementModel model(config->arm, config->references, num_threads);
-  const Fit fit = FitOnce(*config, model, FramesOnly(config->identifiability));
-  if (!fit.summary.IsSolutionUsable()) {
-    config->arm = given;
-    config->references = given_references;
-    return false;
-  }
+  const Fit fit = FitPart(*config, model,
+                          FramesOnly(config->identifiability, model.layout()));
+  // A start that was found stays better than none.
+  if (!fit.summary.IsSolutionUsable()) return is_found;
   config->arm = model.layout().WithValues(config->arm, fit.values);
   config->references = model.ReferencesAt(fit.values);
   return true;

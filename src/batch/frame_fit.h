@@ -2,12 +2,14 @@
 #define ALIDADE_SRC_BATCH_FRAME_FIT_H_
 
 #include "alidade/io/job_config.h"
+#include "alidade/model/parameter_layout.h"
 
 namespace alidade {
 
 /// Base, targets and references alone, the geometry of the joints held at its
 /// nominal values.
-IdentifiabilityOptions FramesOnly(const IdentifiabilityOptions& options);
+IdentifiabilityOptions FramesOnly(const IdentifiabilityOptions& options,
+                                  const ParameterLayout& layout);
 
 /// Whether base, targets or references are to be found at all.
 bool HasUnknownFrames(const JobConfig& config);
@@ -17,7 +19,7 @@ bool HasUnknownFrames(const JobConfig& config);
 /// of the user's (frame_start.h), so that the small rotations of the layout are
 /// small: a rotation vector is a chart of SO(3) about the nominal one. Nothing
 /// is done where the true arm is given, whose deviations are from the arm as it
-/// stands. True: they were fitted. On failure all is as it was.
+/// stands. True: they were fitted, or at least found.
 bool FitFrames(JobConfig* config, int num_threads);
 
 }  // namespace alidade

@@ -1,6 +1,7 @@
 #include "input_doubt.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -150,12 +151,14 @@ std::vector<Slip> JointSlips(const Arm& arm) {
 
 }  // namespace
 
-std::string DoubtInput(const Arm& arm, const Dataset& data) {
+InputDoubt DoubtInput(const Arm& arm, const Dataset& data) {
   const Pairs pairs = PositionsOf(data);
-  if (pairs.points.cols() < kFewest || !pairs.points.allFinite()) return "";
+  if (pairs.points.cols() < kFewest || !pairs.points.allFinite()) return {};
   const double misfit = Misfit(arm, pairs);
-  const double tolerated = kTolerated * Reach(arm);
-  if (!(misfit > tolerated)) return "";
+  Arm at_origin = arm;
+  at_origin.instrument_from_base.setIdentity();
+  const double tolerated = kTolerated * Reach(at_origin);
+  if (!(misfit > tolerated) || !std::isfinite(misfit)) return {};
   std::vector<Slip> slips = UnitSlips(arm);
   for (Slip& slip : JointSlips(arm)) slips.push_back(std::move(slip));
   const Slip* best = nullptr;
@@ -173,12 +176,13 @@ std::string DoubtInput(const Arm& arm, const Dataset& data) {
       "are: half of them are more than " +
       FormatLength(misfit, 3) + " off";
   if (best == nullptr) {
-    return text +
+    text +=
            ". No single slip of units, columns or signs explains it: look "
            "whether the arm file describes the arm that was measured";
+    return {text, false};
   }
-  return text + ". They fit to " + FormatLength(best_misfit, 3) + " if " +
-         best->text;
+  text += ". They fit to " + FormatLength(best_misfit, 3) + " if " + best->text;
+  return {text, true};
 }
 
 }  // namespace alidade

@@ -2,9 +2,9 @@
 
 #include <glog/logging.h>
 
-#include <array>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -47,42 +47,72 @@ SolverRun Solve(SolverName name, const CalibrationProblem& problem,
 // degrees of freedom the odds are below 1e-6.
 constexpr double kLargeResiduals = 2.5;
 
+// A limit on what was not measured is not met.
+double OrInfinity(const Accuracy& accuracy, double value) {
+  return accuracy.n > 0 ? value : std::numeric_limits<double>::infinity();
+}
+
+// Of the poses held out of the fit, or of each fold.
+struct HeldOutErrors {
+  Accuracy lengths;
+  Accuracy rotations;
+};
+
+HeldOutErrors HeldOutErrorsOf(const JobResult& result) {
+  if (result.heldout) {
+    return {result.heldout->after, result.heldout->rotation_after};
+  }
+  if (result.cross_validation) {
+    return {result.cross_validation->position,
+            result.cross_validation->rotation};
+  }
+  return {};
+}
+
 std::vector<AcceptanceCheck> CheckAcceptance(const AcceptanceLimits& limits,
                                              const JobResult& result) {
   std::vector<AcceptanceCheck> checks;
-  const auto add = [&](const char* quantity, const std::optional<double>& limit,
-                       double obtained, Dimension dimension) {
+  const auto add = [&](const std::string& quantity,
+                       const std::optional<double>& limit, double obtained,
+                       Dimension dimension) {
     if (limit) checks.push_back({quantity, *limit, obtained, dimension});
   };
-  const auto add_set = [&](const EvaluatedSet& set,
-                           const std::array<const char*, 4>& names,
-                           const std::array<std::optional<double>, 4>& at_most) {
-    add(names[0], at_most[0], set.after.rms, Dimension::kLength);
-    add(names[1], at_most[1], set.after.max, Dimension::kLength);
-    add(names[2], at_most[2], set.rotation_after.rms, Dimension::kAngle);
-    add(names[3], at_most[3], set.rotation_after.max, Dimension::kAngle);
+  const auto add_lengths = [&](const std::string& set, const Accuracy& accuracy,
+                               const std::optional<double>& rms,
+                               const std::optional<double>& max) {
+    add(set + "_rms", rms, OrInfinity(accuracy, accuracy.rms),
+        Dimension::kLength);
+    add(set + "_max", max, OrInfinity(accuracy, accuracy.max),
+        Dimension::kLength);
   };
-  add_set(result.train,
-          {"train_rms", "train_max", "train_rotation_rms", "train_rotation_max"},
-          {limits.train_rms, limits.train_max, limits.train_rotation_rms,
-           limits.train_rotation_max});
-  if (result.heldout) {
-    add_set(*result.heldout,
-            {"heldout_rms", "heldout_max", "heldout_rotation_rms",
-             "heldout_rotation_max"},
-            {limits.heldout_rms, limits.heldout_max,
-             limits.heldout_rotation_rms, limits.heldout_rotation_max});
-  }
+  const auto add_rotations = [&](const std::string& set,
+                                 const Accuracy& accuracy,
+                                 const std::optional<double>& rms,
+                                 const std::optional<double>& max) {
+    add(set + "_rotation_rms", rms, OrInfinity(accuracy, accuracy.rms),
+        Dimension::kAngle);
+    add(set + "_rotation_max", max, OrInfinity(accuracy, accuracy.max),
+        Dimension::kAngle);
+  };
+  add_lengths("train", result.train.after, limits.train_rms, limits.train_max);
+  add_rotations("train", result.train.rotation_after,
+                limits.train_rotation_rms, limits.train_rotation_max);
+  const HeldOutErrors heldout = HeldOutErrorsOf(result);
+  add_lengths("heldout", heldout.lengths, limits.heldout_rms,
+              limits.heldout_max);
+  add_rotations("heldout", heldout.rotations, limits.heldout_rotation_rms,
+                limits.heldout_rotation_max);
   return checks;
 }
 
-// Data that fit nowhere are an error of the input, before anything is fitted.
-void RefuseDoubtful(const JobConfig& config) {
-  const std::string doubt = DoubtInput(config.arm, config.data);
-  if (doubt.empty()) return;
+// Data that fit nowhere, and would if one slip were mended, are an error of the
+// input, before anything is fitted. Returns what speaks against others.
+std::string RefuseSlips(const JobConfig& config) {
+  InputDoubt doubt = DoubtInput(config.arm, config.data);
+  if (!doubt.is_explained) return doubt.text;
   SourceLocation location;
   location.file = config.data.name;
-  throw InputError(location, doubt);
+  throw InputError(location, doubt.text);
 }
 
 class JobRunner {
@@ -96,7 +126,8 @@ class JobRunner {
     outcome_.calibrated = config_.arm;
   }
 
-  JobOutcome Run(const std::string& command) {
+  /// `as_read`: the job before frames were fitted, for what repeats all of it.
+  JobOutcome Run(const std::string& command, const JobConfig& as_read) {
     DescribeInputs(command);
     DescribeData();
     if (config_.estimate_sigma && !(sigmas_.length > 0.0)) {
@@ -115,7 +146,7 @@ class JobRunner {
                : "") +
           " fitted to the training poses, the geometry of the joints nominal";
     }
-    if (Identify() && SolveAll()) Evaluate();
+    if (Identify() && SolveAll()) Evaluate(as_read);
     outcome_.result.total_time_s = SecondsSince(start_);
     return std::move(outcome_);
   }
@@ -195,7 +226,7 @@ class JobRunner {
     return true;
   }
 
-  void Evaluate() {
+  void Evaluate(const JobConfig& as_read) {
     const Eigen::VectorXd nominal = model_.NominalValues();
     const Eigen::VectorXd& values = result().runs.front().values;
     outcome_.calibrated = model_.layout().WithValues(config_.arm, values);
@@ -213,10 +244,12 @@ class JobRunner {
       result().stages = ListStages(fit, result().identifiability.num_free);
     }
     if (config_.folds) {
-      result().cross_validation = CrossValidate(config_, model_.num_threads());
+      result().cross_validation = CrossValidate(as_read, model_.num_threads());
       if (!result().cross_validation) {
-        Warn("cross-validation gave no usable fit of one of its folds: fewer "
-             "folds leave it more poses");
+        Warn(
+            "cross-validation found no usable fit of one of its folds, or one "
+            "that leaves no pose to a point, plane or target: other folds leave "
+            "more");
       }
     }
     result().outliers = ListOutliers(fit, &result().outlier_limit);
@@ -249,11 +282,15 @@ class JobRunner {
           ChiSquare(model_.Errors(fit.values, config_.data), config_.data) /
           freedom;
     }
-    const double ratio = TypicalResidual(fit, result().reduced_chi_square);
+    // Where the loss expects outliers, they are not held against the fit.
+    const double ratio =
+        config_.loss == LossKind::kNone
+            ? std::sqrt(result().reduced_chi_square)
+            : TypicalResidual(model_, config_.data, fit.values);
     if (ratio > kLargeResiduals) {
       Warn("the residuals are " + FormatSignificant(ratio, 3) +
            " times as large as the sigmas say: look for wrong units, columns, "
-           "outliers, sigmas or a wrong arm");
+           "rotation convention, outliers, sigmas or a wrong arm");
     }
     if (const std::string names = FarFromPriors(fit); !names.empty()) {
       Warn("further from nominal than the priors allow, in standard "
@@ -279,7 +316,10 @@ class JobRunner {
         parameter.dimension = layout.parameter(column).dimension;
         parameter.nominal = nominal[column];
         parameter.value = values[column];
-        if (config_.truth) parameter.truth = (*config_.truth)[column];
+        const ParameterKind kind = layout.parameter(column).kind;
+        if (config_.truth && !ParameterLayout::IsReferenceKind(kind)) {
+          parameter.truth = (*config_.truth)[column];
+        }
         parameter.decision = result().identifiability.decisions[column];
         result().parameters.push_back(std::move(parameter));
       }
@@ -300,12 +340,17 @@ class JobRunner {
 
 JobOutcome RunJob(const JobConfig& config, const std::string& command,
                   int num_threads) {
-  RefuseDoubtful(config);
-  return JobRunner(config, num_threads).Run(command);
+  const std::string doubt = RefuseSlips(config);
+  JobOutcome outcome = JobRunner(config, num_threads).Run(command, config);
+  if (!doubt.empty()) {
+    outcome.result.warnings.push_back(doubt);
+    LOG(WARNING) << "warning: " << doubt;
+  }
+  return outcome;
 }
 
 IdentifiabilityResult IdentifyJob(const JobConfig& config, int num_threads) {
-  RefuseDoubtful(config);
+  RefuseSlips(config);
   JobConfig prepared = config;
   FitFrames(&prepared, num_threads);
   const MeasurementModel model(prepared.arm, prepared.references, num_threads);

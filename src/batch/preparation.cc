@@ -1,15 +1,17 @@
 #include "preparation.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "alidade/identifiability/analysis.h"
+#include "alidade/identifiability/observability.h"
 #include "alidade/identifiability/rules.h"
 #include "alidade/measurement/compression.h"
 #include "alidade/measurement/robust_loss.h"
@@ -57,22 +59,38 @@ struct SigmaChange {
   double added = 0.0;
 };
 
+// Rows that were measured, whose columns of the whitener are not zero.
+std::vector<Eigen::Index> MeasuredRows(const Eigen::MatrixXd& whitener) {
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index row = 0; row < whitener.cols(); ++row) {
+    if (!whitener.col(row).isZero(0.0)) rows.push_back(row);
+  }
+  return rows;
+}
+
+Eigen::MatrixXd Inverse(const Eigen::MatrixXd& matrix) {
+  return matrix.llt().solve(
+      Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols()));
+}
+
 // The whitener of an observation after its covariance has changed.
 Eigen::MatrixXd ChangedWhitener(const Eigen::MatrixXd& whitener,
                                 RowClass which, const SigmaChange& change) {
-  Eigen::MatrixXd covariance =
-      (whitener.transpose() * whitener)
-          .llt()
-          .solve(Eigen::MatrixXd::Identity(whitener.rows(), whitener.cols()));
-  for (Eigen::Index row = 0; row < covariance.rows(); ++row) {
-    if (!IsOf(which, static_cast<int>(row))) continue;
+  const std::vector<Eigen::Index> measured = MeasuredRows(whitener);
+  const Eigen::MatrixXd information = whitener.transpose() * whitener;
+  Eigen::MatrixXd covariance = Inverse(information(measured, measured));
+  for (std::size_t k = 0; k < measured.size(); ++k) {
+    if (!IsOf(which, static_cast<int>(measured[k]))) continue;
+    const auto row = static_cast<Eigen::Index>(k);
     covariance(row, row) += change.added * change.added;
     covariance.row(row) *= change.scale;
     covariance.col(row) *= change.scale;
   }
-  const Eigen::MatrixXd information = covariance.llt().solve(
-      Eigen::MatrixXd::Identity(covariance.rows(), covariance.cols()));
-  return information.llt().matrixU();
+  const Eigen::MatrixXd changed = Inverse(covariance).llt().matrixU();
+  Eigen::MatrixXd all =
+      Eigen::MatrixXd::Zero(whitener.rows(), whitener.cols());
+  all(measured, measured) = changed;
+  return all;
 }
 
 void ChangeSigmas(RowClass which, const SigmaChange& change, Dataset* data) {
@@ -86,8 +104,6 @@ void ChangeSigmas(RowClass which, const SigmaChange& change, Dataset* data) {
     }
     for (Eigen::MatrixXd& whitener : block.whiteners) {
       if (whitener.size() == 0) continue;
-      // Rows that were not measured have no covariance to change.
-      if ((whitener.rowwise().norm().array() == 0.0).any()) continue;
       whitener = ChangedWhitener(whitener, which, change);
     }
   }
@@ -110,34 +126,15 @@ double MedianSigma(RowClass which, const Dataset& data) {
   return *middle;
 }
 
-// The inverse of J^T J + P^-1 in units that make it well scaled, and what turns
-// a factor of the free columns into them.
-struct Information {
-  Eigen::VectorXd scale;
-  Eigen::MatrixXd inverse;
-};
-
-Information Invert(const CalibrationProblem& problem,
-                   const Eigen::MatrixXd& factor) {
-  const Eigen::Index p = factor.cols();
-  Information information;
-  information.scale = factor.colwise().norm();
-  Eigen::VectorXd prior = Eigen::VectorXd::Zero(p);
-  for (Eigen::Index k = 0; k < p; ++k) {
-    if (problem.priors.size() > 0) {
-      const double deviation = problem.priors[problem.free_columns[k]];
-      prior[k] = std::isfinite(deviation) ? 1.0 / (deviation * deviation) : 0.0;
-    }
-    double& scale = information.scale[k];
-    scale = std::sqrt(scale * scale + prior[k]);
-    scale = scale > 0.0 ? 1.0 / scale : 1.0;
+Eigen::VectorXd PriorsOfFree(const CalibrationProblem& problem) {
+  const auto p = static_cast<Eigen::Index>(problem.free_columns.size());
+  Eigen::VectorXd priors = Eigen::VectorXd::Constant(
+      p, std::numeric_limits<double>::infinity());
+  for (Eigen::Index k = 0; k < p && problem.priors.size() > 0; ++k) {
+    const double prior = problem.priors[problem.free_columns[k]];
+    if (std::isfinite(prior)) priors[k] = prior;
   }
-  const Eigen::MatrixXd scaled = factor * information.scale.asDiagonal();
-  Eigen::MatrixXd normal = scaled.transpose() * scaled;
-  normal.diagonal().array() += prior.array() * information.scale.array().square();
-  information.inverse =
-      normal.completeOrthogonalDecomposition().pseudoInverse();
-  return information;
+  return priors;
 }
 
 // Degrees of freedom of some rows of the data: their equations less the trace
@@ -145,62 +142,109 @@ Information Invert(const CalibrationProblem& problem,
 double FreedomOfRows(const CalibrationProblem& problem,
                      const Eigen::VectorXd& values, const Dataset& rows) {
   const std::vector<int>& free = problem.free_columns;
-  const Information information =
-      Invert(problem, JacobianFactor(problem.model, values, problem.data, free));
+  const Eigen::MatrixXd all =
+      JacobianFactor(problem.model, values, problem.data, free);
   const Eigen::MatrixXd part =
-      JacobianFactor(problem.model, values, rows, free) *
-      information.scale.asDiagonal();
-  const double used = (part * information.inverse * part.transpose()).trace();
-  return static_cast<double>(rows.num_equations()) - used;
-}
-
-// By what factor the sigmas of `rows` are too small for these errors.
-double SigmaFactor(LossKind loss, const Eigen::VectorXd& errors,
-                   const Dataset& rows, double freedom) {
-  const Eigen::VectorXd squared = SquaredNorms(errors, rows);
-  if (loss == LossKind::kNone) return std::sqrt(squared.sum() / freedom);
-  // Norms of observations of several dimensions compare by their medians.
-  const Eigen::VectorXi dimensions = Dimensions(rows);
-  std::vector<double> norms;
-  for (Eigen::Index i = 0; i < squared.size(); ++i) {
-    if (dimensions[i] == 0) continue;
-    norms.push_back(std::sqrt(squared[i]) / MedianOfChi(dimensions[i]));
-  }
+      JacobianFactor(problem.model, values, rows, free);
+  const double used = PredictTotal(all, PriorsOfFree(problem), part);
   const auto equations = static_cast<double>(rows.num_equations());
-  return RobustScale(norms, 1) * MedianOfChi(1) *
-         std::sqrt(equations / freedom);
+  // What no row and no prior tells uses up nothing.
+  return equations - (std::isfinite(used)
+                          ? used * used
+                          : static_cast<double>(free.size()));
 }
 
-double LargestSigma(const Dataset& rows) {
-  double largest = 0.0;
-  for (const ObservationBlock& block : rows.blocks) {
-    for (const double sigma : block.sigmas.reshaped()) {
-      if (std::isfinite(sigma)) largest = std::max(largest, sigma);
+// What the sigmas of a class are compared with: squared errors and variances of
+// its rows, observation after observation.
+struct ErrorsOfClass {
+  struct Row {
+    double squared_error;
+    double variance;
+  };
+  std::vector<Row> rows;
+  std::vector<int> dimensions;  // rows of each observation
+
+  ErrorsOfClass(const Eigen::VectorXd& errors, const Dataset& data) {
+    Eigen::Index first = 0;
+    for (const ObservationBlock& block : data.blocks) {
+      for (Eigen::Index i = 0; i < block.size(); ++i) {
+        const std::size_t before = rows.size();
+        for (int row = 0; row < block.rows_each(); ++row) {
+          const double sigma = block.sigmas(row, i);
+          if (std::isinf(sigma)) continue;
+          const double error = errors[first + row];
+          rows.push_back({error * error, sigma * sigma});
+        }
+        first += block.rows_each();
+        const auto count = static_cast<int>(rows.size() - before);
+        if (count > 0) dimensions.push_back(count);
+      }
     }
   }
-  return largest;
-}
 
-// The change that makes the sigmas of `rows` agree with the errors. Where they
-// are too small, the model leaves more than the instrument: a variance that all
-// rows have in common is added. Where they are too large, all are scaled.
-SigmaChange FindChange(LossKind loss, const Eigen::VectorXd& errors,
-                       RowClass which, const Dataset& rows, double freedom) {
+  // By what factor the sigmas are too small with a variance added to each.
+  double Factor(LossKind loss, double freedom, double added_variance) const {
+    double sum = 0.0;
+    std::vector<double> norms;
+    std::size_t row = 0;
+    for (const int dimension : dimensions) {
+      double squared = 0.0;
+      for (int k = 0; k < dimension; ++k, ++row) {
+        squared +=
+            rows[row].squared_error / (rows[row].variance + added_variance);
+      }
+      sum += squared;
+      // Norms of several dimensions compare by their medians.
+      norms.push_back(std::sqrt(squared) / medians[dimension]);
+    }
+    if (loss == LossKind::kNone) return std::sqrt(sum / freedom);
+    return RobustScale(std::move(norms), 1) * MedianOfChi(1) *
+           std::sqrt(static_cast<double>(rows.size()) / freedom);
+  }
+
+  double LargestVariance() const {
+    double largest = 0.0;
+    for (const Row& each : rows) largest = std::max(largest, each.variance);
+    return largest;
+  }
+
+  const std::array<double, 4> medians = {1.0, MedianOfChi(1), MedianOfChi(2),
+                                         MedianOfChi(3)};
+};
+
+// The change that makes the sigmas agree with the errors. Where they are too
+// small, the model leaves more than the instrument: a variance that all rows
+// have in common is added. Where they are too large, all are scaled.
+SigmaChange FindChange(LossKind loss, const ErrorsOfClass& errors,
+                       double freedom) {
   constexpr int kBisections = 40;
-  const double factor = SigmaFactor(loss, errors, rows, freedom);
+  const double factor = errors.Factor(loss, freedom, 0.0);
   if (!(factor > 1.0)) return {factor, 0.0};
   double low = 0.0;
-  double high = factor * LargestSigma(rows);
+  double high = factor * std::sqrt(errors.LargestVariance());
   for (int step = 0; step < kBisections; ++step) {
     const double middle = 0.5 * (low + high);
-    Dataset changed = rows;
-    ChangeSigmas(which, {1.0, middle}, &changed);
-    (SigmaFactor(loss, errors, changed, freedom) > 1.0 ? low : high) = middle;
+    const bool is_small =
+        errors.Factor(loss, freedom, middle * middle) > 1.0;
+    (is_small ? low : high) = middle;
   }
   return {1.0, high};
 }
 
 }  // namespace
+
+double TypicalResidual(const MeasurementModel& model, const Dataset& data,
+                       const Eigen::VectorXd& values) {
+  const Eigen::VectorXd squared =
+      SquaredNorms(model.Errors(values, data), data);
+  const Eigen::VectorXi dimensions = Dimensions(data);
+  std::vector<double> norms;
+  for (Eigen::Index i = 0; i < squared.size(); ++i) {
+    if (dimensions[i] == 0) continue;
+    norms.push_back(std::sqrt(squared[i]) / MedianOfChi(dimensions[i]));
+  }
+  return RobustScale(std::move(norms), 1) * MedianOfChi(1);
+}
 
 CalibrationProblem ProblemOf(const JobConfig& config,
                              const MeasurementModel& model,
@@ -230,10 +274,34 @@ Fit FitOnce(const JobConfig& config, const MeasurementModel& model,
   return fit;
 }
 
+Fit FitPart(const JobConfig& config, const MeasurementModel& model,
+            const IdentifiabilityOptions& options) {
+  if (config.loss == LossKind::kNone) return FitOnce(config, model, options);
+  constexpr int kRounds = 2;
+  JobConfig coarse = config;
+  coarse.loss = LossKind::kHuber;
+  Fit fit;
+  fit.values = model.NominalValues();
+  for (int round = 0; round < kRounds; ++round) {
+    const double typical = TypicalResidual(model, config.data, fit.values);
+    coarse.data = config.data;
+    if (std::isfinite(typical)) {
+      const SigmaChange change{std::max(1.0, typical), 0.0};
+      ChangeSigmas(RowClass::kLength, change, &coarse.data);
+      ChangeSigmas(RowClass::kRotation, change, &coarse.data);
+    }
+    Fit next = FitOnce(coarse, model, options);
+    if (!next.summary.IsSolutionUsable()) return next;
+    fit = std::move(next);
+  }
+  return fit;
+}
+
 IdentifiabilityOptions OffsetsOnly(const IdentifiabilityOptions& options,
-                                   const Arm& arm) {
-  const ParameterLayout layout(arm);
-  IdentifiabilityOptions offsets = FramesOnly(options);
+                                   const MeasurementModel& model) {
+  const ParameterLayout& layout = model.layout();
+  const Arm& arm = model.nominal();
+  IdentifiabilityOptions offsets = FramesOnly(options, layout);
   offsets.candidates.joints = true;
   for (const Parameter& parameter : layout.parameters()) {
     if (!ParameterLayout::IsJointKind(parameter.kind)) continue;
@@ -260,7 +328,10 @@ EstimatedSigmas EstimateSigmas(JobConfig* config, int num_threads) {
   const std::optional<Dataset> stated_validation = config->validation;
   EstimatedSigmas sigmas;
   for (int round = 0; round < kSigmaRounds; ++round) {
-    const Fit fit = FitOnce(*config, model, config->identifiability);
+    // The first sigmas may be far too small for what the model leaves.
+    const Fit fit = round == 0
+                        ? FitPart(*config, model, config->identifiability)
+                        : FitOnce(*config, model, config->identifiability);
     if (!fit.summary.IsSolutionUsable()) return {};
     const CalibrationProblem problem =
         ProblemOf(*config, model, fit.identifiability);
@@ -272,9 +343,9 @@ EstimatedSigmas EstimateSigmas(JobConfig* config, int num_threads) {
       const double freedom = FreedomOfRows(problem, fit.values, current);
       if (!(freedom > 0.0)) return {};
       const Dataset rows = RowsOfClass(stated, which);
-      const SigmaChange change =
-          FindChange(config->loss, model.Errors(fit.values, rows), which, rows,
-                     freedom);
+      const SigmaChange change = FindChange(
+          config->loss, ErrorsOfClass(model.Errors(fit.values, rows), rows),
+          freedom);
       ChangeSigmas(which, change, &next);
       if (!(MedianSigma(which, next) > kSmallestSigma)) return {};
       if (next_validation) ChangeSigmas(which, change, &*next_validation);

@@ -26,6 +26,18 @@ struct Fit {
 Fit FitOnce(const JobConfig& config, const MeasurementModel& model,
             const IdentifiabilityOptions& options);
 
+/// What a typical residual is in sigmas: the median of the norms over that of
+/// their distribution, for observations of any dimension. 0 for no data.
+double TypicalResidual(const MeasurementModel& model, const Dataset& data,
+                       const Eigen::VectorXd& values);
+
+/// The same where the model is known to leave far more than the sigmas say, as
+/// with the joints held at nominal: a redescending loss would give up nearly
+/// all of it, so that a robust fit is Huber's, with sigmas raised to what the
+/// median residual asks.
+Fit FitPart(const JobConfig& config, const MeasurementModel& model,
+            const IdentifiabilityOptions& options);
+
 /// What the solvers are given of a job after its identifiability pass.
 CalibrationProblem ProblemOf(const JobConfig& config,
                              const MeasurementModel& model,
@@ -33,7 +45,7 @@ CalibrationProblem ProblemOf(const JobConfig& config,
 
 /// Base, targets, references and the zeros of the joints.
 IdentifiabilityOptions OffsetsOnly(const IdentifiabilityOptions& options,
-                                   const Arm& arm);
+                                   const MeasurementModel& model);
 
 /// Standard deviations that the residuals of a fit agree with.
 struct EstimatedSigmas {

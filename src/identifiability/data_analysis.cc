@@ -87,6 +87,14 @@ class DataAnalyzer {
     analysis_.relations.push_back(std::move(relation));
   }
 
+  int RankOf(const Dataset& data) const {
+    const Eigen::MatrixXd factor =
+        JacobianFactor(model_, model_.NominalValues(), data, kept_);
+    return AnalyzeRank(ScaleColumns(model_, kept_, factor),
+                       options_.relative_tolerance)
+        .rank;
+  }
+
   int RankWithJointMoved(int joint) const {
     constexpr std::uint64_t kSeed = 1;
     Dataset moved = subset_;
@@ -94,11 +102,7 @@ class DataAnalyzer {
         DrawJointValues(model_.nominal(),
                         static_cast<int>(moved.joint_values.cols()), kSeed)
             .row(joint);
-    const Eigen::MatrixXd factor =
-        JacobianFactor(model_, model_.NominalValues(), moved, kept_);
-    return AnalyzeRank(ScaleColumns(model_, kept_, factor),
-                       options_.relative_tolerance)
-        .rank;
+    return RankOf(moved);
   }
 
   // The joints that would raise the rank if they moved through their range
@@ -106,8 +110,9 @@ class DataAnalyzer {
   void Advise() {
     const int num_joints =
         HasContacts(data_) ? 0 : model_.layout().num_joints();
+    const int rank = num_joints > 0 ? RankOf(subset_) : 0;
     for (int j = 0; j < num_joints; ++j) {
-      const int gain = RankWithJointMoved(j) - analysis_.rank.rank;
+      const int gain = RankWithJointMoved(j) - rank;
       if (gain <= 0) continue;
       analysis_.advice.emplace_back(
           "moving joint " + std::to_string(j + 1) +

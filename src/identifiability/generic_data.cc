@@ -33,26 +33,55 @@ unsigned MeasuredAxes(const ObservationBlock& block, Eigen::Index i) {
   return axes;
 }
 
-std::vector<Pattern> PatternsOf(const ObservationBlock& block) {
-  std::map<Pattern, bool> seen;
-  std::vector<Pattern> patterns;
+Pattern PatternOf(const ObservationBlock& block, Eigen::Index i) {
+  const int reference = block.references.empty() ? 0 : block.references[i];
+  return {block.target(i), reference, MeasuredAxes(block, i)};
+}
+
+// The observations of each pattern.
+std::map<Pattern, std::vector<Eigen::Index>> ByPattern(
+    const ObservationBlock& block) {
+  std::map<Pattern, std::vector<Eigen::Index>> observations;
   for (Eigen::Index i = 0; i < block.size(); ++i) {
-    const int reference = block.references.empty() ? 0 : block.references[i];
-    const Pattern pattern(block.target(i), reference, MeasuredAxes(block, i));
-    if (seen.emplace(pattern, true).second) patterns.push_back(pattern);
+    observations[PatternOf(block, i)].push_back(i);
   }
-  return patterns;
+  return observations;
+}
+
+// About `count` observations of a block, evenly spaced among those of each
+// pattern, so that rare ones keep their say.
+std::vector<Eigen::Index> EvenlySpaced(const ObservationBlock& block,
+                                       Eigen::Index count) {
+  constexpr Eigen::Index kFewestOfEach = 32;
+  const std::map<Pattern, std::vector<Eigen::Index>> patterns =
+      ByPattern(block);
+  const Eigen::Index share =
+      std::max(kFewestOfEach,
+               count / std::max<Eigen::Index>(
+                           1, static_cast<Eigen::Index>(patterns.size())));
+  std::vector<Eigen::Index> chosen;
+  for (const auto& [pattern, all] : patterns) {
+    const auto size = static_cast<Eigen::Index>(all.size());
+    const Eigen::Index taken = std::min(share, size);
+    for (Eigen::Index k = 0; k < taken; ++k) {
+      chosen.push_back(all[k * size / taken]);
+    }
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
 }
 
 // Every pattern at every pose.
 ObservationBlock Repeat(const ObservationBlock& block, int num_poses) {
-  const std::vector<Pattern> patterns = PatternsOf(block);
+  const std::map<Pattern, std::vector<Eigen::Index>> patterns =
+      ByPattern(block);
   const auto count = static_cast<Eigen::Index>(patterns.size()) * num_poses;
   ObservationBlock repeated;
   repeated.kind = block.kind;
   repeated.measured = Eigen::MatrixXd::Zero(block.rows_each(), count);
   repeated.sigmas = Eigen::MatrixXd::Ones(block.rows_each(), count);
-  for (const auto& [target, reference, axes] : patterns) {
+  for (const auto& [pattern, observations] : patterns) {
+    const auto& [target, reference, axes] = pattern;
     for (int pose = 0; pose < num_poses; ++pose) {
       const auto i = static_cast<Eigen::Index>(repeated.poses.size());
       repeated.poses.push_back(pose);
@@ -126,19 +155,6 @@ Dataset MakeGenericData(const MeasurementModel& model, const Dataset& data,
   return generic;
 }
 
-Dataset PatternOf(MeasurementKind kind, int num_joints) {
-  Dataset pattern;
-  pattern.joint_values = Eigen::MatrixXd::Zero(num_joints, 1);
-  ObservationBlock block;
-  block.kind = kind;
-  block.measured = Eigen::MatrixXd::Zero(RowsOf(kind), 1);
-  block.sigmas = Eigen::MatrixXd::Ones(RowsOf(kind), 1);
-  block.references = {0};
-  block.seconds = {0};
-  pattern.blocks.push_back(std::move(block));
-  return pattern;
-}
-
 Dataset WithUnitSigmas(const MeasurementModel& model, Dataset data) {
   const double angle = 1.0 / Reach(model.nominal());
   for (ObservationBlock& block : data.blocks) {
@@ -155,11 +171,22 @@ Dataset WithUnitSigmas(const MeasurementModel& model, Dataset data) {
 
 Dataset EvenSubset(const Dataset& data, Eigen::Index count) {
   if (data.num_poses() <= count) return data;
-  std::vector<Eigen::Index> poses;
-  for (Eigen::Index k = 0; k < count; ++k) {
-    poses.push_back(k * data.num_poses() / count);
+  Dataset subset = data;
+  std::vector<bool> is_needed(data.num_poses(), false);
+  for (ObservationBlock& block : subset.blocks) {
+    if (block.kind == MeasurementKind::kPointDistance) continue;
+    block = TakeObservations(block, EvenlySpaced(block, count));
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      is_needed[block.pose(i)] = true;
+      if (block.kind != MeasurementKind::kDifference) continue;
+      is_needed[block.seconds[i]] = true;
+    }
   }
-  return SelectPoses(data, poses);
+  std::vector<Eigen::Index> poses;
+  for (std::size_t pose = 0; pose < is_needed.size(); ++pose) {
+    if (is_needed[pose]) poses.push_back(static_cast<Eigen::Index>(pose));
+  }
+  return SelectPoses(subset, poses);
 }
 
 }  // namespace alidade

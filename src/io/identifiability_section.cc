@@ -162,6 +162,12 @@ std::vector<ParameterBounds> ReadBounds(const JobContext& context,
     const std::vector<YamlValue> ends = entry.List(2, "lower, upper");
     ParameterBounds bound;
     bound.column = layout.Find(name).value();
+    // Base, targets and references have no nominal values that bounds could be
+    // about: a job that identifies them finds where they are.
+    if (!ParameterLayout::IsJointKind(layout.parameter(bound.column).kind)) {
+      entry.Fail("bounds hold for joint parameters (beta1, alpha1, d1, theta1, "
+                 "r1 ...), found " + Quote(name));
+    }
     const Dimension dimension = layout.parameter(bound.column).dimension;
     bound.lower = ends[0].Limit(dimension, context.units);
     bound.upper = ends[1].Limit(dimension, context.units);

@@ -193,6 +193,25 @@ void ReadPublished(const JobContext& context, JobConfig* job) {
 
 // Identifiability is read last: its parameters are those of the arm and of
 // what the data are measured against.
+bool HasUnknownReferences(const References& references) {
+  const auto is_unknown = [](const auto& reference) {
+    return !reference.is_known;
+  };
+  return std::any_of(references.points.begin(), references.points.end(),
+                     is_unknown) ||
+         std::any_of(references.planes.begin(), references.planes.end(),
+                     is_unknown);
+}
+
+// The published rules know joint parameters alone.
+void CheckMethod(const JobContext& context, const JobConfig& job) {
+  if (job.identifiability.method != IdentifiabilityMethod::kRules) return;
+  if (!HasUnknownReferences(job.references)) return;
+  context.file.Required("identifiability")
+      .Fail("method: rules identifies no points and planes, and some of these "
+            "are not known: expected `method: rank`");
+}
+
 void ReadMeasurements(bool with_validation, JobContext* context,
                       JobConfig* job) {
   const MeasurementSigmas sigmas = ReadSigmas(*context, job);
@@ -201,9 +220,12 @@ void ReadMeasurements(bool with_validation, JobContext* context,
       ReadData(context->file.Required("data"), sigmas, context, job);
   job->data = std::move(loaded.data);
   if (with_validation) ReadValidation(sigmas, loaded.sets, context, job);
-  ReadPointDistances(*context, sigmas.length, job);
+  constexpr double kMustBeStated = 0.0;
+  ReadPointDistances(*context,
+                     job->estimate_sigma ? kMustBeStated : sigmas.length, job);
   const ParameterLayout layout = LayoutOf(job->arm, job->references);
   ReadIdentifiability(*context, layout, &job->identifiability);
+  CheckMethod(*context, *job);
   job->bounds =
       ReadBounds(*context, layout, NominalValues(job->arm, job->references));
 }
@@ -211,11 +233,21 @@ void ReadMeasurements(bool with_validation, JobContext* context,
 void ReadTruth(JobContext* context, JobConfig* job) {
   const std::optional<YamlValue> value = context->file.Optional("truth");
   if (!value) return;
+  if (HasUnknownReferences(job->references)) {
+    value->Fail("the true arm is given, but not the true points and planes that "
+                "the data are measured against: expected `known: true` of each");
+  }
   const Eigen::VectorXd deviations = context->files.Read(
       *value,
       [&](const std::string& path) { return LoadDeviations(path, job->arm); });
   job->truth = NominalValues(job->arm, job->references) +
                WithReferences(deviations, *job);
+}
+
+bool IsOnePositionPerPose(const Dataset& data) {
+  return data.blocks.size() == 1 && data.blocks[0].poses.empty() &&
+         data.blocks[0].kind == MeasurementKind::kPosition &&
+         data.num_equations() == data.num_rows();
 }
 
 void ReadNoiseStudy(const JobContext& context, JobConfig* job) {
@@ -224,6 +256,9 @@ void ReadNoiseStudy(const JobContext& context, JobConfig* job) {
   const YamlMap map = value->Map({"trials", "workspace_poses", "seed"});
   if (!job->truth) {
     map.Fail("a noise study compares with the real arm, expected `truth` too");
+  }
+  if (!IsOnePositionPerPose(job->data)) {
+    map.Fail("a noise study takes data sets of one position per pose");
   }
   NoiseStudyConfig study;
   map.ReadInteger("trials", &study.trials);

@@ -72,7 +72,8 @@ Json ToJson(const RejectedRow& row) {
 }
 
 Json ToJson(const Outlier& outlier) {
-  return {{"pose", outlier.pose},
+  return {{"observation", outlier.observation},
+          {"pose", outlier.label.pose},
           {"kind", outlier.label.kind},
           {"target", outlier.label.target},
           {"where", outlier.label.where},

@@ -189,8 +189,10 @@ RepeatSpread ReadRepeats(const JsonValue& json) {
 
 Outlier ReadOutlier(const JsonValue& json) {
   Outlier outlier;
-  outlier.pose = json["pose"].LongInteger();
-  if (json.Has("kind")) {
+  outlier.observation = json["pose"].LongInteger();
+  outlier.label.pose = json["pose"].Integer();
+  if (json.Has("observation")) {
+    outlier.observation = json["observation"].LongInteger();
     outlier.label.kind = json["kind"].Text();
     outlier.label.target = json["target"].Text();
     outlier.label.where = json["where"].Text();

@@ -45,6 +45,38 @@ Eigen::Index FirstOf(std::vector<Eigen::Index>* first, Eigen::Index pose) {
   return pose;
 }
 
+// For every pose the first with the same joint values.
+std::vector<Eigen::Index> FirstWithSameJoints(const Dataset& data) {
+  const auto less = [&](Eigen::Index a, Eigen::Index b) {
+    const auto x = data.joint_values.col(a);
+    const auto y = data.joint_values.col(b);
+    for (Eigen::Index j = 0; j < x.size(); ++j) {
+      if (x[j] != y[j]) return x[j] < y[j];
+    }
+    return false;
+  };
+  std::vector<Eigen::Index> order(data.num_poses());
+  std::iota(order.begin(), order.end(), Eigen::Index{0});
+  std::stable_sort(order.begin(), order.end(), less);
+  std::vector<Eigen::Index> first(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const bool is_new = i == 0 || less(order[i - 1], order[i]);
+    first[order[i]] = is_new ? order[i] : first[order[i - 1]];
+  }
+  return first;
+}
+
+std::vector<int> Numbered(std::vector<Eigen::Index> first) {
+  std::vector<int> groups(first.size());
+  int count = 0;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const auto pose = static_cast<Eigen::Index>(i);
+    const Eigen::Index root = FirstOf(&first, pose);
+    groups[i] = root == pose ? count++ : groups[root];
+  }
+  return groups;
+}
+
 // Poses of a difference belong together.
 void JoinDifferences(const Dataset& data, std::vector<Eigen::Index>* first) {
   for (const ObservationBlock& block : data.blocks) {
@@ -92,19 +124,12 @@ ObservationBlock SelectObservations(const ObservationBlock& block,
       chosen.push_back(i);
     }
   }
-  ObservationBlock selected;
-  selected.kind = block.kind;
-  if (has_poses && !is_of_each_pose) {
-    for (const Eigen::Index i : chosen) {
-      selected.poses.push_back(new_pose[block.pose(i)]);
-    }
+  ObservationBlock selected = TakeObservations(block, chosen);
+  if (!has_poses || is_of_each_pose) {
+    selected.poses.clear();
+  } else {
+    for (int& pose : selected.poses) pose = new_pose[pose];
   }
-  Gather(block.targets, chosen, &selected.targets);
-  Gather(block.references, chosen, &selected.references);
-  Gather(block.seconds, chosen, &selected.seconds);
-  Gather(block.whiteners, chosen, &selected.whiteners);
-  GatherColumns(block.measured, chosen, &selected.measured);
-  GatherColumns(block.sigmas, chosen, &selected.sigmas);
   if (is_difference) {
     for (int& pose : selected.seconds) pose = new_pose[pose];
   }
@@ -113,33 +138,28 @@ ObservationBlock SelectObservations(const ObservationBlock& block,
 
 }  // namespace
 
+std::vector<int> GroupByJointValues(const Dataset& data) {
+  return Numbered(FirstWithSameJoints(data));
+}
+
 std::vector<int> GroupByConfiguration(const Dataset& data) {
-  const auto less = [&](Eigen::Index a, Eigen::Index b) {
-    const auto x = data.joint_values.col(a);
-    const auto y = data.joint_values.col(b);
-    for (Eigen::Index j = 0; j < x.size(); ++j) {
-      if (x[j] != y[j]) return x[j] < y[j];
-    }
-    return false;
-  };
-  std::vector<Eigen::Index> order(data.num_poses());
-  std::iota(order.begin(), order.end(), Eigen::Index{0});
-  std::stable_sort(order.begin(), order.end(), less);
-  // The first pose of each configuration stands for it.
-  std::vector<Eigen::Index> first(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const bool is_new = i == 0 || less(order[i - 1], order[i]);
-    first[order[i]] = is_new ? order[i] : first[order[i - 1]];
-  }
+  std::vector<Eigen::Index> first = FirstWithSameJoints(data);
   JoinDifferences(data, &first);
-  std::vector<int> groups(order.size());
-  int count = 0;
-  for (std::size_t i = 0; i < groups.size(); ++i) {
-    const auto pose = static_cast<Eigen::Index>(i);
-    const Eigen::Index root = FirstOf(&first, pose);
-    groups[i] = root == pose ? count++ : groups[root];
-  }
-  return groups;
+  return Numbered(std::move(first));
+}
+
+ObservationBlock TakeObservations(const ObservationBlock& block,
+                                  const std::vector<Eigen::Index>& indices) {
+  ObservationBlock taken;
+  taken.kind = block.kind;
+  for (const Eigen::Index i : indices) taken.poses.push_back(block.pose(i));
+  Gather(block.targets, indices, &taken.targets);
+  Gather(block.references, indices, &taken.references);
+  Gather(block.seconds, indices, &taken.seconds);
+  Gather(block.whiteners, indices, &taken.whiteners);
+  GatherColumns(block.measured, indices, &taken.measured);
+  GatherColumns(block.sigmas, indices, &taken.sigmas);
+  return taken;
 }
 
 Dataset SelectPoses(const Dataset& data,

@@ -21,7 +21,6 @@ RowEvaluator::RowEvaluator(const MeasurementModel& model,
       data_(data),
       columns_(columns),
       references_(model.ReferencesAt(values)),
-      values_(values),
       jacobian_(model.nominal(), model.layout(), values),
       second_(model.nominal(), model.layout(), values) {}
 

@@ -191,7 +191,7 @@ std::string OutlierTable(const JobResult& result) {
   std::size_t count = 0;
   for (const Outlier& outlier : result.outliers) {
     if (count++ == kMostRows) break;
-    table.AddRow({std::to_string(outlier.pose + 1), outlier.label.kind,
+    table.AddRow({std::to_string(outlier.observation + 1), outlier.label.kind,
                   outlier.label.target, outlier.label.where,
                   FormatSignificant(outlier.error / kMillimetre, 4),
                   FormatSignificant(outlier.standardised, 3),

@@ -42,11 +42,20 @@ double EffectiveEquations(const CalibrationProblem& problem,
   return sum;
 }
 
+// Data of which no more than this part is left are given up.
+constexpr double kFewestLeft = 0.2;
+
 void CheckWeights(const CalibrationProblem& problem,
                   const Eigen::VectorXd& values, SolverSummary* summary) {
-  if (!summary->IsSolutionUsable()) return;
+  if (!summary->IsSolutionUsable() || problem.losses.empty()) return;
   const double equations = EffectiveEquations(problem, values);
-  const auto needed = static_cast<double>(problem.free_columns.size());
+  const auto free = static_cast<double>(problem.free_columns.size());
+  const auto with_prior =
+      static_cast<double>(problem.ColumnsWithPrior().size());
+  const double needed =
+      std::max(free - with_prior,
+               kFewestLeft *
+                   static_cast<double>(problem.data.num_equations()));
   if (equations >= needed) return;
   summary->status = SolverStatus::kFailed;
   summary->message =

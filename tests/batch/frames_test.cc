@@ -96,8 +96,8 @@ TEST(FramesTest, OutliersAreListedWithTheirWeight) {
   // One of the clean observations may be beyond the limit by chance.
   ASSERT_GE(outliers.size(), 2u);
   EXPECT_LE(outliers.size(), 3u);
-  EXPECT_EQ(outliers[0].pose, 7);
-  EXPECT_EQ(outliers[1].pose, 30);
+  EXPECT_EQ(outliers[0].observation, 7);
+  EXPECT_EQ(outliers[1].observation, 30);
   EXPECT_NEAR(outliers[0].error, 4e-3, 0.3e-3);
   EXPECT_EQ(outliers[0].weight, 0.0);
   // 70 observations of 27 parameters leave the loss less than its asymptotic

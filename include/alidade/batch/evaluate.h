@@ -14,6 +14,11 @@ EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
                          const Eigen::VectorXd& before,
                          const Eigen::VectorXd& after);
 
+/// The norms of lengths that an accuracy is made of, from the stacked errors of
+/// a model: without point distances and observations of orientation alone.
+Eigen::VectorXd CountedLengths(const Eigen::VectorXd& errors,
+                               const Dataset& data);
+
 /// Accuracy of one set of values over all observations of `data`, as lengths
 /// (m): of positions and differences their distance, of lengths to points and
 /// planes the error of the length. Distances of reference points do not count.

@@ -30,8 +30,8 @@ struct JobOutcome {
 /// study beside it, and checks the acceptance limits. Writes nothing.
 /// `command` goes into the result. Results do not depend on `num_threads`.
 /// @throws InputError where an input file cannot be read again for its hash, or
-/// where the measured positions fit the nominal arm nowhere: the message names
-/// the slip that would explain it (units, columns, signs), where there is one.
+/// where the measured positions fit the nominal arm nowhere and one slip
+/// explains it (units, columns, signs), which the message names.
 JobOutcome RunJob(const JobConfig& config, const std::string& command,
                   int num_threads);
 

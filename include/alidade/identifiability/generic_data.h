@@ -12,21 +12,20 @@ namespace alidade {
 /// at poses drawn within the joint limits, every combination of kind, target,
 /// reference and measured axes that `data` has anywhere. Contacts with a point
 /// or a plane constrain the arm; no drawn pose would keep them, so that they
-/// stay at poses of `data` (256 at most, evenly spaced). Rows are in metres:
+/// stay at poses of `data` (256 of them, as EvenSubset takes them). Rows are in metres:
 /// sigmas are 1 m, and the reach for orientations turned into lengths,
 /// 1 / reach (rad). Measured orientations are those of the nominal arm.
 Dataset MakeGenericData(const MeasurementModel& model, const Dataset& data,
                         int num_poses, std::uint64_t seed);
 
-/// A pattern for MakeGenericData: one observation of the kind, of the first
-/// target and reference, all axes measured.
-Dataset PatternOf(MeasurementKind kind, int num_joints);
-
 /// `data` with its rows in metres: sigmas of 1 m and 1 / reach (rad), no
 /// correlations; what was not measured stays so.
 Dataset WithUnitSigmas(const MeasurementModel& model, Dataset data);
 
-/// At most `count` poses of `data`, evenly spaced, with their observations.
+/// About `count` observations of each kind, evenly spaced among those of the same
+/// target, reference and axes and at least 32 of these where there are as many,
+/// with the poses that they are of. `data` itself where it has no more than
+/// `count` poses.
 Dataset EvenSubset(const Dataset& data, Eigen::Index count);
 
 }  // namespace alidade

@@ -9,12 +9,20 @@
 
 namespace alidade {
 
+/// Numbers the poses so that those with the same joint values to the bit have
+/// the same number, from 0 in the order of their first poses. O(N log N).
+std::vector<int> GroupByJointValues(const Dataset& data);
+
 /// The configuration that each pose of a data set belongs to, numbered from 0
 /// in the order of their first poses. Poses with the same joint values to the
 /// bit are repeats of one configuration: what is fitted to one of them has seen
 /// the others. So has what is fitted to a difference of two poses: they count
 /// as one configuration too. O(N log N).
 std::vector<int> GroupByConfiguration(const Dataset& data);
+
+/// The observations at `indices`, in that order; poses keep their numbers.
+ObservationBlock TakeObservations(const ObservationBlock& block,
+                                  const std::vector<Eigen::Index>& indices);
 
 /// The poses of `data` at `poses`, in that order and without repeats, with
 /// all that was observed at them (of a difference: at both); distances of

@@ -47,8 +47,6 @@ class RowEvaluator {
   const Dataset& data_;
   const std::vector<int>& columns_;
   const References references_;
-  /// Of the nominal planes' tilts.
-  const Eigen::VectorXd values_;
   GeometricJacobian jacobian_;
   GeometricJacobian second_;
 };

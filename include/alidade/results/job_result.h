@@ -125,7 +125,7 @@ struct RepeatSpread {
 
 /// An observation of the training data whose residual is beyond chance.
 struct Outlier {
-  std::int64_t pose = 0;  ///< observation of the data that was fitted, from 0
+  std::int64_t observation = 0;  ///< of the data that was fitted, from 0
   ObservationLabel label;
   double error = 0.0;         ///< in length (m)
   double standardised = 0.0;  ///< norm of the whitened residual
