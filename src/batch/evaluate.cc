@@ -77,8 +77,7 @@ Eigen::Matrix3Xd MeasuredPositions(const Dataset& data) {
 
 // The first rows of every observation, up to three.
 Eigen::Matrix3Xd Lengths(const Dataset& data, const Eigen::VectorXd& errors) {
-  Eigen::Matrix3Xd lengths =
-      Eigen::Matrix3Xd::Zero(3, data.num_observations());
+  Eigen::Matrix3Xd lengths = Eigen::Matrix3Xd::Zero(3, data.num_observations());
   ForEach(data, [&](const ObservationBlock& block, Eigen::Index,
                     Eigen::Index count, Eigen::Index row) {
     const Eigen::Index height = std::min(3, block.rows_each());
@@ -141,8 +140,7 @@ void AddSpread(const ObservationBlock& block,
     turns.col(k) = VectorFromRotation(RotationFromVector<double>(mine) *
                                       RotationFromVector<double>(-first));
   }
-  spread->rotation +=
-      (turns.colwise() - turns.rowwise().mean()).squaredNorm();
+  spread->rotation += (turns.colwise() - turns.rowwise().mean()).squaredNorm();
   spread->rotation_freedom += 3 * (n - 1);
 }
 

@@ -94,11 +94,11 @@ std::vector<StageResult> ListStages(const FinishedFit& fit, int num_free) {
   std::vector<StageResult> stages = {MakeStage(
       fit, "frames only", frames.num_free, fit.model().NominalValues())};
   if (!options.candidates.joints) return stages;
-  const Fit offsets = FitPart(fit.config, fit.model(),
-                              OffsetsOnly(options, fit.model()));
+  const Fit offsets =
+      FitPart(fit.config, fit.model(), OffsetsOnly(options, fit.model()));
   if (offsets.summary.IsSolutionUsable()) {
-    stages.push_back(MakeStage(fit, "joint offsets", offsets.num_free(),
-                               offsets.values));
+    stages.push_back(
+        MakeStage(fit, "joint offsets", offsets.num_free(), offsets.values));
   }
   stages.push_back(MakeStage(fit, "all geometry", num_free, fit.values));
   return stages;
@@ -110,8 +110,8 @@ std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit) {
   const Eigen::VectorXd squared = SquaredNorms(errors, data);
   const Eigen::VectorXd lengths = LengthErrors(errors, data);
   const double chance =
-      kChanceOfOutlier / static_cast<double>(std::max<Eigen::Index>(
-                             1, squared.size()));
+      kChanceOfOutlier /
+      static_cast<double>(std::max<Eigen::Index>(1, squared.size()));
   // Squared limits of observations of 0 to 6 rows.
   std::array<double, 7> limits{};
   for (std::size_t rows = 1; rows < limits.size(); ++rows) {
@@ -187,8 +187,8 @@ std::string AtBounds(const FinishedFit& fit) {
   std::string names;
   for (const int column : fit.problem.free_columns) {
     const double value = fit.values[column];
-    const bool inside = value > fit.problem.lower[column] &&
-                        value < fit.problem.upper[column];
+    const bool inside =
+        value > fit.problem.lower[column] && value < fit.problem.upper[column];
     if (inside) continue;
     names += (names.empty() ? "" : ", ") +
              fit.model().layout().parameter(column).name;

@@ -32,10 +32,9 @@ std::vector<std::string> WithoutJoints(const std::vector<std::string>& names,
 }
 
 ParameterLayout LayoutOfJob(const JobConfig& config) {
-  return ParameterLayout(
-      LayoutShape{config.arm.num_joints(), config.arm.num_targets(),
-                  config.references.num_points(),
-                  config.references.num_planes()});
+  return ParameterLayout(LayoutShape{
+      config.arm.num_joints(), config.arm.num_targets(),
+      config.references.num_points(), config.references.num_planes()});
 }
 
 bool HoldsPartOfFrames(const JobConfig& config) {
@@ -222,9 +221,9 @@ class FrameStarter {
         Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(seen.size()));
     std::vector<int> counts(seen.size(), 0);
     for (std::size_t i = 0; i < frames.size(); ++i) {
-      sums.col(points[i]) += arm_.instrument_from_base *
-                             (frames[i] *
-                              arm_.last_from_target(target).translation());
+      sums.col(points[i]) +=
+          arm_.instrument_from_base *
+          (frames[i] * arm_.last_from_target(target).translation());
       ++counts[points[i]];
     }
     for (std::size_t k = 0; k < seen.size(); ++k) {

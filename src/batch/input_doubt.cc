@@ -76,8 +76,7 @@ double Misfit(const Arm& arm, const Pairs& all) {
   }
   const std::optional<PositionStart> start = StartFromPositions(
       frames, pairs.points, std::vector<int>(frames.size(), 0), 1);
-  return start ? start->misfit.median
-               : std::numeric_limits<double>::infinity();
+  return start ? start->misfit.median : std::numeric_limits<double>::infinity();
 }
 
 struct Slip {
@@ -107,36 +106,36 @@ void Shift(int by, Pairs* pairs) {
 }
 
 std::vector<Slip> UnitSlips(const Arm& arm) {
-  return {{"the joint angles are in degrees but read as radians: state the "
-           "unit deg",
-           [&arm](Pairs* pairs) { ScaleAngles(arm, kDegree, pairs); }},
-          {"the joint angles are in radians but read as degrees: state the "
-           "unit rad",
-           [&arm](Pairs* pairs) { ScaleAngles(arm, 1.0 / kDegree, pairs); }},
-          {"the positions are in mm but read as m: state the unit mm",
-           [](Pairs* pairs) { pairs->points *= kMillimetre; }},
-          {"the positions are in m but read as mm: state the unit m",
-           [](Pairs* pairs) { pairs->points /= kMillimetre; }},
-          {"two of the columns x, y and z are swapped, or one of them has the "
-           "wrong sign: they make a mirror image",
-           [](Pairs* pairs) {
-             pairs->points.row(0).swap(pairs->points.row(1));
-           }},
-          {"the measurements are one row late: row k holds what was measured "
-           "at the joint values of row k - 1",
-           [](Pairs* pairs) { Shift(1, pairs); }},
-          {"the measurements are one row early: row k holds what was measured "
-           "at the joint values of row k + 1",
-           [](Pairs* pairs) { Shift(-1, pairs); }}};
+  return {
+      {"the joint angles are in degrees but read as radians: state the "
+       "unit deg",
+       [&arm](Pairs* pairs) { ScaleAngles(arm, kDegree, pairs); }},
+      {"the joint angles are in radians but read as degrees: state the "
+       "unit rad",
+       [&arm](Pairs* pairs) { ScaleAngles(arm, 1.0 / kDegree, pairs); }},
+      {"the positions are in mm but read as m: state the unit mm",
+       [](Pairs* pairs) { pairs->points *= kMillimetre; }},
+      {"the positions are in m but read as mm: state the unit m",
+       [](Pairs* pairs) { pairs->points /= kMillimetre; }},
+      {"two of the columns x, y and z are swapped, or one of them has the "
+       "wrong sign: they make a mirror image",
+       [](Pairs* pairs) { pairs->points.row(0).swap(pairs->points.row(1)); }},
+      {"the measurements are one row late: row k holds what was measured "
+       "at the joint values of row k - 1",
+       [](Pairs* pairs) { Shift(1, pairs); }},
+      {"the measurements are one row early: row k holds what was measured "
+       "at the joint values of row k + 1",
+       [](Pairs* pairs) { Shift(-1, pairs); }}};
 }
 
 std::vector<Slip> JointSlips(const Arm& arm) {
   std::vector<Slip> slips;
   for (int j = 0; j < arm.num_joints(); ++j) {
-    slips.push_back({"joint " + std::to_string(j + 1) +
-                         " counts the other way: give it `sign: -1` in the arm "
-                         "file",
-                     [j](Pairs* pairs) { pairs->joint_values.row(j) *= -1.0; }});
+    slips.push_back(
+        {"joint " + std::to_string(j + 1) +
+             " counts the other way: give it `sign: -1` in the arm "
+             "file",
+         [j](Pairs* pairs) { pairs->joint_values.row(j) *= -1.0; }});
     for (int k = j + 1; k < arm.num_joints(); ++k) {
       slips.push_back({"the columns " + JointName(j) + " and " + JointName(k) +
                            " are swapped",
@@ -177,8 +176,8 @@ InputDoubt DoubtInput(const Arm& arm, const Dataset& data) {
       FormatLength(misfit, 3) + " off";
   if (best == nullptr) {
     text +=
-           ". No single slip of units, columns or signs explains it: look "
-           "whether the arm file describes the arm that was measured";
+        ". No single slip of units, columns or signs explains it: look "
+        "whether the arm file describes the arm that was measured";
     return {text, false};
   }
   text += ". They fit to " + FormatLength(best_misfit, 3) + " if " + best->text;

@@ -2,6 +2,7 @@
 
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -85,18 +86,17 @@ std::vector<AcceptanceCheck> CheckAcceptance(const AcceptanceLimits& limits,
     add(set + "_max", max, OrInfinity(accuracy, accuracy.max),
         Dimension::kLength);
   };
-  const auto add_rotations = [&](const std::string& set,
-                                 const Accuracy& accuracy,
-                                 const std::optional<double>& rms,
-                                 const std::optional<double>& max) {
-    add(set + "_rotation_rms", rms, OrInfinity(accuracy, accuracy.rms),
-        Dimension::kAngle);
-    add(set + "_rotation_max", max, OrInfinity(accuracy, accuracy.max),
-        Dimension::kAngle);
-  };
+  const auto add_rotations =
+      [&](const std::string& set, const Accuracy& accuracy,
+          const std::optional<double>& rms, const std::optional<double>& max) {
+        add(set + "_rotation_rms", rms, OrInfinity(accuracy, accuracy.rms),
+            Dimension::kAngle);
+        add(set + "_rotation_max", max, OrInfinity(accuracy, accuracy.max),
+            Dimension::kAngle);
+      };
   add_lengths("train", result.train.after, limits.train_rms, limits.train_max);
-  add_rotations("train", result.train.rotation_after,
-                limits.train_rotation_rms, limits.train_rotation_max);
+  add_rotations("train", result.train.rotation_after, limits.train_rotation_rms,
+                limits.train_rotation_max);
   const HeldOutErrors heldout = HeldOutErrorsOf(result);
   add_lengths("heldout", heldout.lengths, limits.heldout_rms,
               limits.heldout_max);
@@ -113,6 +113,42 @@ std::string RefuseSlips(const JobConfig& config) {
   SourceLocation location;
   location.file = config.data.name;
   throw InputError(location, doubt.text);
+}
+
+// "heldout_max 0.071 mm, at most 0.01 mm", and so on.
+std::string Missed(const JobResult& result) {
+  std::string text;
+  for (const AcceptanceCheck& check : result.acceptance) {
+    if (check.met()) continue;
+    const bool length = check.dimension == Dimension::kLength;
+    const double unit = length ? kMillimetre : kDegree;
+    const std::string name = std::string(" ") + UnitForPeople(check.dimension);
+    text += (text.empty() ? "" : "; ") + check.quantity + " " +
+            FormatSignificant(check.obtained / unit, 3) + name + ", at most " +
+            FormatSignificant(check.limit / unit, 3) + name;
+  }
+  return text;
+}
+
+// Balls in sockets and contacts with planes whose places are all unknown: an
+// arm twice as large would touch points twice as far.
+bool LeavesSizeOpen(const JobConfig& config) {
+  for (const ObservationBlock& block : config.data.blocks) {
+    if (block.size() == 0) continue;
+    if (block.kind != MeasurementKind::kFixedPoint &&
+        block.kind != MeasurementKind::kPlane) {
+      return false;
+    }
+  }
+  const auto is_known = [](const auto& reference) {
+    return reference.is_known;
+  };
+  const References& references = config.references;
+  return std::count_if(references.points.begin(), references.points.end(),
+                       is_known) +
+             std::count_if(references.planes.begin(), references.planes.end(),
+                           is_known) <
+         2;
 }
 
 class JobRunner {
@@ -231,10 +267,16 @@ class JobRunner {
     const Eigen::VectorXd& values = result().runs.front().values;
     outcome_.calibrated = model_.layout().WithValues(config_.arm, values);
     ListParameters(nominal, values);
+    ListReferences(model_.ReferencesAt(values));
     result().train = EvaluateSet(model_, config_.data, nominal, values);
     if (config_.validation) {
       result().heldout =
           EvaluateSet(model_, *config_.validation, nominal, values);
+    }
+    // Without orientations in the fit nothing tells the target's own.
+    if (result().heldout && !config_.data.Has(MeasurementKind::kPose)) {
+      result().heldout->rotation_before = {};
+      result().heldout->rotation_after = {};
     }
     if (config_.published) {
       result().study = CompareWithStudy({config_, *problem_, result()});
@@ -248,7 +290,8 @@ class JobRunner {
       if (!result().cross_validation) {
         Warn(
             "cross-validation found no usable fit of one of its folds, or one "
-            "that leaves no pose to a point, plane or target: other folds leave "
+            "that leaves no pose to a point, plane or target: other folds "
+            "leave "
             "more");
       }
     }
@@ -258,7 +301,7 @@ class JobRunner {
     outcome_.status = JobStatus::kDone;
     if (!result().accepted()) {
       outcome_.status = JobStatus::kMissedLimits;
-      outcome_.message = "an acceptance limit is missed";
+      outcome_.message = "acceptance limits missed: " + Missed(result());
     }
   }
 
@@ -292,15 +335,73 @@ class JobRunner {
            " times as large as the sigmas say: look for wrong units, columns, "
            "rotation convention, outliers, sigmas or a wrong arm");
     }
+    DoubtFrames();
+    if (freedom < 1.0) {
+      Warn(
+          "these poses leave no degree of freedom: small residuals say nothing "
+          "of the arm's accuracy. Measure more poses");
+    }
+    if (result().train.after.rms > result().train.before.rms) {
+      Warn(
+          "the calibration made the error at the training poses larger: do not "
+          "use it, and look for what is wrong with the data or the arm");
+    }
+    if (LeavesSizeOpen(config_)) {
+      Warn(
+          "these contacts leave the size of the arm open, which the priors "
+          "alone tell: state a known distance between two points (`references: "
+          "{distances: ...}`), or measure one");
+    }
     if (const std::string names = FarFromPriors(fit); !names.empty()) {
-      Warn("further from nominal than the priors allow, in standard "
-           "deviations: " +
-           names +
-           "; correct the nominal arm, widen the priors or use another policy");
+      Warn(
+          "further from nominal than the priors allow, in standard "
+          "deviations: " +
+          names +
+          "; correct the nominal arm, widen the priors or use another policy");
     }
     if (const std::string names = AtBounds(fit); !names.empty()) {
       Warn("at a bound: " + names +
            "; the data ask for values beyond, which the bounds do not allow");
+    }
+  }
+
+  // At the nominal geometry an arm is millimetres off, not a tenth of its size.
+  void DoubtFrames() {
+    constexpr double kLargePart = 0.05;
+    Arm at_origin = config_.arm;
+    at_origin.instrument_from_base.setIdentity();
+    const Accuracy& before = result().train.before;
+    if (before.n == 0 || before.median < kLargePart * Reach(at_origin)) return;
+    Warn(frames_fitted_
+             ? "base, tool or references were not found: at the nominal "
+               "geometry half of the measurements are more than " +
+                   FormatLength(before.median, 3) +
+                   " off. State a guess of base and tool in the arm file"
+             : "half of the measurements are more than " +
+                   FormatLength(before.median, 3) +
+                   " off before calibration. If base or tool are not known, "
+                   "identify them too (`parameters: [joints, base, tool]`)");
+  }
+
+  void ListReferences(const References& references) {
+    int number = 0;
+    for (const ReferencePoint& point : references.points) {
+      ReferenceResult reference;
+      reference.block = "point" + std::to_string(++number);
+      reference.name = point.name;
+      reference.is_known = point.is_known;
+      reference.vector = point.position;
+      result().references.push_back(reference);
+    }
+    number = 0;
+    for (const ReferencePlane& plane : references.planes) {
+      ReferenceResult reference;
+      reference.block = "plane" + std::to_string(++number);
+      reference.name = plane.name;
+      reference.is_known = plane.is_known;
+      reference.vector = plane.normal;
+      reference.offset = plane.offset;
+      result().references.push_back(reference);
     }
   }
 

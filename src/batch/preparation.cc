@@ -74,8 +74,8 @@ Eigen::MatrixXd Inverse(const Eigen::MatrixXd& matrix) {
 }
 
 // The whitener of an observation after its covariance has changed.
-Eigen::MatrixXd ChangedWhitener(const Eigen::MatrixXd& whitener,
-                                RowClass which, const SigmaChange& change) {
+Eigen::MatrixXd ChangedWhitener(const Eigen::MatrixXd& whitener, RowClass which,
+                                const SigmaChange& change) {
   const std::vector<Eigen::Index> measured = MeasuredRows(whitener);
   const Eigen::MatrixXd information = whitener.transpose() * whitener;
   Eigen::MatrixXd covariance = Inverse(information(measured, measured));
@@ -87,8 +87,7 @@ Eigen::MatrixXd ChangedWhitener(const Eigen::MatrixXd& whitener,
     covariance.col(row) *= change.scale;
   }
   const Eigen::MatrixXd changed = Inverse(covariance).llt().matrixU();
-  Eigen::MatrixXd all =
-      Eigen::MatrixXd::Zero(whitener.rows(), whitener.cols());
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(whitener.rows(), whitener.cols());
   all(measured, measured) = changed;
   return all;
 }
@@ -99,8 +98,8 @@ void ChangeSigmas(RowClass which, const SigmaChange& change, Dataset* data) {
     for (int row = 0; row < block.rows_each(); ++row) {
       if (!IsOf(which, row)) continue;
       auto sigmas = block.sigmas.row(row).array();
-      sigmas = change.scale *
-               (sigmas.square() + change.added * change.added).sqrt();
+      sigmas =
+          change.scale * (sigmas.square() + change.added * change.added).sqrt();
     }
     for (Eigen::MatrixXd& whitener : block.whiteners) {
       if (whitener.size() == 0) continue;
@@ -128,8 +127,8 @@ double MedianSigma(RowClass which, const Dataset& data) {
 
 Eigen::VectorXd PriorsOfFree(const CalibrationProblem& problem) {
   const auto p = static_cast<Eigen::Index>(problem.free_columns.size());
-  Eigen::VectorXd priors = Eigen::VectorXd::Constant(
-      p, std::numeric_limits<double>::infinity());
+  Eigen::VectorXd priors =
+      Eigen::VectorXd::Constant(p, std::numeric_limits<double>::infinity());
   for (Eigen::Index k = 0; k < p && problem.priors.size() > 0; ++k) {
     const double prior = problem.priors[problem.free_columns[k]];
     if (std::isfinite(prior)) priors[k] = prior;
@@ -149,9 +148,8 @@ double FreedomOfRows(const CalibrationProblem& problem,
   const double used = PredictTotal(all, PriorsOfFree(problem), part);
   const auto equations = static_cast<double>(rows.num_equations());
   // What no row and no prior tells uses up nothing.
-  return equations - (std::isfinite(used)
-                          ? used * used
-                          : static_cast<double>(free.size()));
+  return equations -
+         (std::isfinite(used) ? used * used : static_cast<double>(free.size()));
 }
 
 // What the sigmas of a class are compared with: squared errors and variances of
@@ -224,8 +222,7 @@ SigmaChange FindChange(LossKind loss, const ErrorsOfClass& errors,
   double high = factor * std::sqrt(errors.LargestVariance());
   for (int step = 0; step < kBisections; ++step) {
     const double middle = 0.5 * (low + high);
-    const bool is_small =
-        errors.Factor(loss, freedom, middle * middle) > 1.0;
+    const bool is_small = errors.Factor(loss, freedom, middle * middle) > 1.0;
     (is_small ? low : high) = middle;
   }
   return {1.0, high};

@@ -54,13 +54,14 @@ struct EstimatedSigmas {
 };
 
 /// Changes the sigmas of training and held-out data, those of lengths and those
-/// of orientations each, until the residuals of a fit agree with them: chi-square
-/// equals its degrees of freedom or, with a robust loss, the median of the
-/// residual norms that of their distribution. Where the stated sigmas are too
-/// small, what the instrument does not explain is the model's: one variance is
-/// added to all rows, so that rows of different sigmas come closer in weight.
-/// Where they are too large, all are scaled. Priors weigh against sigma, so that
-/// it is iterated. Lengths of 0 where a fit failed or leaves no freedom.
+/// of orientations each, until the residuals of a fit agree with them:
+/// chi-square equals its degrees of freedom or, with a robust loss, the median
+/// of the residual norms that of their distribution. Where the stated sigmas
+/// are too small, what the instrument does not explain is the model's: one
+/// variance is added to all rows, so that rows of different sigmas come closer
+/// in weight. Where they are too large, all are scaled. Priors weigh against
+/// sigma, so that it is iterated. Lengths of 0 where a fit failed or leaves no
+/// freedom.
 EstimatedSigmas EstimateSigmas(JobConfig* config, int num_threads);
 
 /// Degrees of freedom of a fit: equations less the parameters that the data

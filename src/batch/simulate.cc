@@ -154,8 +154,8 @@ Dataset Simulate(const SimulationConfig& config) {
                      "the arm, its limits or its deviations are so large that "
                      "positions are not finite");
   }
-  data.sigmas().setConstant(3, data.num_poses(),
-                          config.noise_sigma > 0.0 ? config.noise_sigma : 1.0);
+  data.sigmas().setConstant(
+      3, data.num_poses(), config.noise_sigma > 0.0 ? config.noise_sigma : 1.0);
   return data;
 }
 

@@ -126,8 +126,7 @@ class RankMethod {
     const std::vector<int> fixed = ColumnsOf(options_.fix);
     std::vector<int> all;
     for (int c = 0; c < layout_.size(); ++c) {
-      if (!IsCandidate(layout_.parameter(c)) &&
-          !Contains(forced_, c)) {
+      if (!IsCandidate(layout_.parameter(c)) && !Contains(forced_, c)) {
         decision(c).state = ParameterState::kGiven;
         decision(c).reason = "given, not to be identified";
       } else if (Contains(fixed, c)) {

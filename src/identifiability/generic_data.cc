@@ -106,10 +106,10 @@ void MeasureOrientations(const MeasurementModel& model, Dataset* data) {
     if (block.kind != MeasurementKind::kPose) continue;
     for (Eigen::Index i = 0; i < block.size(); ++i) {
       Eigen::Matrix3d rotation;
-      TargetPose<double>(
-          model.nominal(),
-          ViewOf(model.layout(), values.data(), block.target(i)),
-          data->joint_values.col(block.pose(i)).data(), &rotation);
+      TargetPose<double>(model.nominal(),
+                         ViewOf(model.layout(), values.data(), block.target(i)),
+                         data->joint_values.col(block.pose(i)).data(),
+                         &rotation);
       block.measured.col(i).tail<3>() = VectorFromRotation(rotation);
     }
   }

@@ -15,10 +15,11 @@
 namespace alidade {
 namespace {
 
-// References first: nothing else says where they are. Then frames: where an arm stands and what it holds is known worst
-// beforehand, and a joint's number held in their stead would carry its narrow
-// prior over to them. Then lengths: they are what drawings and people state,
-// and a length that stands for an angle reads better than the reverse.
+// References first: nothing else says where they are. Then frames: where an arm
+// stands and what it holds is known worst beforehand, and a joint's number held
+// in their stead would carry its narrow prior over to them. Then lengths: they
+// are what drawings and people state, and a length that stands for an angle
+// reads better than the reverse.
 constexpr std::array<ParameterKind, 12> kCanonicalOrder = {
     ParameterKind::kPoint,
     ParameterKind::kPlaneOffset,

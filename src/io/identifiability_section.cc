@@ -165,8 +165,10 @@ std::vector<ParameterBounds> ReadBounds(const JobContext& context,
     // Base, targets and references have no nominal values that bounds could be
     // about: a job that identifies them finds where they are.
     if (!ParameterLayout::IsJointKind(layout.parameter(bound.column).kind)) {
-      entry.Fail("bounds hold for joint parameters (beta1, alpha1, d1, theta1, "
-                 "r1 ...), found " + Quote(name));
+      entry.Fail(
+          "bounds hold for joint parameters (beta1, alpha1, d1, theta1, "
+          "r1 ...), found " +
+          Quote(name));
     }
     const Dimension dimension = layout.parameter(bound.column).dimension;
     bound.lower = ends[0].Limit(dimension, context.units);

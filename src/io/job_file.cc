@@ -208,8 +208,9 @@ void CheckMethod(const JobContext& context, const JobConfig& job) {
   if (job.identifiability.method != IdentifiabilityMethod::kRules) return;
   if (!HasUnknownReferences(job.references)) return;
   context.file.Required("identifiability")
-      .Fail("method: rules identifies no points and planes, and some of these "
-            "are not known: expected `method: rank`");
+      .Fail(
+          "method: rules identifies no points and planes, and some of these "
+          "are not known: expected `method: rank`");
 }
 
 void ReadMeasurements(bool with_validation, JobContext* context,
@@ -234,8 +235,9 @@ void ReadTruth(JobContext* context, JobConfig* job) {
   const std::optional<YamlValue> value = context->file.Optional("truth");
   if (!value) return;
   if (HasUnknownReferences(job->references)) {
-    value->Fail("the true arm is given, but not the true points and planes that "
-                "the data are measured against: expected `known: true` of each");
+    value->Fail(
+        "the true arm is given, but not the true points and planes that "
+        "the data are measured against: expected `known: true` of each");
   }
   const Eigen::VectorXd deviations = context->files.Read(
       *value,

@@ -108,8 +108,9 @@ Observation ReadPointDistance(const YamlValue& value, const Units& units,
   if (const auto own = map.Optional("sigma")) {
     sigma = PositiveLength(*own, units);
   } else if (!(default_sigma > 0.0)) {
-    map.Fail("the sigma of measurements is estimated, that of a known distance "
-             "cannot be: expected `sigma`");
+    map.Fail(
+        "the sigma of measurements is estimated, that of a known distance "
+        "cannot be: expected `sigma`");
   }
   const double distance = PositiveLength(map.Required("distance"), units);
   observation.measured = Observation::Rows::Constant(1, distance);

@@ -67,19 +67,28 @@ Json ToJson(const CrossValidation& validation) {
   return json;
 }
 
+Json ToJson(const ReferenceResult& reference) {
+  const bool is_plane = std::isfinite(reference.offset);
+  Json json = {
+      {"block", reference.block},
+      {"name", reference.name},
+      {"known", reference.is_known},
+      {is_plane ? "normal" : "position",
+       {reference.vector.x(), reference.vector.y(), reference.vector.z()}}};
+  if (is_plane) json["offset"] = reference.offset;
+  return json;
+}
+
 Json ToJson(const RejectedRow& row) {
   return {{"file", row.file}, {"line", row.line}, {"reason", row.reason}};
 }
 
 Json ToJson(const Outlier& outlier) {
-  return {{"observation", outlier.observation},
-          {"pose", outlier.label.pose},
-          {"kind", outlier.label.kind},
-          {"target", outlier.label.target},
-          {"where", outlier.label.where},
-          {"error", outlier.error},
-          {"standardised", outlier.standardised},
-          {"weight", outlier.weight}};
+  return {
+      {"observation", outlier.observation},   {"pose", outlier.label.pose},
+      {"kind", outlier.label.kind},           {"target", outlier.label.target},
+      {"where", outlier.label.where},         {"error", outlier.error},
+      {"standardised", outlier.standardised}, {"weight", outlier.weight}};
 }
 
 Json ToJson(const InputFile& input) {
@@ -267,6 +276,7 @@ std::string FormatResultJson(const JobResult& result) {
   for (const auto& [block, name] : result.aliases) {
     json["aliases"].push_back({{"block", block}, {"name", name}});
   }
+  json["references"] = ToJsonList(result.references, ToJson);
   json["repeats"] = {{"length", result.repeats.length},
                      {"length_freedom", result.repeats.length_freedom},
                      {"rotation", result.repeats.rotation},

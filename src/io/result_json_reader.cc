@@ -178,6 +178,17 @@ CrossValidation ReadCrossValidation(const JsonValue& json) {
           ReadAccuracyIfThere(json, "rotation")};
 }
 
+ReferenceResult ReadReference(const JsonValue& json) {
+  ReferenceResult reference;
+  reference.block = json["block"].Text();
+  reference.name = json["name"].Text();
+  reference.is_known = json["known"].Boolean();
+  const bool is_plane = json.Has("normal");
+  reference.vector = json[is_plane ? "normal" : "position"].Vector();
+  if (is_plane) reference.offset = json["offset"].Number();
+  return reference;
+}
+
 RejectedRow ReadRejectedRow(const JsonValue& json) {
   return {json["file"].Text(), json["line"].Integer(), json["reason"].Text()};
 }
@@ -430,6 +441,9 @@ void ReadMeasurements(const JsonValue& json, JobResult* result) {
   if (!json.Has("rejected_rows")) return;
   result->rejected = ReadList(json["rejected_rows"], ReadRejectedRow);
   result->repeats = ReadRepeats(json["repeats"]);
+  if (json.Has("references")) {
+    result->references = ReadList(json["references"], ReadReference);
+  }
   result->aliases = ReadList(json["aliases"], [](const JsonValue& alias) {
     return std::pair(alias["block"].Text(), alias["name"].Text());
   });

@@ -52,6 +52,23 @@ void ReadFolds(const YamlMap& map, JobConfig* job) {
   job->folds = config;
 }
 
+// A difference of a pose that is held out and one that is not belongs to
+// neither side.
+void RejectStraddling(const std::vector<bool>& is_heldout, JobConfig* job) {
+  const Dataset& data = job->data;
+  for (const ObservationBlock& block : data.blocks) {
+    if (block.kind != MeasurementKind::kDifference) continue;
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      const int pose = block.pose(i);
+      if (is_heldout[pose] == is_heldout[block.seconds[i]]) continue;
+      const PoseSource& source = data.sources[pose];
+      job->rejected.push_back(
+          {data.files[source.file], source.line,
+           "a difference between a pose that is held out and one that is not"});
+    }
+  }
+}
+
 // Holds out the poses, unless that leaves nothing to fit.
 void HoldOutChosen(const std::vector<bool>& is_heldout, const YamlValue& key,
                    JobConfig* job) {
@@ -59,6 +76,7 @@ void HoldOutChosen(const std::vector<bool>& is_heldout, const YamlValue& key,
                   [](bool chosen) { return chosen; })) {
     key.Fail("holds out all poses, expected some to be left for the fit");
   }
+  RejectStraddling(is_heldout, job);
   Take(HoldOutPoses(job->data, is_heldout), job);
 }
 

@@ -92,7 +92,7 @@ void ApplyLosses(const ObservationBlock& block, Eigen::Index first,
 }  // namespace
 
 double RobustChiSquare(const Eigen::VectorXd& errors, const Dataset& data,
-              const std::vector<RobustLoss>& losses) {
+                       const std::vector<RobustLoss>& losses) {
   const Eigen::VectorXd squared = SquaredNorms(errors, data);
   if (losses.empty()) return squared.sum();
   const Eigen::VectorXi dimensions = Dimensions(data);
@@ -110,13 +110,13 @@ Eigen::MatrixXd JacobianFactor(const MeasurementModel& model,
                                const Eigen::VectorXd& values,
                                const Dataset& data,
                                const std::vector<int>& columns) {
-  return FactorRows(
-      model, values, data, columns, static_cast<Eigen::Index>(columns.size()),
-      [](RowEvaluator* evaluator, const ObservationBlock& block,
-         Eigen::Index first, Eigen::Index count, Eigen::Index,
-         Eigen::MatrixXd* rows) {
-        evaluator->Fill(block, first, count, *rows);
-      });
+  return FactorRows(model, values, data, columns,
+                    static_cast<Eigen::Index>(columns.size()),
+                    [](RowEvaluator* evaluator, const ObservationBlock& block,
+                       Eigen::Index first, Eigen::Index count, Eigen::Index,
+                       Eigen::MatrixXd* rows) {
+                      evaluator->Fill(block, first, count, *rows);
+                    });
 }
 
 CompressedProblem Compress(const MeasurementModel& model,

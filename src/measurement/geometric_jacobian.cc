@@ -10,8 +10,8 @@ GeometricJacobian::GeometricJacobian(const Arm& nominal,
     : layout_(layout),
       arm_(layout.WithValues(nominal, values)),
       base_origin_(arm_.instrument_from_base.translation()),
-      base_axes_(LeftJacobianOfRotation(values.segment<3>(
-          layout.Column(ParameterKind::kBaseRotation, 0)))) {
+      base_axes_(LeftJacobianOfRotation(
+          values.segment<3>(layout.Column(ParameterKind::kBaseRotation, 0)))) {
   for (int target = 0; target < arm_.num_targets(); ++target) {
     tool_axes_.push_back(LeftJacobianOfRotation(values.segment<3>(
         layout.Column(ParameterKind::kToolRotation, 0, target))));

@@ -154,9 +154,9 @@ ObservationCost MakeObservationCost(const MeasurementModel& model,
   residual.num_blocks = static_cast<int>(cost.blocks.size());
   const bool is_plain = block.kind == MeasurementKind::kPosition &&
                         residual.num_blocks == kNumJointBlocks;
-  cost.function = is_plain ? MakePosition(residual, layout, cost.blocks)
-                           : MakeDynamic(residual, layout, cost.blocks,
-                                         block.rows_each());
+  cost.function =
+      is_plain ? MakePosition(residual, layout, cost.blocks)
+               : MakeDynamic(residual, layout, cost.blocks, block.rows_each());
   return cost;
 }
 

@@ -19,8 +19,8 @@ Vector3<T> TiltedNormal(const Eigen::Vector3d& nominal, const T* tilt) {
   Eigen::Vector3d t1;
   Eigen::Vector3d t2;
   TangentBasis(nominal, &t1, &t2);
-  const Vector3<T> n = nominal.cast<T>() + t1.cast<T>() * tilt[0] +
-                       t2.cast<T>() * tilt[1];
+  const Vector3<T> n =
+      nominal.cast<T>() + t1.cast<T>() * tilt[0] + t2.cast<T>() * tilt[1];
   return n / sqrt(T(1.0) + tilt[0] * tilt[0] + tilt[1] * tilt[1]);
 }
 
@@ -48,8 +48,8 @@ class ObservationResidual {
       view.first = &values[first];
     }
     if (block_->kind == MeasurementKind::kPointDistance) {
-      view.second = &values[model_->layout().Column(
-          ParameterKind::kPoint, 0, block_->seconds[i_])];
+      view.second = &values[model_->layout().Column(ParameterKind::kPoint, 0,
+                                                    block_->seconds[i_])];
     }
     return view;
   }
@@ -82,9 +82,9 @@ class ObservationResidual {
         EvaluatePose(geometry, residual);
         break;
       case MeasurementKind::kFixedPoint:
-        Store<T>(Position(geometry, block_->pose(i_)) -
-                     PointAt(references.first),
-                 residual);
+        Store<T>(
+            Position(geometry, block_->pose(i_)) - PointAt(references.first),
+            residual);
         break;
       case MeasurementKind::kDifference:
         Store<T>(Position(geometry, block_->pose(i_)) -
@@ -97,17 +97,17 @@ class ObservationResidual {
                     block_->measured(0, i_);
         break;
       case MeasurementKind::kPointDistance:
-        *residual = Length<T>(PointAt(references.first) -
-                              PointAt(references.second)) -
-                    block_->measured(0, i_);
+        *residual =
+            Length<T>(PointAt(references.first) - PointAt(references.second)) -
+            block_->measured(0, i_);
         break;
       case MeasurementKind::kPlane:
-        *residual = TiltedNormal<T>(
-                        model_->references().planes[block_->references[i_]]
-                            .normal,
-                        references.first)
-                        .dot(Position(geometry, block_->pose(i_))) -
-                    references.first[2];
+        *residual =
+            TiltedNormal<T>(
+                model_->references().planes[block_->references[i_]].normal,
+                references.first)
+                .dot(Position(geometry, block_->pose(i_))) -
+            references.first[2];
         break;
     }
   }
@@ -148,9 +148,8 @@ class ObservationResidual {
   template <typename T>
   void EvaluatePose(const GeometryView<T>& geometry, T* residual) const {
     Eigen::Matrix<T, 3, 3> rotation;
-    const Vector3<T> position =
-        TargetPose(model_->nominal(), geometry, JointValues(block_->pose(i_)),
-                   &rotation);
+    const Vector3<T> position = TargetPose(
+        model_->nominal(), geometry, JointValues(block_->pose(i_)), &rotation);
     Store<T>(position - Measured<T>(), residual);
     const Eigen::Vector3d measured = block_->measured.col(i_).tail<3>();
     const Eigen::Matrix3d back = RotationFromVector<double>(-measured);

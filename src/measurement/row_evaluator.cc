@@ -122,9 +122,8 @@ void RowEvaluator::FillPlane(int plane, Rows rows) const {
 }
 
 void RowEvaluator::FillPointDistance(int first, int second, Rows rows) const {
-  const Eigen::Vector3d direction =
-      DirectionOf(references_.points[first].position -
-                  references_.points[second].position);
+  const Eigen::Vector3d direction = DirectionOf(
+      references_.points[first].position - references_.points[second].position);
   for (Eigen::Index c = 0; c < rows.cols(); ++c) {
     rows(0, c) = direction.dot(PointDerivative(first, columns_[c]) -
                                PointDerivative(second, columns_[c]));

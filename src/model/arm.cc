@@ -9,8 +9,7 @@ namespace alidade {
 double Reach(const Arm& arm) {
   double farthest = 0.0;
   for (const Target& target : arm.targets) {
-    farthest =
-        std::max(farthest, target.last_from_target.translation().norm());
+    farthest = std::max(farthest, target.last_from_target.translation().norm());
   }
   double reach = arm.instrument_from_base.translation().norm() + farthest;
   for (const Joint& joint : arm.joints) {

@@ -75,8 +75,8 @@ void ParameterLayout::AddFrame(const std::string& name,
                            Dimension::kLength, object});
   }
   for (int axis = 0; axis < 3; ++axis) {
-    parameters_.push_back({name + "_r" + kAxes[axis], rotation, axis,
-                           Dimension::kAngle, object});
+    parameters_.push_back(
+        {name + "_r" + kAxes[axis], rotation, axis, Dimension::kAngle, object});
   }
 }
 
@@ -176,10 +176,10 @@ Arm ParameterLayout::WithValues(const Arm& nominal,
       nominal.instrument_from_base,
       values.segment<kFrameSize>(Column(ParameterKind::kBaseTranslation, 0)));
   for (int target = 0; target < shape_.num_targets; ++target) {
-    arm.last_from_target(target) = MoveFrame(
-        nominal.last_from_target(target),
-        values.segment<kFrameSize>(
-            Column(ParameterKind::kToolTranslation, 0, target)));
+    arm.last_from_target(target) =
+        MoveFrame(nominal.last_from_target(target),
+                  values.segment<kFrameSize>(
+                      Column(ParameterKind::kToolTranslation, 0, target)));
   }
   return arm;
 }

@@ -1,5 +1,6 @@
 #include "src/report/accuracy_report.h"
 
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -56,6 +57,33 @@ void AddCrossValidation(const JobResult& result, const Accuracy& accuracy,
   AddAccuracy("held out once",
               std::to_string(result.cross_validation->folds) + " folds",
               accuracy, dimension, table);
+}
+
+// Which kind and target the errors of a set belong to, where there are several.
+void AddKinds(const std::string& poses, const EvaluatedSet& set,
+              TextTable* table) {
+  std::map<std::pair<std::string, std::string>, std::vector<double>> norms;
+  for (std::size_t i = 0; i < set.labels.size(); ++i) {
+    const ObservationLabel& label = set.labels[i];
+    if (label.pose < 0) continue;
+    norms[{label.kind, label.target}].push_back(
+        set.residual_after.col(static_cast<Eigen::Index>(i)).norm());
+  }
+  if (norms.size() < 2) return;
+  for (const auto& [label, values] : norms) {
+    const auto& [kind, target] = label;
+    AddAccuracy(poses, target.empty() ? kind : kind + " of " + target,
+                SummarizeErrors(Eigen::Map<const Eigen::VectorXd>(
+                    values.data(), static_cast<Eigen::Index>(values.size()))),
+                Dimension::kLength, table);
+  }
+}
+
+std::string KindTable(const JobResult& result) {
+  TextTable table = MakeAccuracyTable("of which, after [mm]");
+  AddKinds("training poses", result.train, &table);
+  if (result.heldout) AddKinds("validation poses", *result.heldout, &table);
+  return table.empty() ? "" : "\n" + table.ToString();
 }
 
 std::string RotationTable(const JobResult& result) {
@@ -125,11 +153,10 @@ std::string SigmaNote(const JobResult& result) {
 std::string RepeatNote(const JobResult& result) {
   const RepeatSpread& repeats = result.repeats;
   if (repeats.length_freedom == 0) return "";
-  std::string text = "Repeated configurations differ by " +
-                     FormatLength(repeats.length, 3) +
-                     " in a coordinate (standard deviation, " +
-                     std::to_string(repeats.length_freedom) +
-                     " degrees of freedom)";
+  std::string text =
+      "Repeated configurations differ by " + FormatLength(repeats.length, 3) +
+      " in a coordinate (standard deviation, " +
+      std::to_string(repeats.length_freedom) + " degrees of freedom)";
   if (repeats.rotation_freedom > 0) {
     text += " and " + FormatSignificant(repeats.rotation / kDegree, 3) +
             " deg in orientation";
@@ -175,8 +202,8 @@ std::string FirstRows(std::size_t count) {
 }  // namespace
 
 std::string AccuracySection(const JobResult& result) {
-  return FormatAccuracyTable(result) + RotationTable(result) +
-         StagesTable(result) + FitNotes(result) + AcceptanceTable(result);
+  return FormatAccuracyTable(result) + StagesTable(result) + FitNotes(result) +
+         AcceptanceTable(result);
 }
 
 std::string OutlierTable(const JobResult& result) {
@@ -217,9 +244,9 @@ std::string RejectedRowTable(const JobResult& result) {
     if (count++ == kMostRows) break;
     table.AddRow({row.file, std::to_string(row.line), row.reason});
   }
-  return Paragraph(Count(static_cast<std::int64_t>(result.rejected.size()),
-                         "row") +
-                   " took no part. result.json lists all of them.") +
+  return Paragraph(
+             Count(static_cast<std::int64_t>(result.rejected.size()), "row") +
+             " took no part. result.json lists all of them.") +
          FirstRows(result.rejected.size()) + table.ToString();
 }
 
@@ -235,8 +262,10 @@ std::string FormatAccuracyTable(const JobResult& result) {
     AddCrossValidation(result, result.cross_validation->position,
                        Dimension::kLength, &table);
   }
-  if (table.empty()) return "No pose was evaluated.\n";
-  return table.ToString();
+  const std::string rotations = RotationTable(result);
+  if (table.empty() && rotations.empty()) return "No pose was evaluated.\n";
+  return (table.empty() ? "" : table.ToString() + KindTable(result)) +
+         rotations;
 }
 
 }  // namespace alidade

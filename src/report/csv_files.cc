@@ -99,7 +99,9 @@ std::string FormatObservations(const EvaluatedSet& set) {
     if (set.rotation_residual_after.cols() > 0) {
       for (const Eigen::Matrix3Xd* turns :
            {&set.rotation_residual_before, &set.rotation_residual_after}) {
-        text += "," + ShortestNumber(turns->col(i).norm() / kDegree);
+        const bool is_pose = set.labels.empty() || set.labels[i].kind == "pose";
+        text += "," + (is_pose ? ShortestNumber(turns->col(i).norm() / kDegree)
+                               : std::string());
       }
     }
     text += "\n";

@@ -45,9 +45,9 @@ class CompressedResidual : public ceres::CostFunction {
     if (jacobians == nullptr || jacobians[0] == nullptr) {
       // Of a trial step only the cost is asked for, and that is cheap.
       residual.setZero();
-      residual[p] = std::sqrt(RobustChiSquare(
-          problem_.model.Errors(values, problem_.data), problem_.data,
-          problem_.losses));
+      residual[p] = std::sqrt(
+          RobustChiSquare(problem_.model.Errors(values, problem_.data),
+                          problem_.data, problem_.losses));
       return residual.allFinite();
     }
     const CompressedProblem compressed =
@@ -56,8 +56,8 @@ class CompressedResidual : public ceres::CostFunction {
     residual.head(p) = compressed.projected;
     const double rest = compressed.cost - compressed.projected.squaredNorm();
     residual[p] = std::sqrt(std::max(0.0, rest));
-    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic,
-                             Eigen::RowMajor>>
+    Eigen::Map<
+        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>
         jacobian(jacobians[0], p + 1, p);
     jacobian.topRows(p) = compressed.factor;
     jacobian.row(p).setZero();

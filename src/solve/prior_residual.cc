@@ -11,8 +11,8 @@ PriorResidual::PriorResidual(int block_size, std::vector<Entry> entries)
   set_num_residuals(static_cast<int>(entries_.size()));
 }
 
-bool PriorResidual::Evaluate(double const* const* parameters,
-                             double* residuals, double** jacobians) const {
+bool PriorResidual::Evaluate(double const* const* parameters, double* residuals,
+                             double** jacobians) const {
   const int size = parameter_block_sizes()[0];
   const bool wants_jacobian = jacobians != nullptr && jacobians[0] != nullptr;
   if (wants_jacobian) {

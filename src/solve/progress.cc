@@ -81,7 +81,8 @@ bool Progress::CheckProblem(const Eigen::VectorXd& values) {
   } else if (problem_.lower.size() != 0 &&
              ((values.array() < problem_.lower.array()).any() ||
               (values.array() > problem_.upper.array()).any())) {
-    Stop(SolverStatus::kUnusable, "the starting point is not within the bounds");
+    Stop(SolverStatus::kUnusable,
+         "the starting point is not within the bounds");
   } else if (problem_.priors.size() != 0 &&
              problem_.priors.size() != values.size()) {
     Stop(SolverStatus::kUnusable, "priors must be empty or one per parameter");

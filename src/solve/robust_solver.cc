@@ -34,9 +34,10 @@ double EffectiveEquations(const CalibrationProblem& problem,
   for (Eigen::Index i = 0; i < squared.size(); ++i) {
     const int dimension = dimensions[i];
     if (dimension == 0) continue;
-    const double weight = problem.losses.empty()
-                              ? 1.0
-                              : problem.losses[dimension - 1].Weight(squared[i]);
+    const double weight =
+        problem.losses.empty()
+            ? 1.0
+            : problem.losses[dimension - 1].Weight(squared[i]);
     sum += dimension * weight;
   }
   return sum;
@@ -54,8 +55,7 @@ void CheckWeights(const CalibrationProblem& problem,
       static_cast<double>(problem.ColumnsWithPrior().size());
   const double needed =
       std::max(free - with_prior,
-               kFewestLeft *
-                   static_cast<double>(problem.data.num_equations()));
+               kFewestLeft * static_cast<double>(problem.data.num_equations()));
   if (equations >= needed) return;
   summary->status = SolverStatus::kFailed;
   summary->message =

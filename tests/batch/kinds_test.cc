@@ -123,10 +123,9 @@ class Bench {
     ObservationBlock block;
     block.kind = kind;
     for (int i = 0; i < data_.num_poses(); ++i) block.poses.push_back(i);
-    block.measured =
-        Eigen::MatrixXd::Zero(RowsOf(kind), data_.num_poses());
-    block.sigmas = Eigen::MatrixXd::Constant(RowsOf(kind), data_.num_poses(),
-                                             kSigma);
+    block.measured = Eigen::MatrixXd::Zero(RowsOf(kind), data_.num_poses());
+    block.sigmas =
+        Eigen::MatrixXd::Constant(RowsOf(kind), data_.num_poses(), kSigma);
     return block;
   }
 
@@ -205,10 +204,9 @@ TEST(KindsTest, SeveralTargetsAreFoundAtOnce) {
   EXPECT_NEAR(outcome.result.heldout->after.rms, 9.2e-5, 1.5e-5);
   // Sides of the triangle of targets do not depend on any frame.
   for (int k = 1; k < 3; ++k) {
-    const double side =
-        (outcome.calibrated.last_from_target(k).translation() -
-         outcome.calibrated.last_from_target(0).translation())
-            .norm();
+    const double side = (outcome.calibrated.last_from_target(k).translation() -
+                         outcome.calibrated.last_from_target(0).translation())
+                            .norm();
     const double expected = (real.last_from_target(k).translation() -
                              real.last_from_target(0).translation())
                                 .norm();
@@ -339,10 +337,10 @@ TEST(KindsTest, ContactWithAPlaneFindsThePlane) {
                                   random.Uniform(0.2, 0.8), 0.1));
   }
   const Eigen::MatrixXd q = Touching(real, places);
-  JobConfig job = JobOf(Bench(real, q)
-                            .Contacts(MeasurementKind::kPlane,
-                                      std::vector<int>(places.size(), 0))
-                            .data());
+  JobConfig job = JobOf(
+      Bench(real, q)
+          .Contacts(MeasurementKind::kPlane, std::vector<int>(places.size(), 0))
+          .data());
   job.arm.instrument_from_base = real.instrument_from_base;
   job.arm.last_from_target() = real.last_from_target();
   job.identifiability.candidates = {true, false, false};
@@ -356,8 +354,8 @@ TEST(KindsTest, ContactWithAPlaneFindsThePlane) {
 TEST(KindsTest, KindsMixFreely) {
   const Arm real = RealArm();
   const Eigen::MatrixXd q = DrawJointValues(real, 80, 5);
-  JobConfig job = JobOf(
-      Bench(real, q).Poses().Distances(0, {3.0, -2.0, 0.0}).data());
+  JobConfig job =
+      JobOf(Bench(real, q).Poses().Distances(0, {3.0, -2.0, 0.0}).data());
   job.references.points = {{"anchor"}};
   job.folds = FoldsConfig{4, 1};
   const JobResult result = Calibrate(job);

@@ -127,11 +127,13 @@ TEST(ZeroColumnRuleTest, LooksAtTheMeasuredPosesOnly) {
   arm.joints[1].r = 0.0;
   arm.last_from_target().setIdentity();
   Dataset data = GenericPoses(arm);
-  EXPECT_EQ(FrozenBy(ApplyRules(MeasurementModel(arm), data, {}), "zero_column"),
-            Names{"theta2"});
+  EXPECT_EQ(
+      FrozenBy(ApplyRules(MeasurementModel(arm), data, {}), "zero_column"),
+      Names{"theta2"});
   data.joint_values.row(1).setZero();
-  EXPECT_EQ(FrozenBy(ApplyRules(MeasurementModel(arm), data, {}), "zero_column"),
-            (Names{"alpha2", "theta2"}));
+  EXPECT_EQ(
+      FrozenBy(ApplyRules(MeasurementModel(arm), data, {}), "zero_column"),
+      (Names{"alpha2", "theta2"}));
 }
 
 // The column of alpha5 at the flange is as long as r5 / reach.
@@ -149,11 +151,13 @@ TEST(ZeroColumnRuleTest, ToleranceIsRelativeToTheLargestScaledColumn) {
   IdentifiabilityOptions options;
   options.relative_tolerance = 0.99 * relative;
   EXPECT_EQ(
-      DecisionOn(ApplyRules(MeasurementModel(arm), data, options), "alpha5").state,
+      DecisionOn(ApplyRules(MeasurementModel(arm), data, options), "alpha5")
+          .state,
       ParameterState::kFree);
   options.relative_tolerance = 1.01 * relative;
   EXPECT_EQ(
-      DecisionOn(ApplyRules(MeasurementModel(arm), data, options), "alpha5").rule,
+      DecisionOn(ApplyRules(MeasurementModel(arm), data, options), "alpha5")
+          .rule,
       "zero_column");
 }
 

@@ -148,7 +148,8 @@ TEST(ParameterLayoutTest, RoundTripKeepsEveryBit) {
     EXPECT_EQ(layout.Values(again), values);
     EXPECT_EQ(again.instrument_from_base.matrix(),
               arm.instrument_from_base.matrix());
-    EXPECT_EQ(again.last_from_target().matrix(), arm.last_from_target().matrix());
+    EXPECT_EQ(again.last_from_target().matrix(),
+              arm.last_from_target().matrix());
   }
 }
 
@@ -164,7 +165,8 @@ TEST(ParameterLayoutTest, WithValuesReplacesTheGeometryOnly) {
   // Rotation values are zero, so the nominal rotations stay.
   EXPECT_EQ(arm.instrument_from_base.linear(),
             nominal.instrument_from_base.linear());
-  EXPECT_EQ(arm.last_from_target().linear(), nominal.last_from_target().linear());
+  EXPECT_EQ(arm.last_from_target().linear(),
+            nominal.last_from_target().linear());
 }
 
 TEST(ParameterLayoutTest, RotationsActOnTheLeftOfTheNominalOnes) {

@@ -12,8 +12,8 @@ namespace alidade {
 /// at poses drawn within the joint limits, every combination of kind, target,
 /// reference and measured axes that `data` has anywhere. Contacts with a point
 /// or a plane constrain the arm; no drawn pose would keep them, so that they
-/// stay at poses of `data` (256 of them, as EvenSubset takes them). Rows are in metres:
-/// sigmas are 1 m, and the reach for orientations turned into lengths,
+/// stay at poses of `data` (256 of them, as EvenSubset takes them). Rows are in
+/// metres: sigmas are 1 m, and the reach for orientations turned into lengths,
 /// 1 / reach (rad). Measured orientations are those of the nominal arm.
 Dataset MakeGenericData(const MeasurementModel& model, const Dataset& data,
                         int num_poses, std::uint64_t seed);
@@ -22,10 +22,10 @@ Dataset MakeGenericData(const MeasurementModel& model, const Dataset& data,
 /// correlations; what was not measured stays so.
 Dataset WithUnitSigmas(const MeasurementModel& model, Dataset data);
 
-/// About `count` observations of each kind, evenly spaced among those of the same
-/// target, reference and axes and at least 32 of these where there are as many,
-/// with the poses that they are of. `data` itself where it has no more than
-/// `count` poses.
+/// About `count` observations of each kind, evenly spaced among those of the
+/// same target, reference and axes and at least 32 of these where there are as
+/// many, with the poses that they are of. `data` itself where it has no more
+/// than `count` poses.
 Dataset EvenSubset(const Dataset& data, Eigen::Index count);
 
 }  // namespace alidade

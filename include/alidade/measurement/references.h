@@ -10,7 +10,7 @@ namespace alidade {
 /// A point that targets are measured against, in the instrument's frame: the
 /// anchor of a ball bar or a draw wire, the centre of a socket.
 struct ReferencePoint {
-  std::string name;  ///< as data sets call it
+  std::string name;                                    ///< as data sets call it
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< (m) or a guess
   bool is_known = false;  ///< false: identified with the arm
 };

@@ -55,8 +55,9 @@ struct RobustLoss {
 /// @pre dimension >= 1.
 double TuningConstant(LossKind kind, int dimension);
 
-/// The losses of observations of 1 to `max_dimension` rows, entry d - 1 tuned for
-/// d rows; none at all for kNone. As of TuningConstant, times max_dimension.
+/// The losses of observations of 1 to `max_dimension` rows, entry d - 1 tuned
+/// for d rows; none at all for kNone. As of TuningConstant, times
+/// max_dimension.
 std::vector<RobustLoss> TunedLosses(LossKind kind, int max_dimension = 6);
 
 /// The median norm of N(0, I) in d = `dimension` dimensions,

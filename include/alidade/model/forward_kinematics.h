@@ -86,7 +86,8 @@ void CarryThroughJoint(const Arm& arm, const GeometryView<T>& geometry, int j,
   T& z = point->z();
   z += r;
   const T sin_theta = sin(theta), cos_theta = cos(theta);
-  const T sin_alpha = sin(geometry.alpha[j]), cos_alpha = cos(geometry.alpha[j]);
+  const T sin_alpha = sin(geometry.alpha[j]),
+          cos_alpha = cos(geometry.alpha[j]);
   const T sin_beta = sin(geometry.beta[j]), cos_beta = cos(geometry.beta[j]);
   RotatePlane<T>(sin_theta, cos_theta, &x, &y);
   x += geometry.d[j];
@@ -143,8 +144,7 @@ Vector3<T> TargetPose(const Arm& arm, const GeometryView<T>& geometry,
   for (int k = 0; k < 3; ++k) rotation.col(k) = axes[k];
   Eigen::Matrix<T, 3, 3> base =
       arm.instrument_from_base.linear().template cast<T>();
-  Vector3<T> origin =
-      arm.instrument_from_base.translation().template cast<T>();
+  Vector3<T> origin = arm.instrument_from_base.translation().template cast<T>();
   if (geometry.base != nullptr) {
     origin = Eigen::Map<const Vector3<T>>(geometry.base);
     const Vector3<T> turn = Eigen::Map<const Vector3<T>>(geometry.base + 3);

@@ -32,8 +32,8 @@ enum class ParameterKind {
 };
 
 /// One parameter: its name and what it is. `index` is the joint (from 0) for
-/// the five joint kinds, the axis (0 = x, 1 = y, 2 = z) for the others; `object`
-/// the target, point or plane (from 0).
+/// the five joint kinds, the axis (0 = x, 1 = y, 2 = z) for the others;
+/// `object` the target, point or plane (from 0).
 struct Parameter {
   std::string name;  ///< "beta1", "r5", "base_x", "tool_rz", "point2_x"
   ParameterKind kind;

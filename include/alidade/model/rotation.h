@@ -60,8 +60,7 @@ inline Eigen::Matrix3d LeftJacobianOfRotation(const Eigen::Vector3d& w) {
 /// J(w)^-1 = I - [w]x / 2 + e [w]x^2, e = 1 / |w|^2 - cot(|w| / 2) / (2 |w|):
 /// Log(Exp(e) R) = Log(R) + J(Log(R))^-1 e to first order. Finite up to half a
 /// turn and beyond; undefined at a whole one. Chirikjian 2012, eq. 10.87.
-inline Eigen::Matrix3d InverseLeftJacobianOfRotation(
-    const Eigen::Vector3d& w) {
+inline Eigen::Matrix3d InverseLeftJacobianOfRotation(const Eigen::Vector3d& w) {
   const double angle_squared = w.squaredNorm();
   double e = 1.0 / 12.0 + angle_squared / 720.0;
   if (angle_squared > 1e-4) {
@@ -83,7 +82,8 @@ inline Eigen::Matrix3d InverseLeftJacobianOfRotation(
 /// w = (2 + |x|^2 / 3) x of the arcsine takes over, with the right derivatives
 /// at the identity.
 template <typename T>
-Eigen::Matrix<T, 3, 1> VectorFromRotation(const Eigen::Matrix<T, 3, 3>& rotation) {
+Eigen::Matrix<T, 3, 1> VectorFromRotation(
+    const Eigen::Matrix<T, 3, 3>& rotation) {
   using std::atan2;
   using std::sqrt;
   const T trace = rotation.trace();
@@ -100,8 +100,8 @@ Eigen::Matrix<T, 3, 1> VectorFromRotation(const Eigen::Matrix<T, 3, 3>& rotation
     if (rotation(2, 2) > rotation(i, i)) i = 2;
     const int j = (i + 1) % 3;
     const int k = (i + 2) % 3;
-    x[i] = T(0.5) * sqrt(rotation(i, i) - rotation(j, j) - rotation(k, k) +
-                         T(1.0));
+    x[i] = T(0.5) *
+           sqrt(rotation(i, i) - rotation(j, j) - rotation(k, k) + T(1.0));
     const T scale = T(0.25) / x[i];
     s = (rotation(k, j) - rotation(j, k)) * scale;
     x[j] = (rotation(j, i) + rotation(i, j)) * scale;

@@ -101,9 +101,20 @@ struct StageResult {
   std::string name;  ///< "frames only", "joint offsets", "all geometry"
   int num_free = 0;  ///< parameters solved for
   Accuracy train;
-  Accuracy heldout;  ///< n = 0 without held-out poses
+  Accuracy heldout;         ///< n = 0 without held-out poses
   Accuracy train_rotation;  ///< (rad); n = 0 without orientations
   Accuracy heldout_rotation;
+};
+
+/// A point or a plane that was measured against, in the instrument's frame.
+struct ReferenceResult {
+  std::string block;  ///< of its parameters: "point1", "plane2"
+  std::string name;
+  bool is_known = false;
+  /// Of a point its position (m), of a plane its unit normal.
+  Eigen::Vector3d vector = Eigen::Vector3d::Zero();
+  /// Of a plane (m); NaN for points.
+  double offset = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// Errors of poses that were each held out of one fit.
@@ -210,6 +221,7 @@ struct JobResult {
   std::vector<RejectedRow> rejected;
   /// What people call the targets and references: {"point1", "A"}.
   std::vector<std::pair<std::string, std::string>> aliases;
+  std::vector<ReferenceResult> references;  ///< as calibrated
   /// Norm of a whitened residual beyond which one of all observations would be
   /// by chance in 5 % of calibrations; 0 = not looked at.
   double outlier_limit = 0.0;
