@@ -336,6 +336,12 @@ class JobRunner {
            "rotation convention, outliers, sigmas or a wrong arm");
     }
     DoubtFrames();
+    if (sigmas_.is_bound) {
+      Warn(
+          "too few measurements to tell sigma from the residuals: it is taken "
+          "as what the nominal geometry leaves, so that parameters stay near "
+          "nominal. Measure more poses or state sigma");
+    }
     if (freedom < 1.0) {
       Warn(
           "these poses leave no degree of freedom: small residuals say nothing "

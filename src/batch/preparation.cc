@@ -152,6 +152,11 @@ double FreedomOfRows(const CalibrationProblem& problem,
          (std::isfinite(used) ? used * used : static_cast<double>(free.size()));
 }
 
+void ScaleAll(double factor, Dataset* data) {
+  ChangeSigmas(RowClass::kLength, {factor, 0.0}, data);
+  ChangeSigmas(RowClass::kRotation, {factor, 0.0}, data);
+}
+
 // What the sigmas of a class are compared with: squared errors and variances of
 // its rows, observation after observation.
 struct ErrorsOfClass {
@@ -273,19 +278,16 @@ Fit FitOnce(const JobConfig& config, const MeasurementModel& model,
 
 Fit FitPart(const JobConfig& config, const MeasurementModel& model,
             const IdentifiabilityOptions& options) {
-  if (config.loss == LossKind::kNone) return FitOnce(config, model, options);
   constexpr int kRounds = 2;
   JobConfig coarse = config;
-  coarse.loss = LossKind::kHuber;
+  if (config.loss != LossKind::kNone) coarse.loss = LossKind::kHuber;
   Fit fit;
   fit.values = model.NominalValues();
   for (int round = 0; round < kRounds; ++round) {
     const double typical = TypicalResidual(model, config.data, fit.values);
     coarse.data = config.data;
     if (std::isfinite(typical)) {
-      const SigmaChange change{std::max(1.0, typical), 0.0};
-      ChangeSigmas(RowClass::kLength, change, &coarse.data);
-      ChangeSigmas(RowClass::kRotation, change, &coarse.data);
+      ScaleAll(std::max(1.0, typical), &coarse.data);
     }
     Fit next = FitOnce(coarse, model, options);
     if (!next.summary.IsSolutionUsable()) return next;
@@ -319,6 +321,32 @@ IdentifiabilityOptions OffsetsOnly(const IdentifiabilityOptions& options,
   return offsets;
 }
 
+namespace {
+
+// Residuals of a fit that uses up nearly all equations say nothing of sigma.
+bool TellsSigma(double freedom, const Dataset& rows) {
+  constexpr double kFewest = 3.0;
+  constexpr double kSmallestPart = 0.1;
+  const auto equations = static_cast<double>(rows.num_equations());
+  return freedom >= std::max(kFewest, kSmallestPart * equations);
+}
+
+// The sigmas that the nominal geometry would have: more than the true ones, so
+// that priors weigh more than they should, and no fit runs away.
+EstimatedSigmas UseNominalResiduals(const MeasurementModel& model,
+                                    const Dataset& stated, JobConfig* config) {
+  const double typical =
+      TypicalResidual(model, stated, model.NominalValues());
+  config->data = stated;
+  if (!(typical > 0.0) || !std::isfinite(typical)) return {};
+  ScaleAll(typical, &config->data);
+  if (config->validation) ScaleAll(typical, &*config->validation);
+  return {MedianSigma(RowClass::kLength, config->data),
+          MedianSigma(RowClass::kRotation, config->data), true};
+}
+
+}  // namespace
+
 EstimatedSigmas EstimateSigmas(JobConfig* config, int num_threads) {
   const MeasurementModel model(config->arm, config->references, num_threads);
   const Dataset stated = config->data;
@@ -338,7 +366,10 @@ EstimatedSigmas EstimateSigmas(JobConfig* config, int num_threads) {
       const Dataset current = RowsOfClass(config->data, which);
       if (current.num_equations() == 0) continue;
       const double freedom = FreedomOfRows(problem, fit.values, current);
-      if (!(freedom > 0.0)) return {};
+      if (!TellsSigma(freedom, current)) {
+        config->validation = stated_validation;
+        return UseNominalResiduals(model, stated, config);
+      }
       const Dataset rows = RowsOfClass(stated, which);
       const SigmaChange change = FindChange(
           config->loss, ErrorsOfClass(model.Errors(fit.values, rows), rows),

@@ -32,9 +32,9 @@ double TypicalResidual(const MeasurementModel& model, const Dataset& data,
                        const Eigen::VectorXd& values);
 
 /// The same where the model is known to leave far more than the sigmas say, as
-/// with the joints held at nominal: a redescending loss would give up nearly
-/// all of it, so that a robust fit is Huber's, with sigmas raised to what the
-/// median residual asks.
+/// with the joints held at nominal: the sigmas are raised to what the median
+/// residual asks, so that priors have their weight, and a robust fit is
+/// Huber's, since a redescending loss would give up nearly all of the data.
 Fit FitPart(const JobConfig& config, const MeasurementModel& model,
             const IdentifiabilityOptions& options);
 
@@ -51,6 +51,9 @@ IdentifiabilityOptions OffsetsOnly(const IdentifiabilityOptions& options,
 struct EstimatedSigmas {
   double length = 0.0;    ///< median over all rows (m); 0 = none could be found
   double rotation = 0.0;  ///< the same of orientations (rad); 0 = none measured
+  /// The fit uses up nearly all equations: these are what the nominal geometry
+  /// leaves, more than the true ones.
+  bool is_bound = false;
 };
 
 /// Changes the sigmas of training and held-out data, those of lengths and those
