@@ -65,9 +65,9 @@ Dataset RandomData(const Arm& arm, int poses) {
 void Run(const std::string& root) {
   for (const char* name : {"rv2aj_study", "rv2aj_noise"}) {
     const JobConfig job = LoadJob(root + "/configs/jobs/" + name + ".yaml");
-    Print(
-        std::string(name) + ", 25 candidates", job.data,
-        MedianTime(MeasurementModel(job.arm), job.data, job.identifiability, 21));
+    Print(std::string(name) + ", 25 candidates", job.data,
+          MedianTime(MeasurementModel(job.arm), job.data, job.identifiability,
+                     21));
   }
   IdentifiabilityOptions options;
   options.candidates = {true, true, true};

@@ -198,8 +198,9 @@ void PrintFewPoses(const RealArm& arm, LineChart* chart) {
   series.label = arm.name;
   series.marker = MarkerStyle::kDot;
   for (const int poses : kFewPoses) {
-    const double share = 1.0 - static_cast<double>(poses) /
-                                   static_cast<double>(arm.job.data.num_poses());
+    const double share =
+        1.0 - static_cast<double>(poses) /
+                  static_cast<double>(arm.job.data.num_poses());
     if (share <= 0.05) continue;
     const Means ours = OverSeeds(arm, arm.job, share);
     const Means keep = OverSeeds(arm, WithoutPriors(arm.job), share);

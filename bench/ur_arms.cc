@@ -35,7 +35,7 @@ using Json = nlohmann::json;
 
 constexpr int kPoses = 60;
 constexpr int kWorkspacePoses = 2000;
-constexpr double kSigma = 0.05e-3;                // m
+constexpr double kSigma = 0.05e-3;                 // m
 constexpr double kRotationSigma = 0.02 * kDegree;  // rad
 constexpr double kLimit = kPi;
 constexpr int kThreads = 2;
@@ -101,9 +101,9 @@ Dataset Measure(const Arm& arm, MeasurementKind kind, std::uint64_t seed) {
       return Eigen::Vector3d(x, y, sigma * random.Normal());
     };
     Eigen::Matrix3d rotation;
-    const Eigen::Vector3d position = TargetPose<double>(
-        arm, ViewOf(model.layout(), values.data()),
-        data.joint_values.col(i).data(), &rotation);
+    const Eigen::Vector3d position =
+        TargetPose<double>(arm, ViewOf(model.layout(), values.data()),
+                           data.joint_values.col(i).data(), &rotation);
     block.measured.col(i).head<3>() = position + noise(kSigma);
     block.sigmas.col(i).head<3>().setConstant(kSigma);
     if (kind != MeasurementKind::kPose) continue;
@@ -132,9 +132,9 @@ double PredictedRms(const JobOutcome& outcome, const Dataset& data,
         std::isfinite(prior) ? prior : std::numeric_limits<double>::infinity();
   }
   const Eigen::VectorXd values = model.NominalValues();
-  const Dataset workspace = MakePositions(
-      poses, Eigen::Matrix3Xd::Zero(3, poses.cols()),
-      Eigen::Matrix3Xd::Ones(3, poses.cols()));
+  const Dataset workspace =
+      MakePositions(poses, Eigen::Matrix3Xd::Zero(3, poses.cols()),
+                    Eigen::Matrix3Xd::Ones(3, poses.cols()));
   return PredictTotal(JacobianFactor(model, values, data, free), priors,
                       JacobianFactor(model, values, workspace, free)) /
          std::sqrt(static_cast<double>(poses.cols()));
@@ -159,9 +159,8 @@ void Calibrate(const std::string& name, const Arm& nominal, const Arm& real,
       DrawJointValues(nominal, kWorkspacePoses, kWorkspaceSeed);
   const MeasurementModel truth(real);
   const MeasurementModel found(outcome.calibrated);
-  const double error =
-      Rms(found.Predict(found.NominalValues(), poses) -
-          truth.Predict(truth.NominalValues(), poses));
+  const double error = Rms(found.Predict(found.NominalValues(), poses) -
+                           truth.Predict(truth.NominalValues(), poses));
   const double predicted = PredictedRms(outcome, job.data, poses);
   std::array<char, 16> ratio{};
   std::snprintf(ratio.data(), ratio.size(), "%.2f", error / predicted);

@@ -25,15 +25,7 @@ class WhitenedResidual {
     is_diagonal_ = block.whiteners.empty() || block.whiteners[i].size() == 0;
   }
 
-  // For AutoDiffCostFunction: the joint blocks only.
-  template <typename T>
-  bool operator()(const T* beta, const T* alpha, const T* d, const T* theta,
-                  const T* r, T* residual) const {
-    return Evaluate<T>({beta, alpha, d, theta, r, nullptr, nullptr, target_},
-                       {}, residual);
-  }
-
-  // For DynamicAutoDiffCostFunction: five blocks, or more with the frames.
+  // Five blocks, or more with the frames.
   template <typename T>
   bool operator()(const T* const* blocks, T* residual) const {
     GeometryView<T> geometry{blocks[0], blocks[1], blocks[2], blocks[3],
@@ -76,11 +68,55 @@ class WhitenedResidual {
   bool is_diagonal_ = true;
 };
 
+// A position over the joint blocks alone, what most calibrations are made of.
+// Its own functor: compilers take the other kinds for every number of joints
+// otherwise.
+class WhitenedPosition {
+ public:
+  WhitenedPosition(const MeasurementModel& model, const Dataset& data,
+                   const ObservationBlock& block, Eigen::Index i)
+      : arm_(&model.nominal()),
+        joint_values_(data.joint_values.col(block.pose(i)).data()),
+        target_(block.target(i)),
+        position_(block.measured.col(i)),
+        whitener_(Eigen::Matrix3d::Identity()) {
+    Eigen::MatrixXd whitener = whitener_;
+    Whiten(block, i, 1, whitener);
+    whitener_ = whitener;
+    is_diagonal_ = block.whiteners.empty() || block.whiteners[i].size() == 0;
+  }
+
+  template <typename T>
+  bool operator()(const T* beta, const T* alpha, const T* d, const T* theta,
+                  const T* r, T* residual) const {
+    const Vector3<T> predicted = TargetPosition<T>(
+        *arm_, {beta, alpha, d, theta, r, nullptr, nullptr, target_},
+        joint_values_);
+    const Vector3<T> error = predicted - position_.cast<T>();
+    for (int row = 0; row < 3; ++row) {
+      residual[row] = error[row] * whitener_(row, row);
+      for (int other = 0; !is_diagonal_ && other < 3; ++other) {
+        if (other == row) continue;
+        residual[row] += error[other] * whitener_(row, other);
+      }
+    }
+    return true;
+  }
+
+ private:
+  const Arm* arm_;
+  const double* joint_values_;
+  int target_;
+  Eigen::Vector3d position_;
+  Eigen::Matrix3d whitener_;
+  bool is_diagonal_ = true;
+};
+
 template <int n>
-std::unique_ptr<ceres::CostFunction> MakeStatic(const WhitenedResidual& cost) {
+std::unique_ptr<ceres::CostFunction> MakeStatic(const WhitenedPosition& cost) {
   return std::make_unique<
-      ceres::AutoDiffCostFunction<WhitenedResidual, 3, n, n, n, n, n>>(
-      new WhitenedResidual(cost));
+      ceres::AutoDiffCostFunction<WhitenedPosition, 3, n, n, n, n, n>>(
+      new WhitenedPosition(cost));
 }
 
 std::unique_ptr<ceres::CostFunction> MakeDynamic(const WhitenedResidual& cost,
@@ -97,10 +133,10 @@ std::unique_ptr<ceres::CostFunction> MakeDynamic(const WhitenedResidual& cost,
   return dynamic;
 }
 
-std::unique_ptr<ceres::CostFunction> MakePosition(
-    const WhitenedResidual& cost, const ParameterLayout& layout,
-    const std::vector<int>& blocks) {
-  switch (layout.num_joints()) {
+// Null for more joints than have a cost function of their own.
+std::unique_ptr<ceres::CostFunction> MakePosition(const WhitenedPosition& cost,
+                                                  int num_joints) {
+  switch (num_joints) {
     case 1:
       return MakeStatic<1>(cost);
     case 2:
@@ -116,7 +152,7 @@ std::unique_ptr<ceres::CostFunction> MakePosition(
     case 7:
       return MakeStatic<7>(cost);
     default:
-      return MakeDynamic(cost, layout, blocks, 3);
+      return nullptr;
   }
 }
 
@@ -150,13 +186,18 @@ ObservationCost MakeObservationCost(const MeasurementModel& model,
     cost.blocks.push_back(BlockOf(
         layout, layout.Column(ParameterKind::kPoint, 0, block.seconds[i])));
   }
-  WhitenedResidual residual(model, data, block, i);
-  residual.num_blocks = static_cast<int>(cost.blocks.size());
   const bool is_plain = block.kind == MeasurementKind::kPosition &&
-                        residual.num_blocks == kNumJointBlocks;
-  cost.function =
-      is_plain ? MakePosition(residual, layout, cost.blocks)
-               : MakeDynamic(residual, layout, cost.blocks, block.rows_each());
+                        cost.blocks.size() == kNumJointBlocks;
+  if (is_plain) {
+    cost.function = MakePosition(WhitenedPosition(model, data, block, i),
+                                 layout.num_joints());
+  }
+  if (cost.function == nullptr) {
+    WhitenedResidual residual(model, data, block, i);
+    residual.num_blocks = static_cast<int>(cost.blocks.size());
+    cost.function =
+        MakeDynamic(residual, layout, cost.blocks, block.rows_each());
+  }
   return cost;
 }
 
