@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "alidade/batch/evaluate.h"
+#include "alidade/identifiability/generic_data.h"
 #include "alidade/measurement/frame_start.h"
 #include "alidade/model/chain_axes.h"
 #include "alidade/model/rotation.h"
@@ -41,6 +42,9 @@ bool HoldsPartOfFrames(const JobConfig& config) {
   return !WithoutJoints(config.identifiability.fix, LayoutOfJob(config))
               .empty();
 }
+
+// Observations of each kind that a start is found from; the fit takes all.
+constexpr Eigen::Index kEnoughForStart = 1000;
 
 // Finds frames and references from the data alone. What it cannot find it
 // leaves as it is.
@@ -348,7 +352,9 @@ bool FitFrames(JobConfig* config, int num_threads) {
   const References given_references = config->references;
   bool is_found = false;
   if (!HoldsPartOfFrames(*config)) {
-    FrameStarter starter(*config);
+    JobConfig some = *config;
+    some.data = EvenSubset(config->data, kEnoughForStart);
+    FrameStarter starter(some);
     starter.Run();
     const MeasurementModel found(starter.arm(), starter.references(),
                                  num_threads);

@@ -182,6 +182,7 @@ class JobRunner {
                : "") +
           " fitted to the training poses, the geometry of the joints nominal";
     }
+    RefuseOrientations();
     if (Identify() && SolveAll()) Evaluate(as_read);
     outcome_.result.total_time_s = SecondsSince(start_);
     return std::move(outcome_);
@@ -369,6 +370,24 @@ class JobRunner {
       Warn("at a bound: " + names +
            "; the data ask for values beyond, which the bounds do not allow");
     }
+  }
+
+  // Orientations that fit nowhere, whatever base and target, are misread.
+  void RefuseOrientations() {
+    constexpr double kTolerated = 0.3;  // rad
+    if (!frames_fitted_ || !config_.data.Has(MeasurementKind::kPose)) return;
+    const Accuracy before =
+        EvaluateRotations(model_, config_.data, model_.NominalValues());
+    if (before.median < kTolerated) return;
+    SourceLocation location;
+    location.file = config_.data.name;
+    throw InputError(
+        location,
+        "the measured orientations do not fit this arm, whatever its base and "
+        "target: half of them are more than " +
+            FormatSignificant(before.median / kDegree, 3) +
+            " deg off. Look at the convention of the angles (`rotation`), "
+            "their unit, and the order of a quaternion's components");
   }
 
   // At the nominal geometry an arm is millimetres off, not a tenth of its size.

@@ -335,8 +335,7 @@ bool TellsSigma(double freedom, const Dataset& rows) {
 // that priors weigh more than they should, and no fit runs away.
 EstimatedSigmas UseNominalResiduals(const MeasurementModel& model,
                                     const Dataset& stated, JobConfig* config) {
-  const double typical =
-      TypicalResidual(model, stated, model.NominalValues());
+  const double typical = TypicalResidual(model, stated, model.NominalValues());
   config->data = stated;
   if (!(typical > 0.0) || !std::isfinite(typical)) return {};
   ScaleAll(typical, &config->data);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <limits>
 
@@ -262,7 +263,8 @@ void WarnAboutFree(const MeasurementModel& model, const Dataset& data,
         std::string("the rank ") + where + " is not clear: it is read as " +
         std::to_string(report->rank) +
         ", but neighbouring singular values are only a factor of " +
-        std::to_string(static_cast<int>(report->gap)) + " apart");
+        std::to_string(static_cast<std::int64_t>(std::min(report->gap, 1e15))) +
+        " apart");
   }
   const Arm& arm = model.nominal();
   const double off_axis = arm.last_from_target().translation().head<2>().norm();

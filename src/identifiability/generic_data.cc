@@ -15,15 +15,8 @@
 namespace alidade {
 namespace {
 
-constexpr Eigen::Index kMostContacts = 256;
-
 // What is measured at a pose: target, reference and the axes, as bits.
 using Pattern = std::tuple<int, int, unsigned>;
-
-bool IsContact(MeasurementKind kind) {
-  return kind == MeasurementKind::kFixedPoint ||
-         kind == MeasurementKind::kPlane;
-}
 
 unsigned MeasuredAxes(const ObservationBlock& block, Eigen::Index i) {
   unsigned axes = 0;
@@ -115,41 +108,17 @@ void MeasureOrientations(const MeasurementModel& model, Dataset* data) {
   }
 }
 
-// The contacts of some poses of `data`, behind the poses of `generic`.
-void AppendContacts(const Dataset& data, Dataset* generic) {
-  const Dataset some = EvenSubset(data, kMostContacts);
-  const auto offset = static_cast<int>(generic->num_poses());
-  Eigen::MatrixXd joint_values(some.num_joints(), offset + some.num_poses());
-  joint_values << generic->joint_values, some.joint_values;
-  generic->joint_values = joint_values;
-  for (ObservationBlock block : some.blocks) {
-    if (!IsContact(block.kind)) continue;
-    std::vector<int> poses;
-    for (Eigen::Index i = 0; i < block.size(); ++i) {
-      poses.push_back(offset + block.pose(i));
-    }
-    block.poses = std::move(poses);
-    generic->blocks.push_back(std::move(block));
-  }
-}
-
 }  // namespace
 
 Dataset MakeGenericData(const MeasurementModel& model, const Dataset& data,
                         int num_poses, std::uint64_t seed) {
   Dataset generic;
   generic.joint_values = DrawJointValues(model.nominal(), num_poses, seed);
-  bool has_contacts = false;
   for (const ObservationBlock& block : data.blocks) {
-    if (IsContact(block.kind)) {
-      has_contacts = true;
-    } else if (block.kind == MeasurementKind::kPointDistance) {
-      generic.blocks.push_back(block);
-    } else {
-      generic.blocks.push_back(Repeat(block, num_poses));
-    }
+    generic.blocks.push_back(block.kind == MeasurementKind::kPointDistance
+                                 ? block
+                                 : Repeat(block, num_poses));
   }
-  if (has_contacts) AppendContacts(data, &generic);
   generic = WithUnitSigmas(model, std::move(generic));
   MeasureOrientations(model, &generic);
   return generic;

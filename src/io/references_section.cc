@@ -1,5 +1,6 @@
 #include "src/io/references_section.h"
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -48,10 +49,10 @@ ReferencePlane ReadPlane(const YamlValue& value, const Units& units) {
   if (const auto normal = map.Optional("normal")) {
     const std::vector<YamlValue> items = normal->List(3, "x, y, z");
     for (int i = 0; i < 3; ++i) plane.normal[i] = items[i].Number();
-    if (!(plane.normal.norm() > 0.0)) {
-      normal->Fail("the normal is zero, expected a direction");
+    plane.normal.stableNormalize();
+    if (!(std::abs(plane.normal.norm() - 1.0) < 1e-12)) {
+      normal->Fail("the normal is zero or out of range, expected a direction");
     }
-    plane.normal.normalize();
   }
   if (const auto offset = map.Optional("offset")) {
     plane.offset = offset->Quantity(Dimension::kLength, units);

@@ -122,6 +122,12 @@ SolverSummary SolveCeres(const CalibrationProblem& problem,
     progress.summary().trust_region_used = radius;
     progress.summary().setup_time_s = progress.stopwatch().Seconds();
     ceres::Solver::Options ceres_options = CeresOptions(options, radius);
+    // Steps that end at a bound keep promising what lies beyond it.
+    if (problem.lower.size() > 0) {
+      constexpr double kNoChange = 1e-13;
+      ceres_options.function_tolerance = kNoChange;
+      ceres_options.parameter_tolerance = kNoChange;
+    }
     StoppingRules stopping_rules(*formulation, &progress);
     ceres_options.callbacks.push_back(&stopping_rules);
     ceres::Solver::Summary ceres_summary;
