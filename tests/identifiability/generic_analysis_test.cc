@@ -31,9 +31,23 @@ std::vector<int> JointColumns(const ParameterLayout& layout) {
   return columns;
 }
 
+// One observation of the kind: what is measured, not where.
+GenericAnalysis Analyze(const MeasurementModel& model,
+                        const std::vector<int>& columns, MeasurementKind kind,
+                        const IdentifiabilityOptions& options) {
+  Dataset pattern;
+  pattern.joint_values = Eigen::MatrixXd::Zero(model.layout().num_joints(), 1);
+  ObservationBlock block;
+  block.kind = kind;
+  block.measured = Eigen::MatrixXd::Zero(RowsOf(kind), 1);
+  block.sigmas = Eigen::MatrixXd::Ones(RowsOf(kind), 1);
+  pattern.blocks.push_back(block);
+  return AnalyzeGeneric(model, columns, pattern, options);
+}
+
 GenericAnalysis AnalyzeAll(const Arm& arm, MeasurementKind kind) {
   const MeasurementModel model(arm);
-  return AnalyzeGeneric(model, AllColumns(model.layout()), kind, {});
+  return Analyze(model, AllColumns(model.layout()), kind, {});
 }
 
 std::set<std::string> Names(const ParameterLayout& layout,
@@ -105,10 +119,10 @@ TEST_P(ClassicArmTest, SetAndRelationsAreTheSameForEverySeed) {
   const std::vector<int> columns = AllColumns(model.layout());
   IdentifiabilityOptions options;
   const GenericAnalysis first =
-      AnalyzeGeneric(model, columns, MeasurementKind::kPosition, options);
+      Analyze(model, columns, MeasurementKind::kPosition, options);
   for (options.seed = 2; options.seed <= 15; ++options.seed) {
     const GenericAnalysis other =
-        AnalyzeGeneric(model, columns, MeasurementKind::kPosition, options);
+        Analyze(model, columns, MeasurementKind::kPosition, options);
     EXPECT_EQ(other.kept, first.kept);
     EXPECT_EQ(Texts(other), Texts(first));
   }
@@ -129,8 +143,8 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(Rv2ajGenericTest, FlangeHasRankEighteenAndItsExactRelations) {
   const MeasurementModel model(testing::Rv2ajFlange());
-  const GenericAnalysis analysis = AnalyzeGeneric(
-      model, JointColumns(model.layout()), MeasurementKind::kPosition, {});
+  const GenericAnalysis analysis = Analyze(model, JointColumns(model.layout()),
+                                           MeasurementKind::kPosition, {});
   EXPECT_EQ(analysis.generic_rank.rank, 18);
   EXPECT_EQ(analysis.structural_rank.rank, 18);
   EXPECT_EQ(Texts(analysis),
@@ -145,8 +159,8 @@ TEST(Rv2ajGenericTest, FlangeHasRankEighteenAndItsExactRelations) {
 
 TEST(Rv2ajGenericTest, WristLosesTwoAtItsGeometry) {
   const MeasurementModel model(testing::Rv2ajWrist());
-  const GenericAnalysis analysis = AnalyzeGeneric(
-      model, JointColumns(model.layout()), MeasurementKind::kPosition, {});
+  const GenericAnalysis analysis = Analyze(model, JointColumns(model.layout()),
+                                           MeasurementKind::kPosition, {});
   EXPECT_EQ(analysis.generic_rank.rank, 16);
   EXPECT_EQ(analysis.structural_rank.rank, 18);
   EXPECT_EQ(Names(model.layout(), analysis.weak),
@@ -161,10 +175,10 @@ TEST(Rv2ajGenericTest, RelationsAreTheSameForAHundredSeeds) {
     const std::vector<int> columns = JointColumns(model.layout());
     IdentifiabilityOptions options;
     const GenericAnalysis first =
-        AnalyzeGeneric(model, columns, MeasurementKind::kPosition, options);
+        Analyze(model, columns, MeasurementKind::kPosition, options);
     for (options.seed = 2; options.seed <= 100; ++options.seed) {
       const GenericAnalysis other =
-          AnalyzeGeneric(model, columns, MeasurementKind::kPosition, options);
+          Analyze(model, columns, MeasurementKind::kPosition, options);
       ASSERT_EQ(other.kept, first.kept) << options.seed;
       ASSERT_EQ(other.weak, first.weak) << options.seed;
       ASSERT_EQ(Texts(other), Texts(first)) << options.seed;
@@ -179,7 +193,7 @@ TEST(Rv2ajGenericTest, PreferredParameterIsKeptInsteadOfItsStandIn) {
   columns.erase(std::find(columns.begin(), columns.end(), r4));
   columns.insert(columns.begin(), r4);
   const GenericAnalysis analysis =
-      AnalyzeGeneric(model, columns, MeasurementKind::kPosition, {});
+      Analyze(model, columns, MeasurementKind::kPosition, {});
   EXPECT_EQ(Texts(analysis).count("structural: r2 acts as r4"), 1u);
 }
 
