@@ -209,18 +209,17 @@ INSTANTIATE_TEST_SUITE_P(Weightings, GenericDataTest,
 TEST(GenericDataOfPositionsTest, HasNoPosesButTheDrawnOnes) {
   Random random(82);
   const MeasurementModel model(testing::RandomArm(3, &random));
-  Dataset data = PatternOf(MeasurementKind::kPosition, 3);
+  Dataset data =
+      MakePositions(Eigen::MatrixXd::Zero(3, 1), Eigen::Matrix3Xd::Zero(3, 1),
+                    Eigen::Matrix3Xd::Ones(3, 1));
   const Dataset generic = MakeGenericData(model, data, kPoses, kSeed);
   EXPECT_EQ(generic.num_poses(), kPoses);
   EXPECT_EQ(generic.num_equations(), 3 * kPoses);
-  // One coordinate only, anywhere: it is the other pattern.
-  ObservationBlock& block = data.blocks[0];
-  block.measured = Eigen::MatrixXd::Zero(3, 4);
-  block.sigmas = Eigen::MatrixXd::Constant(3, 4, 1e-4);
-  block.sigmas.col(2) << kInfinity, 1e-4, kInfinity;
-  block.references.clear();
-  block.seconds.clear();
-  data.joint_values = Eigen::MatrixXd::Zero(3, 4);
+  // One coordinate only at one pose: another pattern.
+  data =
+      MakePositions(Eigen::MatrixXd::Zero(3, 4), Eigen::Matrix3Xd::Zero(3, 4),
+                    Eigen::Matrix3Xd::Constant(3, 4, 1e-4));
+  data.sigmas().col(2) << kInfinity, 1e-4, kInfinity;
   EXPECT_EQ(MakeGenericData(model, data, kPoses, kSeed).num_equations(),
             4 * kPoses);
 }
