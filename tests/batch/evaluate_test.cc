@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "alidade/base/random.h"
+#include "alidade/base/units.h"
 #include "alidade/model/rotation.h"
 #include "tests/support/random_measurements.h"
 
