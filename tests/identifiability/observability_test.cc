@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "alidade/base/random.h"
+
 namespace alidade {
 namespace {
 
@@ -54,6 +56,119 @@ TEST(PredictDeviationsTest, UntoldParametersAreInfiniteAndOthersAreNot) {
   EXPECT_NEAR(deviations[0], 0.5, 1e-14);
   EXPECT_TRUE(std::isinf(deviations[1]));
   EXPECT_TRUE(std::isinf(deviations[2]));
+}
+
+// A random matrix of `rows` x `columns`, its columns of the sizes that lengths
+// and angles have: condition of some tens once they are of unit norm.
+Eigen::MatrixXd RandomJacobian(int rows, int columns, Random* random) {
+  Eigen::MatrixXd matrix(rows, columns);
+  for (int c = 0; c < columns; ++c) {
+    const double scale = std::pow(10.0, random->Uniform(-2.0, 2.0));
+    for (int r = 0; r < rows; ++r) matrix(r, c) = scale * random->Normal();
+  }
+  return matrix;
+}
+
+// sqrt(trace(W (J^T J + P)^-1 W^T)) by dense normal equations in long double.
+double OracleTotal(const Eigen::MatrixXd& jacobian,
+                   const Eigen::VectorXd& prior, const Eigen::MatrixXd& other) {
+  using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+  const Matrix j = jacobian.cast<long double>();
+  const Matrix w = other.cast<long double>();
+  Matrix information = j.transpose() * j;
+  for (Eigen::Index k = 0; k < prior.size(); ++k) {
+    if (std::isinf(prior[k])) continue;
+    const long double root = 1.0L / prior[k];
+    information(k, k) += root * root;
+  }
+  const Matrix covariance = information.inverse();
+  return static_cast<double>(
+      std::sqrt((w * covariance * w.transpose()).trace()));
+}
+
+class PredictTotalTest : public ::testing::TestWithParam<bool> {};
+
+TEST_P(PredictTotalTest, MatchesDenseNormalEquations) {
+  constexpr int kColumns = 12;
+  for (int draw = 0; draw < 20; ++draw) {
+    Random random(91, draw);
+    const Eigen::MatrixXd jacobian = RandomJacobian(40, kColumns, &random);
+    const Eigen::MatrixXd other = RandomJacobian(25, kColumns, &random);
+    Eigen::VectorXd prior = Eigen::VectorXd::Constant(
+        kColumns, std::numeric_limits<double>::infinity());
+    if (GetParam()) {
+      // As wide as what the data tell, two of three.
+      for (int k = 0; k < kColumns; ++k) {
+        if (k % 3 == 2) continue;
+        prior[k] = random.Uniform(0.1, 3.0) / jacobian.col(k).norm();
+      }
+    }
+    const double expected = OracleTotal(jacobian, prior, other);
+    // Rounding of the singular values, through a condition of some tens.
+    EXPECT_NEAR(PredictTotal(jacobian, prior, other) / expected, 1.0, 1e-12);
+    // Any factor of either will do.
+    const Eigen::MatrixXd factor = jacobian.householderQr()
+                                       .matrixQR()
+                                       .topRows(kColumns)
+                                       .triangularView<Eigen::Upper>();
+    const Eigen::MatrixXd factor_of_other = other.householderQr()
+                                                .matrixQR()
+                                                .topRows(kColumns)
+                                                .triangularView<Eigen::Upper>();
+    EXPECT_NEAR(PredictTotal(factor, prior, factor_of_other) / expected, 1.0,
+                1e-12);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(WithoutAndWithPriors, PredictTotalTest,
+                         ::testing::Bool());
+
+// Of the identity's rows the total is that of the deviations.
+TEST(PredictTotalOfRowsTest, OfTheIdentityIsTheNormOfTheDeviations) {
+  Random random(92);
+  const Eigen::MatrixXd jacobian = RandomJacobian(20, 6, &random);
+  const Eigen::VectorXd prior = Eigen::VectorXd::Constant(6, 0.5);
+  const double expected = PredictDeviations(jacobian, prior).norm();
+  // As above.
+  EXPECT_NEAR(
+      PredictTotal(jacobian, prior, Eigen::MatrixXd::Identity(6, 6)) / expected,
+      1.0, 1e-12);
+}
+
+TEST(PredictTotalOfRowsTest, IsInfiniteOnlyWhereUntoldDirectionsAreSeen) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  // The sum of the second and third parameter is told, their difference not.
+  Eigen::MatrixXd jacobian(2, 3);
+  jacobian << 2.0, 0.0, 0.0, 0.0, 1.0, 1.0;
+  const Eigen::Vector3d none = Eigen::Vector3d::Constant(infinity);
+  const Eigen::RowVector3d difference(0.0, 1.0, -1.0);
+  EXPECT_EQ(PredictTotal(jacobian, none, difference), infinity);
+  EXPECT_EQ(PredictTotal(jacobian, none, Eigen::RowVector3d(0, 0, 1)),
+            infinity);
+  // Numbers without rounding but that of the decomposition.
+  EXPECT_NEAR(PredictTotal(jacobian, none, Eigen::RowVector3d(1, 0, 0)), 0.5,
+              1e-14);
+  EXPECT_NEAR(PredictTotal(jacobian, none, Eigen::RowVector3d(0, 3, 3)), 3.0,
+              1e-13);
+  // A prior tells the rest: of b + c = 0 +- 1 and c = 0 +- 0.1, b - c is
+  // (b + c) - 2 c, of variance 1 + 0.04.
+  const Eigen::Vector3d of_third(infinity, infinity, 0.1);
+  EXPECT_NEAR(PredictTotal(jacobian, of_third, difference), std::sqrt(1.04),
+              1e-13);
+}
+
+TEST(PredictTotalOfRowsTest, AParameterWithoutAnyEffectMatters) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  Eigen::MatrixXd jacobian(2, 2);
+  jacobian << 4.0, 0.0, 3.0, 0.0;
+  const Eigen::Vector2d none = Eigen::Vector2d::Constant(infinity);
+  // Standard deviation of the first: 1 / 5.
+  EXPECT_NEAR(PredictTotal(jacobian, none, Eigen::RowVector2d(1, 0)), 0.2,
+              1e-14);
+  EXPECT_EQ(PredictTotal(jacobian, none, Eigen::RowVector2d(0, 1)), infinity);
+  EXPECT_EQ(PredictTotal(Eigen::MatrixXd(0, 0), Eigen::VectorXd(),
+                         Eigen::MatrixXd(0, 0)),
+            0.0);
 }
 
 }  // namespace

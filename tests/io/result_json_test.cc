@@ -471,5 +471,154 @@ TEST(LoadResultJsonTest, ReadsNullAsNotANumber) {
   EXPECT_TRUE(std::isnan(read.parameters[1].value));
 }
 
+// What data of several kinds, poses of orientation and imports of foreign files
+// add to a result.
+JobResult MakeResultOfKinds() {
+  JobResult result = MakeResult();
+  result.runs[0].summary.evaluation = "compressed";
+  result.train.rotation_before = MakeAccuracy(0.1);
+  result.train.rotation_after = MakeAccuracy(0.01);
+  result.heldout->rotation_before = MakeAccuracy(0.2);
+  result.heldout->rotation_after = MakeAccuracy(0.02);
+  result.stages = {{"frames only", 12, MakeAccuracy(3.0), MakeAccuracy(4.0),
+                    MakeAccuracy(0.3), MakeAccuracy(0.4)},
+                   {"all geometry", 30, MakeAccuracy(5.0), {}, {}, {}}};
+  result.cross_validation =
+      CrossValidation{7, MakeAccuracy(6.0), MakeAccuracy(0.6)};
+  result.rejected = {{"data, \"1\".csv", 17, "not a number: \"--\""},
+                     {"b.csv", 3, "joint 2 is outside of its limits"}};
+  result.aliases = {{"point1", "A"}, {"tool2", "ball, \"left\""}};
+  result.references = {
+      {"point1", "A", true, {1.0 / 3.0, -2.0, 0.25}, kNan},
+      {"plane1", "table, \"top\"", false, {0.6, 0.0, 0.8}, -1.0 / 7.0}};
+  result.repeats = {1.0 / 3e4, 123456789012, 1.0 / 7e3, 9};
+  result.acceptance.push_back(
+      {"heldout_rotation_rms", 1e-3, 1.0 / 3e3, Dimension::kAngle});
+  result.estimated_sigma = 1.0 / 3e5;
+  result.estimated_rotation_sigma = 1.0 / 7e4;
+  result.reduced_chi_square = 1.0 / 0.9;
+  return result;
+}
+
+void ExpectEqual(const StageResult& a, const StageResult& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.num_free, b.num_free);
+  ExpectEqual(a.train, b.train);
+  ExpectEqual(a.heldout, b.heldout);
+  ExpectEqual(a.train_rotation, b.train_rotation);
+  ExpectEqual(a.heldout_rotation, b.heldout_rotation);
+}
+
+TEST(ResultJsonTest, KeepsTheEvaluationOfEachSolver) {
+  const JobResult read = RoundTrip(MakeResultOfKinds());
+  EXPECT_EQ(read.runs[0].summary.evaluation, "compressed");
+  EXPECT_EQ(read.runs[1].summary.evaluation, "");
+}
+
+TEST(ResultJsonTest, KeepsAccuraciesOfRotations) {
+  const JobResult result = MakeResultOfKinds();
+  const JobResult read = RoundTrip(result);
+  ExpectEqual(read.train.rotation_before, result.train.rotation_before);
+  ExpectEqual(read.train.rotation_after, result.train.rotation_after);
+  ASSERT_TRUE(read.heldout.has_value());
+  ExpectEqual(read.heldout->rotation_before, result.heldout->rotation_before);
+  ExpectEqual(read.heldout->rotation_after, result.heldout->rotation_after);
+  // Without orientations there are none.
+  EXPECT_EQ(RoundTrip(MakeResult()).train.rotation_after.n, 0);
+}
+
+TEST(ResultJsonTest, KeepsStagesWithTheirRotations) {
+  const JobResult result = MakeResultOfKinds();
+  const JobResult read = RoundTrip(result);
+  ASSERT_EQ(read.stages.size(), 2U);
+  ExpectEqual(read.stages[0], result.stages[0]);
+  ExpectEqual(read.stages[1], result.stages[1]);
+}
+
+TEST(ResultJsonTest, KeepsCrossValidation) {
+  JobResult result = MakeResultOfKinds();
+  const JobResult read = RoundTrip(result);
+  ASSERT_TRUE(read.cross_validation.has_value());
+  EXPECT_EQ(read.cross_validation->folds, 7);
+  ExpectEqual(read.cross_validation->position,
+              result.cross_validation->position);
+  ExpectEqual(read.cross_validation->rotation,
+              result.cross_validation->rotation);
+  result.cross_validation->rotation = {};
+  EXPECT_EQ(RoundTrip(result).cross_validation->rotation.n, 0);
+  result.cross_validation.reset();
+  EXPECT_FALSE(RoundTrip(result).cross_validation.has_value());
+}
+
+TEST(ResultJsonTest, KeepsRejectedRowsAndAliases) {
+  const JobResult result = MakeResultOfKinds();
+  const JobResult read = RoundTrip(result);
+  ASSERT_EQ(read.rejected.size(), 2U);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(read.rejected[i].file, result.rejected[i].file);
+    EXPECT_EQ(read.rejected[i].line, result.rejected[i].line);
+    EXPECT_EQ(read.rejected[i].reason, result.rejected[i].reason);
+  }
+  EXPECT_EQ(read.aliases, result.aliases);
+}
+
+TEST(ResultJsonTest, KeepsReferences) {
+  const JobResult result = MakeResultOfKinds();
+  const JobResult read = RoundTrip(result);
+  ASSERT_EQ(read.references.size(), 2U);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(read.references[i].block, result.references[i].block);
+    EXPECT_EQ(read.references[i].name, result.references[i].name);
+    EXPECT_EQ(read.references[i].is_known, result.references[i].is_known);
+    EXPECT_EQ(read.references[i].vector, result.references[i].vector);
+  }
+  EXPECT_TRUE(std::isnan(read.references[0].offset));
+  EXPECT_EQ(read.references[1].offset, -1.0 / 7.0);
+  EXPECT_TRUE(RoundTrip(MakeResult()).references.empty());
+}
+
+TEST(ResultJsonTest, KeepsRepeatsAndTheFit) {
+  const JobResult result = MakeResultOfKinds();
+  const JobResult read = RoundTrip(result);
+  EXPECT_EQ(read.repeats.length, result.repeats.length);
+  EXPECT_EQ(read.repeats.length_freedom, 123456789012);
+  EXPECT_EQ(read.repeats.rotation, result.repeats.rotation);
+  EXPECT_EQ(read.repeats.rotation_freedom, 9);
+  EXPECT_EQ(read.estimated_sigma, result.estimated_sigma);
+  EXPECT_EQ(read.estimated_rotation_sigma, result.estimated_rotation_sigma);
+  EXPECT_EQ(read.reduced_chi_square, result.reduced_chi_square);
+}
+
+TEST(ResultJsonTest, KeepsTheUnitOfEachAcceptanceLimit) {
+  const JobResult read = RoundTrip(MakeResultOfKinds());
+  ASSERT_EQ(read.acceptance.size(), 3U);
+  EXPECT_EQ(read.acceptance[0].dimension, Dimension::kLength);
+  EXPECT_EQ(read.acceptance[2].dimension, Dimension::kAngle);
+  EXPECT_EQ(read.acceptance[2].limit, 1e-3);
+  EXPECT_EQ(read.acceptance[2].obtained, 1.0 / 3e3);
+  EXPECT_TRUE(read.acceptance[2].met());
+}
+
+TEST(FormatResultJsonTest, HasTheKeysOfKinds) {
+  const auto json =
+      nlohmann::json::parse(FormatResultJson(MakeResultOfKinds()));
+  EXPECT_EQ(json["solver"]["evaluation"], "compressed");
+  EXPECT_EQ(json["accuracy"]["train"]["rotation_after"]["n"], 56);
+  EXPECT_EQ(json["stages"][0]["heldout_rotation"]["max"], 0.4 / 23.0);
+  EXPECT_FALSE(json["stages"][1].contains("heldout_rotation"));
+  EXPECT_EQ(json["cross_validation"]["folds"], 7);
+  EXPECT_EQ(json["rejected_rows"][1]["line"], 3);
+  EXPECT_EQ(json["aliases"][0]["block"], "point1");
+  EXPECT_EQ(json["aliases"][0]["name"], "A");
+  EXPECT_EQ(json["references"][0]["position"][1], -2.0);
+  EXPECT_EQ(json["references"][0]["known"], true);
+  EXPECT_EQ(json["references"][1]["normal"][2], 0.8);
+  EXPECT_EQ(json["references"][1]["offset"], -1.0 / 7.0);
+  EXPECT_FALSE(json["references"][0].contains("offset"));
+  EXPECT_EQ(json["repeats"]["rotation_freedom"], 9);
+  EXPECT_EQ(json["acceptance"][0]["unit"], "m");
+  EXPECT_EQ(json["acceptance"][2]["unit"], "rad");
+}
+
 }  // namespace
 }  // namespace alidade

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <string>
 #include <vector>
 
@@ -193,6 +194,147 @@ TEST(ParameterLayoutTest, RotationsActOnTheLeftOfTheNominalOnes) {
         expected(ParameterKind::kToolRotation, nominal.last_from_target()),
         2e-15));
   }
+}
+
+// Two joints, three targets, two points and two planes.
+constexpr LayoutShape kFullShape = {2, 3, 2, 2};
+
+TEST(FullLayoutTest, NamesFollowTheBlocks) {
+  const std::vector<std::string> expected = {
+      "beta1",    "beta2",    "alpha1",   "alpha2",   "d1",       "d2",
+      "theta1",   "theta2",   "r1",       "r2",       "base_x",   "base_y",
+      "base_z",   "base_rx",  "base_ry",  "base_rz",  "tool_x",   "tool_y",
+      "tool_z",   "tool_rx",  "tool_ry",  "tool_rz",  "tool2_x",  "tool2_y",
+      "tool2_z",  "tool2_rx", "tool2_ry", "tool2_rz", "tool3_x",  "tool3_y",
+      "tool3_z",  "tool3_rx", "tool3_ry", "tool3_rz", "point1_x", "point1_y",
+      "point1_z", "point2_x", "point2_y", "point2_z", "plane1_u", "plane1_v",
+      "plane1_c", "plane2_u", "plane2_v", "plane2_c"};
+  EXPECT_EQ(Names(ParameterLayout(kFullShape)), expected);
+}
+
+TEST(FullLayoutTest, BlocksCoverAllColumnsInOrder) {
+  const ParameterLayout layout(kFullShape);
+  std::vector<std::string> names;
+  int next_column = 0;
+  for (const ParameterBlock& block : layout.blocks()) {
+    EXPECT_EQ(block.first_column, next_column) << block.name;
+    next_column += block.size;
+    names.push_back(block.name);
+    const bool is_frame =
+        block.name.find("base") == 0 || block.name.find("tool") == 0;
+    const bool is_reference =
+        block.name.find("point") == 0 || block.name.find("plane") == 0;
+    const int size_of_others = is_reference ? 3 : 2;
+    EXPECT_EQ(block.size, is_frame ? 6 : size_of_others) << block.name;
+  }
+  EXPECT_EQ(next_column, layout.size());
+  EXPECT_EQ(names,
+            (std::vector<std::string>{"beta", "alpha", "d", "theta", "r",
+                                      "base", "tool", "tool2", "tool3",
+                                      "point1", "point2", "plane1", "plane2"}));
+}
+
+TEST(FullLayoutTest, ColumnAndFindInvertTheParameters) {
+  for (const LayoutShape& shape :
+       {kFullShape, LayoutShape{1, 1, 3, 0}, LayoutShape{6, 2, 0, 4},
+        LayoutShape{3, 12, 11, 1}}) {
+    const ParameterLayout layout(shape);
+    EXPECT_EQ(layout.size(), 5 * shape.num_joints + 6 + 6 * shape.num_targets +
+                                 3 * shape.num_points + 3 * shape.num_planes);
+    for (int column = 0; column < layout.size(); ++column) {
+      const Parameter& parameter = layout.parameter(column);
+      EXPECT_EQ(
+          layout.Column(parameter.kind, parameter.index, parameter.object),
+          column)
+          << parameter.name;
+      EXPECT_EQ(layout.Find(parameter.name), column) << parameter.name;
+    }
+  }
+}
+
+TEST(FullLayoutTest, UnknownNamesAreNotFound) {
+  const ParameterLayout layout(kFullShape);
+  for (const char* name :
+       {"tool1_x", "tool4_x", "tool2", "point_x", "point0_x", "point3_x",
+        "point1_rx", "plane1_x", "plane1_w", "plane3_u", "base2_x"}) {
+    EXPECT_FALSE(layout.Find(name).has_value()) << name;
+  }
+}
+
+TEST(FullLayoutTest, KindsObjectsAndDimensions) {
+  const ParameterLayout layout(kFullShape);
+  const auto at = [&](const char* name) {
+    return layout.parameter(*layout.Find(name));
+  };
+  EXPECT_EQ(at("tool3_ry").kind, ParameterKind::kToolRotation);
+  EXPECT_EQ(at("tool3_ry").object, 2);
+  EXPECT_EQ(at("tool3_ry").index, 1);
+  EXPECT_EQ(at("tool3_ry").dimension, Dimension::kAngle);
+  EXPECT_EQ(at("tool2_z").kind, ParameterKind::kToolTranslation);
+  EXPECT_EQ(at("tool2_z").dimension, Dimension::kLength);
+  EXPECT_EQ(at("point2_y").kind, ParameterKind::kPoint);
+  EXPECT_EQ(at("point2_y").object, 1);
+  EXPECT_EQ(at("point2_y").dimension, Dimension::kLength);
+  EXPECT_EQ(at("plane2_v").kind, ParameterKind::kPlaneTilt);
+  EXPECT_EQ(at("plane2_v").index, 1);
+  EXPECT_EQ(at("plane2_v").dimension, Dimension::kAngle);
+  EXPECT_EQ(at("plane1_c").kind, ParameterKind::kPlaneOffset);
+  EXPECT_EQ(at("plane1_c").dimension, Dimension::kLength);
+  for (const Parameter& parameter : layout.parameters()) {
+    EXPECT_EQ(
+        ParameterLayout::IsReferenceKind(parameter.kind),
+        parameter.name.find("point") == 0 || parameter.name.find("plane") == 0)
+        << parameter.name;
+  }
+}
+
+// References are no part of an arm: their values are zero, and nothing of
+// theirs gets into it.
+TEST(FullLayoutTest, RoundTripKeepsEveryBitOfEveryTarget) {
+  Random random(205);
+  testing::RandomArmOptions options;
+  options.num_targets = 3;
+  const Arm arm = testing::RandomArm(2, &random, options);
+  const ParameterLayout layout(kFullShape);
+  Eigen::VectorXd values = layout.Values(arm);
+  ASSERT_EQ(values.size(), layout.size());
+  EXPECT_TRUE(values.tail(12).isZero(0.0));
+  values.tail(12).setLinSpaced(1.0, 12.0);
+  const Arm again = layout.WithValues(arm, values);
+  ExpectSameFixedParts(again, arm);
+  values.tail(12).setZero();
+  EXPECT_EQ(layout.Values(again), values);
+  ASSERT_EQ(again.num_targets(), 3);
+  for (int target = 0; target < 3; ++target) {
+    EXPECT_EQ(again.targets[target].name, arm.targets[target].name);
+    EXPECT_EQ(again.last_from_target(target).matrix(),
+              arm.last_from_target(target).matrix());
+    EXPECT_EQ(values.segment<3>(
+                  layout.Column(ParameterKind::kToolTranslation, 0, target)),
+              arm.last_from_target(target).translation());
+  }
+}
+
+TEST(FullLayoutTest, MovesOneTargetAlone) {
+  Random random(206);
+  testing::RandomArmOptions options;
+  options.num_targets = 3;
+  const Arm nominal = testing::RandomArm(2, &random, options);
+  const ParameterLayout layout(kFullShape);
+  Eigen::VectorXd values = layout.Values(nominal);
+  values[*layout.Find("tool2_y")] = 0.75;
+  values[*layout.Find("tool2_rz")] = 0.5;
+  const Arm arm = layout.WithValues(nominal, values);
+  for (const int target : {0, 2}) {
+    EXPECT_EQ(arm.last_from_target(target).matrix(),
+              nominal.last_from_target(target).matrix());
+  }
+  EXPECT_EQ(arm.last_from_target(1).translation().y(), 0.75);
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  // A product of two rotation matrices: a few units of eps.
+  EXPECT_TRUE(arm.last_from_target(1).linear().isApprox(
+      turn * nominal.last_from_target(1).linear(), 2e-15));
 }
 
 }  // namespace

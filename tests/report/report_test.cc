@@ -262,7 +262,7 @@ TEST(FormatParametersTest, HasColumnsOfStdAndTruthWhereTheyAreKnown) {
 TEST(FormatAccuracyTableTest, HasBeforeAndAfterOfBothSets) {
   const std::string flat = Flat(FormatAccuracyTable(MakeResult()));
   EXPECT_TRUE(Contains(flat,
-                       "training poses before 5.210 5.210 5.210 5.210 "
+                       "training poses before 5.210 5.210 0 5.210 5.210 "
                        "5.210 5"));
   EXPECT_TRUE(Contains(flat, "training poses after 2.100e-13"));
   EXPECT_TRUE(Contains(flat, "validation poses before 5.000"));
@@ -398,7 +398,7 @@ TEST(FormatReportTest, ShoutsAMissedLimit) {
   result.acceptance.push_back({"heldout_max", 1e-16, 3e-16});
   const std::string flat = Flat(FormatReport(result));
   EXPECT_TRUE(Contains(flat, "1 of 2 acceptance limits MISSED."));
-  EXPECT_TRUE(Contains(flat, "heldout_max 1.000e-13 3.000e-13 MISSED"));
+  EXPECT_TRUE(Contains(flat, "heldout_max mm 1.000e-13 3.000e-13 MISSED"));
 }
 
 TEST(FormatReportTest, SaysThatAnUnusableSolutionIsUnusable) {
@@ -506,6 +506,220 @@ TEST(MakeFiguresTest, SaysNoDataForAnEmptyResult) {
   for (const ReportFile& file : MakeFigures(JobResult())) {
     EXPECT_EQ(WhatIsMalformed(file.content), "");
     EXPECT_TRUE(Contains(file.content, "no data")) << file.name;
+  }
+}
+
+// Three observations of two poses and one of none: a position with its target
+// in quotes, a distance, an orientation, and a distance of two points.
+EvaluatedSet MakeMixedSet() {
+  EvaluatedSet set;
+  set.name = "mixed.csv";
+  set.joint_dimensions = {Dimension::kAngle, Dimension::kLength};
+  set.joint_values.resize(2, 2);
+  set.joint_values << 0.25 * kPi, 0.5 * kPi, 0.012, 0.016;
+  set.labels = {{"position", 1, "ball, \"left\"", "data,1.csv:12"},
+                {"distance", 0, "smr", "data.csv:7"},
+                {"pose", 1, "", ""},
+                {"point distance", -1, "", ""}};
+  set.positions.setConstant(3, 4, std::nan(""));
+  set.positions.col(0) << 0.25, 0.5, 0.125;
+  set.residual_before.setZero(3, 4);
+  set.residual_before.col(0) << 0.003, 0.0, 0.004;
+  set.residual_before(0, 1) = -0.002;
+  set.residual_before(0, 3) = 0.001;
+  set.residual_after.setZero(3, 4);
+  set.residual_after(0, 1) = 0.0005;
+  set.rotation_residual_before.setZero(3, 4);
+  set.rotation_residual_before.col(2) << 0.0, 0.5 * kDegree, 0.0;
+  set.rotation_residual_after.setZero(3, 4);
+  set.rotation_residual_after.col(2) << 0.25 * kDegree, 0.0, 0.0;
+  set.before = SummarizeErrors(Eigen::Vector2d(0.005, 0.002));
+  set.after = SummarizeErrors(Eigen::Vector2d(0.0, 0.0005));
+  set.rotation_before =
+      SummarizeErrors(Eigen::VectorXd::Constant(1, 0.5 * kDegree));
+  set.rotation_after =
+      SummarizeErrors(Eigen::VectorXd::Constant(1, 0.25 * kDegree));
+  return set;
+}
+
+std::vector<std::string> MixedLines() {
+  JobResult result = MakeResult();
+  result.train = MakeMixedSet();
+  return Lines(ContentOf(MakeCsvFiles(result), "residuals.csv"));
+}
+
+TEST(MakeCsvFilesTest, LabelsObservationsOfSeveralKinds) {
+  const std::vector<std::string> lines = MixedLines();
+  ASSERT_EQ(lines.size(), 5U);
+  EXPECT_EQ(lines[0],
+            "pose,kind,target,where,q1_deg,q2_mm,x_mm,y_mm,z_mm,before_dx_mm,"
+            "before_dy_mm,before_dz_mm,before_error_mm,after_dx_mm,after_dy_mm,"
+            "after_dz_mm,after_error_mm,before_rotation_deg,"
+            "after_rotation_deg");
+  // Names are quoted where they hold a comma or quotes, which are doubled.
+  EXPECT_EQ(lines[1],
+            "2,position,\"ball, \"\"left\"\"\",\"data,1.csv:12\",90,16,"
+            "250,500,125,3,0,4,5,0,0,0,0,,");
+  // No position and no orientation was measured: empty cells.
+  EXPECT_EQ(lines[2],
+            "1,distance,smr,data.csv:7,45,12,,,,-2,0,0,2,0.5,0,0,0.5,,");
+  EXPECT_EQ(lines[3], "2,pose,,,90,16,,,,0,0,0,0,0,0,0,0,0.5,0.25");
+  // Of no pose.
+  EXPECT_EQ(lines[4], ",point distance,,,,,,,,1,0,0,1,0,0,0,0,,");
+}
+
+TEST(MakeCsvFilesTest, HasNoColumnsOfRotationsWithoutOrientations) {
+  JobResult result = MakeResult();
+  result.train = MakeMixedSet();
+  result.train.rotation_residual_before.resize(3, 0);
+  result.train.rotation_residual_after.resize(3, 0);
+  const std::string text = ContentOf(MakeCsvFiles(result), "residuals.csv");
+  EXPECT_FALSE(Contains(text, "rotation"));
+  EXPECT_TRUE(Contains(
+      text, "1,distance,smr,data.csv:7,45,12,,,,-2,0,0,2,0.5,0,0,0.5\n"));
+}
+
+// No name breaks the lines of a table.
+TEST(MakeCsvFilesTest, KeepsAnObservationInOneLine) {
+  JobResult result = MakeResult();
+  result.train = MakeMixedSet();
+  result.train.labels[0].target = "one\ntwo";
+  const std::vector<std::string> lines =
+      Lines(ContentOf(MakeCsvFiles(result), "residuals.csv"));
+  ASSERT_EQ(lines.size(), 5U);
+  EXPECT_TRUE(Contains(lines[1], ",\"one two\","));
+}
+
+// Training and validation poses of orientation, one of them each.
+JobResult MakeResultOfOrientations() {
+  JobResult result = MakeResult();
+  result.train = MakeMixedSet();
+  result.heldout = MakeMixedSet();
+  result.heldout->rotation_after =
+      SummarizeErrors(Eigen::VectorXd::Constant(2, 0.125 * kDegree));
+  return result;
+}
+
+TEST(FormatReportTest, HasATableOfOrientations) {
+  const std::string flat = Flat(FormatReport(MakeResultOfOrientations()));
+  EXPECT_TRUE(Contains(flat,
+                       "orientation error [deg] calibration mean rms std "
+                       "median p95 max n"));
+  EXPECT_TRUE(Contains(flat,
+                       "training poses before 0.5000 0.5000 0 0.5000 0.5000 "
+                       "0.5000 1"));
+  EXPECT_TRUE(Contains(flat,
+                       "training poses after 0.2500 0.2500 0 0.2500 0.2500 "
+                       "0.2500 1"));
+  EXPECT_TRUE(Contains(flat,
+                       "validation poses after 0.1250 0.1250 0 0.1250 0.1250 "
+                       "0.1250 2"));
+  EXPECT_FALSE(Contains(FormatReport(MakeResult()), "orientation"));
+}
+
+// Which kind and target errors belong to, of labelled observations alone.
+TEST(FormatReportTest, TellsKindsAndTargetsApart) {
+  JobResult result = MakeResult();
+  EXPECT_FALSE(Contains(FormatReport(result), "of which"));
+  result.train = MakeMixedSet();
+  const std::string flat = Flat(FormatReport(result));
+  EXPECT_TRUE(Contains(flat, "of which, after [mm]"));
+  EXPECT_TRUE(Contains(flat,
+                       "training poses distance of smr 0.5000 0.5000 0 "
+                       "0.5000 0.5000 0.5000 1"));
+  EXPECT_TRUE(
+      Contains(flat, "training poses position of ball, \"left\" 0 0 0 0"));
+  EXPECT_FALSE(Contains(flat, "point distance"));
+}
+
+TEST(FormatReportTest, HasCrossValidationOfBoth) {
+  JobResult result = MakeResultOfOrientations();
+  result.cross_validation = CrossValidation{
+      5, SummarizeErrors(Eigen::VectorXd::Constant(2, 0.002)),
+      SummarizeErrors(Eigen::VectorXd::Constant(2, 0.0625 * kDegree))};
+  const std::string flat = Flat(FormatReport(result));
+  EXPECT_TRUE(Contains(
+      flat, "held out once 5 folds 2.000 2.000 0 2.000 2.000 2.000 2"));
+  EXPECT_TRUE(Contains(flat,
+                       "held out once 5 folds 0.06250 0.06250 0 0.06250 "
+                       "0.06250 0.06250 2"));
+  result.cross_validation->rotation = {};
+  EXPECT_FALSE(Contains(Flat(FormatReport(result)), "0.06250"));
+}
+
+TEST(FormatReportTest, TellsWhatStagesBringToBoth) {
+  JobResult result = MakeResultOfOrientations();
+  StageResult stage;
+  stage.name = "frames only";
+  stage.num_free = 12;
+  stage.train = SummarizeErrors(Eigen::VectorXd::Constant(2, 0.008));
+  stage.heldout = SummarizeErrors(Eigen::VectorXd::Constant(2, 0.004));
+  stage.train_rotation =
+      SummarizeErrors(Eigen::VectorXd::Constant(2, 0.75 * kDegree));
+  stage.heldout_rotation =
+      SummarizeErrors(Eigen::VectorXd::Constant(2, 0.375 * kDegree));
+  result.stages = {stage};
+  std::string flat = Flat(FormatReport(result));
+  EXPECT_TRUE(Contains(flat, "What each part of the calibration brings:"));
+  EXPECT_TRUE(Contains(flat, "validation mean rms std median p95 max [mm]"));
+  EXPECT_TRUE(Contains(flat, "frames only 12 4.000 4.000 0 4.000 4.000 4.000"));
+  EXPECT_TRUE(Contains(
+      flat, "validation orientation mean rms std median p95 max [deg]"));
+  EXPECT_TRUE(
+      Contains(flat, "frames only 12 0.3750 0.3750 0 0.3750 0.3750 0.3750"));
+  // Without validation poses those of the training count.
+  result.heldout.reset();
+  flat = Flat(FormatReport(result));
+  EXPECT_TRUE(Contains(flat, "frames only 12 8.000 8.000 0 8.000 8.000 8.000"));
+  EXPECT_TRUE(
+      Contains(flat, "frames only 12 0.7500 0.7500 0 0.7500 0.7500 0.7500"));
+}
+
+TEST(FormatReportTest, ListsRejectedRows) {
+  JobResult result = MakeResult();
+  EXPECT_FALSE(Contains(FormatReport(result), "Rejected rows"));
+  result.rejected = {{"poses.csv", 17, "q2 is no number"}};
+  std::string flat = Flat(FormatReport(result));
+  EXPECT_TRUE(
+      Contains(flat, "1 row took no part. result.json lists all of them."));
+  EXPECT_TRUE(Contains(flat, "poses.csv 17 q2 is no number"));
+  for (int line = 100; line < 140; ++line) {
+    result.rejected.push_back({"poses.csv", line, "empty"});
+  }
+  flat = Flat(FormatReport(result));
+  EXPECT_TRUE(Contains(flat, "41 rows took no part."));
+  EXPECT_TRUE(Contains(flat, "The first 30:"));
+  EXPECT_TRUE(Contains(flat, "poses.csv 128 empty"));
+  EXPECT_FALSE(Contains(flat, "poses.csv 129 empty"));
+}
+
+TEST(FormatReportTest, TellsWhatRepeatsDifferBy) {
+  JobResult result = MakeResult();
+  EXPECT_FALSE(Contains(FormatReport(result), "Repeated"));
+  result.repeats.length = 2.5e-5;
+  result.repeats.length_freedom = 27;
+  EXPECT_TRUE(Contains(Flat(FormatReport(result)),
+                       "Repeated configurations differ by 0.0250 mm in a "
+                       "coordinate (standard deviation, 27 degrees of "
+                       "freedom): what no geometry can take away."));
+  result.repeats.rotation = 0.125 * kDegree;
+  result.repeats.rotation_freedom = 9;
+  EXPECT_TRUE(Contains(Flat(FormatReport(result)),
+                       "27 degrees of freedom) and 0.125 deg in orientation: "
+                       "what no geometry can take away."));
+}
+
+TEST(FormatReportTest, NamesTargetsAndPointsAndUnitsOfLimits) {
+  JobResult result = MakeResultOfOrientations();
+  result.aliases = {{"tool2", "smr2"}, {"point1", "A"}};
+  result.acceptance.push_back(
+      {"heldout_rotation_max", kDegree, 0.5 * kDegree, Dimension::kAngle});
+  const std::string text = FormatReport(result);
+  const std::string flat = Flat(text);
+  EXPECT_TRUE(Contains(flat, "tool2 is smr2, point1 is A."));
+  EXPECT_TRUE(Contains(flat, "heldout_rotation_max deg 1.000 0.5000 met"));
+  for (const std::string& line : Lines(text)) {
+    EXPECT_LE(line.size(), 100U) << line;
   }
 }
 
