@@ -125,7 +125,7 @@ TEST(SolveRobustTest, GivingUpNearlyAllObservationsIsAFailure) {
 TEST(SolvePseudoInverseTest, RefusesARobustLoss) {
   const Calibration calibration = NoisyFlangeCalibration(3, kPoses);
   CalibrationProblem problem = calibration.Problem();
-  problem.loss = {LossKind::kHuber, 1.6};
+  problem.losses = TunedLosses(LossKind::kHuber);
   Eigen::VectorXd values = calibration.model.NominalValues();
   const SolverSummary summary =
       SolvePseudoInverse(problem, SolverOptions(), &values);
