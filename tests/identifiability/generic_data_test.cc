@@ -86,6 +86,7 @@ TEST_P(GenericDataTest, HasPosesDrawnWithinTheLimits) {
   }
 }
 
+// Contacts too, as if any pose made them.
 TEST_P(GenericDataTest, HasEveryPatternOnceAtEveryDrawnPose) {
   for (const MeasurementKind kind : testing::AllKinds()) {
     if (kind == MeasurementKind::kPointDistance) continue;
@@ -157,8 +158,7 @@ TEST_P(GenericDataTest, DependsOnTheSeedAlone) {
   const Dataset again = MakeGenericData(model_, data_, kPoses, kSeed);
   EXPECT_EQ(again.joint_values, generic_.joint_values);
   const Dataset other = MakeGenericData(model_, data_, kPoses, kSeed + 1);
-  EXPECT_NE(other.joint_values.leftCols(kPoses),
-            generic_.joint_values.leftCols(kPoses));
+  EXPECT_NE(other.joint_values, generic_.joint_values);
 }
 
 TEST_P(GenericDataTest, WithUnitSigmasKeepsAllElse) {
