@@ -102,6 +102,10 @@ std::vector<ObservationLabel> LabelsOf(const Arm& arm, const Dataset& data) {
                     Eigen::Index) {
     ObservationLabel label;
     label.kind = NameOf(block.kind);
+    const Eigen::Index lengths = std::min(3, block.rows_each());
+    const auto is_measured = block.sigmas.col(i).array().isFinite().eval();
+    label.has_length = is_measured.head(lengths).any();
+    label.has_rotation = is_measured.tail(block.rows_each() - lengths).any();
     if (block.kind == MeasurementKind::kPointDistance) {
       label.pose = -1;
     } else {

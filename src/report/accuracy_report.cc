@@ -65,7 +65,7 @@ void AddKinds(const std::string& poses, const EvaluatedSet& set,
   std::map<std::pair<std::string, std::string>, std::vector<double>> norms;
   for (std::size_t i = 0; i < set.labels.size(); ++i) {
     const ObservationLabel& label = set.labels[i];
-    if (label.pose < 0) continue;
+    if (label.pose < 0 || !label.has_length) continue;
     norms[{label.kind, label.target}].push_back(
         set.residual_after.col(static_cast<Eigen::Index>(i)).norm());
   }

@@ -77,6 +77,11 @@ std::string MeasuredCells(const Eigen::Vector3d& position) {
   return VectorCells(position);
 }
 
+std::string ErrorCells(const Eigen::Vector3d& error, bool is_measured) {
+  if (!is_measured) return ",,,,";
+  return VectorCells(error) + "," + Millimetres(error.norm());
+}
+
 std::string FormatObservations(const EvaluatedSet& set) {
   const std::vector<JointColumn> joints = JointColumns(set);
   std::string text = Header(set, joints);
@@ -92,16 +97,17 @@ std::string FormatObservations(const EvaluatedSet& set) {
     if (pose >= 0) text += std::to_string(pose + 1);
     text += label + JointCells(set, joints, pose);
     text += MeasuredCells(set.positions.col(i));
-    text += VectorCells(set.residual_before.col(i));
-    text += "," + Millimetres(set.residual_before.col(i).norm());
-    text += VectorCells(set.residual_after.col(i));
-    text += "," + Millimetres(set.residual_after.col(i).norm());
+    const bool has_length = set.labels.empty() || set.labels[i].has_length;
+    text += ErrorCells(set.residual_before.col(i), has_length);
+    text += ErrorCells(set.residual_after.col(i), has_length);
     if (set.rotation_residual_after.cols() > 0) {
+      const bool has_rotation =
+          !set.labels.empty() && set.labels[i].has_rotation;
       for (const Eigen::Matrix3Xd* turns :
            {&set.rotation_residual_before, &set.rotation_residual_after}) {
-        const bool is_pose = set.labels.empty() || set.labels[i].kind == "pose";
-        text += "," + (is_pose ? ShortestNumber(turns->col(i).norm() / kDegree)
-                               : std::string());
+        text += ",";
+        if (has_rotation)
+          text += ShortestNumber(turns->col(i).norm() / kDegree);
       }
     }
     text += "\n";

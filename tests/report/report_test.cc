@@ -519,7 +519,7 @@ EvaluatedSet MakeMixedSet() {
   set.joint_values << 0.25 * kPi, 0.5 * kPi, 0.012, 0.016;
   set.labels = {{"position", 1, "ball, \"left\"", "data,1.csv:12"},
                 {"distance", 0, "smr", "data.csv:7"},
-                {"pose", 1, "", ""},
+                {"pose", 1, "", "", false, true},
                 {"point distance", -1, "", ""}};
   set.positions.setConstant(3, 4, std::nan(""));
   set.positions.col(0) << 0.25, 0.5, 0.125;
@@ -563,7 +563,7 @@ TEST(MakeCsvFilesTest, LabelsObservationsOfSeveralKinds) {
   // No position and no orientation was measured: empty cells.
   EXPECT_EQ(lines[2],
             "1,distance,smr,data.csv:7,45,12,,,,-2,0,0,2,0.5,0,0,0.5,,");
-  EXPECT_EQ(lines[3], "2,pose,,,90,16,,,,0,0,0,0,0,0,0,0,0.5,0.25");
+  EXPECT_EQ(lines[3], "2,pose,,,90,16,,,,,,,,,,,,0.5,0.25");
   // Of no pose.
   EXPECT_EQ(lines[4], ",point distance,,,,,,,,1,0,0,1,0,0,0,0,,");
 }

@@ -51,6 +51,8 @@ struct ObservationLabel {
   int pose = 0;        ///< column of joint_values; -1: of none
   std::string target;  ///< its name, empty where it has none
   std::string where;   ///< "file:line", empty where not read from a file
+  bool has_length = true;     ///< a length was measured, if only one axis
+  bool has_rotation = false;  ///< an orientation was measured
 };
 
 /// The error of the arm, before and after calibration, at the poses of one
