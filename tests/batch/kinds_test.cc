@@ -406,9 +406,9 @@ TEST(KindsTest, AParameterStopsAtItsBoundAndTheReportSaysSo) {
   const ParameterLayout layout(job.arm);
   const int column = *layout.Find("d3");
   const double nominal = layout.Values(job.arm)[column];
-  const double toward = real.joints[2].d > nominal ? 1.0 : -1.0;
-  const double limit = nominal + toward * 1e-4;
-  ASSERT_GT(std::abs(real.joints[2].d - nominal), 2e-4);
+  // Half of the way that the data ask for.
+  const double limit = 0.5 * (nominal + real.joints[2].d);
+  ASSERT_GT(std::abs(real.joints[2].d - nominal), 1e-4);
   job.bounds = {{column, std::min(limit, nominal), std::max(limit, nominal)}};
   const JobOutcome outcome = RunJob(job, "test", 1);
   ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
@@ -472,15 +472,37 @@ INSTANTIATE_TEST_SUITE_P(
              [](Dataset* data) {
                Eigen::MatrixXd& p = data->positions();
                p.rightCols(59) = p.leftCols(59).eval();
-             }},
-        Slip{"nonsense", "No single slip",
-             [](Dataset* data) {
-               Eigen::MatrixXd& p = data->positions();
-               p = p.rowwise().reverse().eval();
              }}),
     [](const ::testing::TestParamInfo<Slip>& slip) {
       return std::string(slip.param.name);
     });
+
+TEST(DoubtTest, DataThatNoSlipExplainsAreWarnedOf) {
+  const Arm real = RealArm();
+  const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
+  JobConfig job;
+  job.arm = NominalArm();
+  job.data = Bench(real, q).Positions(0).data();
+  job.identifiability.candidates = {true, true, true};
+  Eigen::MatrixXd& p = job.data.positions();
+  p = p.rowwise().reverse().eval();
+  const JobOutcome outcome = RunJob(job, "test", 1);
+  ASSERT_FALSE(outcome.result.warnings.empty());
+  EXPECT_NE(outcome.result.warnings.back().find("No single slip"),
+            std::string::npos)
+      << outcome.result.warnings.back();
+}
+
+TEST(DoubtTest, OrientationsInAnotherConventionAreRefused) {
+  const Arm real = RealArm();
+  const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
+  JobConfig job = JobOf(Bench(real, q).Poses().data());
+  for (auto column : job.data.blocks[0].measured.colwise()) {
+    // The inverse rotation: what reads target and instrument the wrong way.
+    column.tail<3>() *= -1.0;
+  }
+  EXPECT_THROW(RunJob(job, "test", 1), InputError);
+}
 
 }  // namespace
 }  // namespace alidade
