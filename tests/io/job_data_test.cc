@@ -221,37 +221,45 @@ TEST(JobDataTest, ParametersAreThoseOfArmAndReferences) {
       "identifiability: {fix: [tool2_x, point3_z, plane2_c]}\n"
       "bounds:\n"
       "  r1: [-1, 2]\n"
-      "  theta2: [-.inf, 3]\n"
-      "  point2_y: [-0.5, 0.5]\n"
-      "  plane1_c: [0, 1]\n");
+      "  theta2: [-.inf, 3]\n");
   EXPECT_EQ(job.identifiability.fix.size(), 3U);
   const ParameterLayout layout(LayoutShape{2, 2, 3, 2});
-  ASSERT_EQ(job.bounds.size(), 4U);
+  ASSERT_EQ(job.bounds.size(), 2U);
   EXPECT_EQ(job.bounds[0].column, *layout.Find("r1"));
   EXPECT_NEAR(job.bounds[0].lower, 0.099, 1e-16);
   EXPECT_NEAR(job.bounds[0].upper, 0.102, 1e-16);
   EXPECT_EQ(job.bounds[1].lower, -kInfinity);
   EXPECT_EQ(job.bounds[1].upper, 3 * kDegree);
-  EXPECT_EQ(job.bounds[2].column, *layout.Find("point2_y"));
-  EXPECT_NEAR(job.bounds[2].lower, 0.0015, 1e-18);
-  EXPECT_NEAR(job.bounds[3].upper, 0.006, 1e-18);
 }
 
-TEST(JobDataTest, DeviationsHaveZerosForReferences) {
+// Whether loading fails with these words.
+void ExpectRefusal(const DataJob& files, const std::string& job,
+                   const std::string& says) {
+  try {
+    files.Load(job);
+    FAIL() << "expected an error: " << says;
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find(says), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(JobDataTest, UnknownReferencesDoNotGoWithAllThatJobsAskFor) {
   const DataJob files;
   WriteFileAtomically(files.Path("truth.yaml"),
                       "format: alidade-deviations-1\n"
                       "units: {length: mm, angle: deg}\n"
-                      "deviations: {r1: 0.5, tool2_z: 1}\n");
-  const JobConfig job =
-      files.Load(std::string("data: {file: b.csv, target: ball}\n") +
-                 kReferences + "truth: truth.yaml\n");
-  const ParameterLayout layout(LayoutShape{2, 2, 3, 2});
-  ASSERT_EQ(job.truth->size(), layout.size());
-  EXPECT_NEAR((*job.truth)[*layout.Find("r1")], 0.1005, 1e-15);
-  EXPECT_NEAR((*job.truth)[*layout.Find("tool2_z")], 0.008, 1e-15);
-  EXPECT_NEAR((*job.truth)[*layout.Find("point1_z")], 0.03, 1e-15);
-  EXPECT_NEAR((*job.truth)[*layout.Find("plane1_c")], 0.005, 1e-15);
+                      "deviations: {r1: 0.5}\n");
+  const std::string data = "data: {file: b.csv, target: ball}\n";
+  ExpectRefusal(files, data + kReferences + "truth: truth.yaml\n",
+                "known: true");
+  ExpectRefusal(files,
+                data + kReferences + "identifiability: {method: rules}\n",
+                "method: rank");
+  ExpectRefusal(files, data + kReferences + "bounds: {point2_y: [-1, 1]}\n",
+                "bounds hold for joint parameters");
+  ExpectRefusal(files, data + "bounds: {base_x: [-1, 1]}\n",
+                "bounds hold for joint parameters");
 }
 
 TEST(JobDataTest, HoldsOutSets) {
