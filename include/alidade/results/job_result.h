@@ -47,10 +47,10 @@ struct RejectedRow {
 
 /// What one observation is of.
 struct ObservationLabel {
-  std::string kind;    ///< "position", "pose", "distance" ...
-  int pose = 0;        ///< column of joint_values; -1: of none
-  std::string target;  ///< its name, empty where it has none
-  std::string where;   ///< "file:line", empty where not read from a file
+  std::string kind;           ///< "position", "pose", "distance" ...
+  int pose = 0;               ///< column of joint_values; -1: of none
+  std::string target;         ///< its name, empty where it has none
+  std::string where;          ///< "file:line", empty where not read from a file
   bool has_length = true;     ///< a length was measured, if only one axis
   bool has_rotation = false;  ///< an orientation was measured
 };
