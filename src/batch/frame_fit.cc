@@ -46,6 +46,11 @@ bool HoldsPartOfFrames(const JobConfig& config) {
 // Observations of each kind that a start is found from; the fit takes all.
 constexpr Eigen::Index kEnoughForStart = 1000;
 
+// How far frames that were fitted at the nominal geometry may be from where
+// they are.
+constexpr double kMisplacedLength = 0.05;  // m
+constexpr double kMisplacedAngle = 0.05;   // rad
+
 // Finds frames and references from the data alone. What it cannot find it
 // leaves as it is.
 class FrameStarter {
@@ -372,6 +377,11 @@ bool FitFrames(JobConfig* config, int num_threads) {
   if (!fit.summary.IsSolutionUsable()) return is_found;
   config->arm = model.layout().WithValues(config->arm, fit.values);
   config->references = model.ReferencesAt(fit.values);
+  // From here on frames are known better than before: the nominal geometry
+  // misplaces them by a multiple of its own error, not by metres.
+  PriorTolerances& priors = config->identifiability.priors;
+  priors.frame_length = std::min(priors.frame_length, kMisplacedLength);
+  priors.frame_angle = std::min(priors.frame_angle, kMisplacedAngle);
   return true;
 }
 

@@ -17,9 +17,10 @@ bool HasUnknownFrames(const JobConfig& config);
 /// Puts base, targets and references that are to be identified where they fit
 /// the training data at the nominal geometry, from a start that needs no guess
 /// of the user's (frame_start.h), so that the small rotations of the layout are
-/// small: a rotation vector is a chart of SO(3) about the nominal one. Nothing
-/// is done where the true arm is given, whose deviations are from the arm as it
-/// stands. True: they were fitted, or at least found.
+/// small: a rotation vector is a chart of SO(3) about the nominal one. Their
+/// priors become 50 mm and 50 mrad about these places, unless they are
+/// narrower. Nothing is done where the true arm is given, whose deviations are
+/// from the arm as it stands. True: they were fitted, or at least found.
 bool FitFrames(JobConfig* config, int num_threads);
 
 }  // namespace alidade
