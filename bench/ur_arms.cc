@@ -180,7 +180,12 @@ int Run(const std::string& directory) {
                "predicted | ratio |\n|---|---|---|---|---|---|---|"
             << std::endl;
   for (const Json& robot : factory.at("robots")) {
-    const std::string repository = robot.at("repository");
+    // Some carry a note behind a comma.
+    std::string repository = robot.at("repository");
+    if (const std::size_t comma = repository.find(',');
+        comma < repository.size()) {
+      repository = repository.substr(0, comma) + ")";
+    }
     if (repository == kHalfTurn) continue;
     const std::string model = robot.at("model");
     const Arm real = Installed(ArmOf(robot.at("kinematics")));
