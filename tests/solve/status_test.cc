@@ -291,7 +291,7 @@ TEST(PseudoInverseStatusTest, NoEffectOfAnyFreeParameterFails) {
       calibration.Solve(testing::kPseudoInverse, &values);
   EXPECT_EQ(summary.status, SolverStatus::kFailed);
   EXPECT_EQ(summary.message,
-            "no measured position depends on a free parameter");
+            "no measurement depends on a free parameter");
   EXPECT_TRUE(testing::SameBits(values, nominal));
 }
 
