@@ -290,8 +290,7 @@ TEST(PseudoInverseStatusTest, NoEffectOfAnyFreeParameterFails) {
   const SolverSummary summary =
       calibration.Solve(testing::kPseudoInverse, &values);
   EXPECT_EQ(summary.status, SolverStatus::kFailed);
-  EXPECT_EQ(summary.message,
-            "no measurement depends on a free parameter");
+  EXPECT_EQ(summary.message, "no measurement depends on a free parameter");
   EXPECT_TRUE(testing::SameBits(values, nominal));
 }
 
