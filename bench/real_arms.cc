@@ -192,11 +192,24 @@ JobConfig WithoutPriors(JobConfig job) {
   return job;
 }
 
-// The error on all other configurations where only so many are fitted.
-void PrintFewPoses(const RealArm& arm, LineChart* chart) {
+ChartSeries SeriesOf(const RealArm& arm) {
   ChartSeries series;
   series.label = arm.name;
   series.marker = MarkerStyle::kDot;
+  return series;
+}
+
+void AddPoint(int poses, const Means& means, ChartSeries* series) {
+  if (means.done == 0) return;
+  series->x.push_back(poses);
+  series->y.push_back(means.mean / means.before);
+}
+
+// The error on all other configurations where only so many are fitted.
+void PrintFewPoses(const RealArm& arm, LineChart* with_priors,
+                   LineChart* without) {
+  ChartSeries with_series = SeriesOf(arm);
+  ChartSeries without_series = SeriesOf(arm);
   for (const int poses : kFewPoses) {
     const double share =
         1.0 - static_cast<double>(poses) /
@@ -208,20 +221,20 @@ void PrintFewPoses(const RealArm& arm, LineChart* chart) {
               << Number(ours.before) << " | " << Cell(ours) << " | "
               << ours.worse_than_before << " | " << Cell(keep) << " | "
               << keep.worse_than_before << " |" << std::endl;
-    if (ours.done == 0) continue;
-    series.x.push_back(poses);
-    series.y.push_back(ours.mean / ours.before);
+    AddPoint(poses, ours, &with_series);
+    AddPoint(poses, keep, &without_series);
   }
-  chart->series.push_back(std::move(series));
+  with_priors->series.push_back(std::move(with_series));
+  without->series.push_back(std::move(without_series));
 }
 
-LineChart FewPosesChart() {
+LineChart FewPosesChart(const std::string& priors) {
   LineChart chart;
-  chart.title = "Calibration from few poses";
-  chart.subtitle =
-      "error on all other poses, priors of 5 mrad and 1 mm, means of 10 draws";
+  chart.title = "Calibration from few poses, " + priors;
+  chart.subtitle = "error on all other poses, means of 10 draws";
   chart.x.label = "poses fitted";
   chart.y.label = "mean error after / before";
+  chart.y.logarithmic = true;
   chart.references.push_back({1.0, "not calibrated"});
   return chart;
 }
@@ -240,11 +253,15 @@ int Report(const std::string& root, const std::string& plain_path,
   std::cout << "\n| set | poses | before | with priors | worse than before | "
                "without | worse than before |\n|---|---|---|---|---|---|---|"
             << std::endl;
-  LineChart chart = FewPosesChart();
+  LineChart with_priors = FewPosesChart("priors of 5 mrad and 1 mm");
+  LineChart without = FewPosesChart("no priors");
   for (const std::string& name : FewPosesNames()) {
-    PrintFewPoses(Load(root, name), &chart);
+    PrintFewPoses(Load(root, name), &with_priors, &without);
   }
-  WriteFileAtomically(images + "/real_arms_few_poses.svg", RenderSvg(chart));
+  WriteFileAtomically(images + "/real_arms_few_poses.svg",
+                      RenderSvg(with_priors));
+  WriteFileAtomically(images + "/real_arms_few_poses_no_priors.svg",
+                      RenderSvg(without));
   return EXIT_SUCCESS;
 }
 

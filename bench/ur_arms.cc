@@ -147,12 +147,11 @@ std::string Millimetres(double metres) {
 }
 
 void Calibrate(const std::string& name, const Arm& nominal, const Arm& real,
-               MeasurementKind kind) {
-  constexpr std::uint64_t kDataSeed = 11;
+               MeasurementKind kind, std::uint64_t seed) {
   constexpr std::uint64_t kWorkspaceSeed = 12;
   JobConfig job;
   job.arm = nominal;
-  job.data = Measure(real, kind, kDataSeed);
+  job.data = Measure(real, kind, seed);
   job.identifiability.candidates = {true, true, true};
   const JobOutcome outcome = RunJob(job, "ur_arms", kThreads);
   const Eigen::MatrixXd poses =
@@ -179,6 +178,7 @@ int Run(const std::string& directory) {
   std::cout << "| arm | measured | free | before, rms | true error, rms | "
                "predicted | ratio |\n|---|---|---|---|---|---|---|"
             << std::endl;
+  std::uint64_t seed = 101;
   for (const Json& robot : factory.at("robots")) {
     // Some carry a note behind a comma.
     std::string repository = robot.at("repository");
@@ -191,8 +191,9 @@ int Run(const std::string& directory) {
     const Arm real = Installed(ArmOf(robot.at("kinematics")));
     for (const MeasurementKind kind :
          {MeasurementKind::kPosition, MeasurementKind::kPose}) {
-      Calibrate(model + ", " + repository, ArmOf(nominal.at(model)), real,
-                kind);
+      Calibrate(model + ", " + repository, ArmOf(nominal.at(model)), real, kind,
+                seed);
+      seed += 2;  // one for the poses, the next for the noise
     }
   }
   return EXIT_SUCCESS;

@@ -39,10 +39,6 @@ void RequireLimitedTravel(const Arm& arm) {
   }
 }
 
-bool HoldsPositions(MeasurementKind kind) {
-  return kind == MeasurementKind::kPosition || kind == MeasurementKind::kPose;
-}
-
 // One position of the one target at every pose: nothing to label.
 bool IsPlain(const Dataset& data) {
   return data.blocks.size() == 1 && data.blocks[0].poses.empty() &&
@@ -68,7 +64,7 @@ Eigen::Matrix3Xd MeasuredPositions(const Dataset& data) {
       3, data.num_observations(), std::numeric_limits<double>::quiet_NaN());
   ForEach(data, [&](const ObservationBlock& block, Eigen::Index i,
                     Eigen::Index count, Eigen::Index) {
-    if (!HoldsPositions(block.kind)) return;
+    if (!HoldsPosition(block.kind)) return;
     if (!block.sigmas.col(i).head<3>().allFinite()) return;
     positions.col(count) = block.measured.col(i).head<3>();
   });
@@ -94,28 +90,6 @@ Eigen::Matrix3Xd Rotations(const Dataset& data, const Eigen::VectorXd& errors) {
     turns.col(count) = errors.segment<3>(row + 3);
   });
   return turns;
-}
-
-std::vector<ObservationLabel> LabelsOf(const Arm& arm, const Dataset& data) {
-  std::vector<ObservationLabel> labels;
-  ForEach(data, [&](const ObservationBlock& block, Eigen::Index i, Eigen::Index,
-                    Eigen::Index) {
-    ObservationLabel label;
-    label.kind = NameOf(block.kind);
-    const Eigen::Index lengths = std::min(3, block.rows_each());
-    const auto is_measured = block.sigmas.col(i).array().isFinite().eval();
-    label.has_length = is_measured.head(lengths).any();
-    label.has_rotation = is_measured.tail(block.rows_each() - lengths).any();
-    if (block.kind == MeasurementKind::kPointDistance) {
-      label.pose = -1;
-    } else {
-      label.pose = block.pose(i);
-      label.target = arm.targets[block.target(i)].name;
-      label.where = SourceOf(data, label.pose);
-    }
-    labels.push_back(std::move(label));
-  });
-  return labels;
 }
 
 Eigen::VectorXd ToVector(const std::vector<double>& values) {
@@ -149,6 +123,28 @@ void AddSpread(const ObservationBlock& block,
 }
 
 }  // namespace
+
+std::vector<ObservationLabel> LabelsOf(const Arm& arm, const Dataset& data) {
+  std::vector<ObservationLabel> labels;
+  ForEach(data, [&](const ObservationBlock& block, Eigen::Index i, Eigen::Index,
+                    Eigen::Index) {
+    ObservationLabel label;
+    label.kind = NameOf(block.kind);
+    const Eigen::Index lengths = std::min(3, block.rows_each());
+    const auto is_measured = block.sigmas.col(i).array().isFinite().eval();
+    label.has_length = is_measured.head(lengths).any();
+    label.has_rotation = is_measured.tail(block.rows_each() - lengths).any();
+    if (block.kind == MeasurementKind::kPointDistance) {
+      label.pose = -1;
+    } else {
+      label.pose = block.pose(i);
+      label.target = arm.targets[block.target(i)].name;
+      label.where = SourceOf(data, label.pose);
+    }
+    labels.push_back(std::move(label));
+  });
+  return labels;
+}
 
 EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
                          const Eigen::VectorXd& before,
@@ -208,7 +204,7 @@ RepeatSpread MeasureRepeats(const Dataset& data) {
   const std::vector<int> groups = GroupByJointValues(data);
   RepeatSpread spread;
   for (const ObservationBlock& block : data.blocks) {
-    if (!HoldsPositions(block.kind)) continue;
+    if (!HoldsPosition(block.kind)) continue;
     std::map<std::pair<int, int>, std::vector<Eigen::Index>> repeats;
     for (Eigen::Index i = 0; i < block.size(); ++i) {
       if (block.Dimension(i) != block.rows_each()) continue;

@@ -42,18 +42,6 @@ StageResult MakeStage(const FinishedFit& fit, const std::string& name,
   return stage;
 }
 
-ObservationLabel LabelOf(const FinishedFit& fit, const ObservationBlock& block,
-                         Eigen::Index i) {
-  ObservationLabel label;
-  label.kind = NameOf(block.kind);
-  label.pose = -1;
-  if (block.kind == MeasurementKind::kPointDistance) return label;
-  label.pose = block.pose(i);
-  label.target = fit.model().nominal().targets[block.target(i)].name;
-  label.where = SourceOf(fit.config.data, label.pose);
-  return label;
-}
-
 void AppendTo(const Eigen::VectorXd& norms, std::vector<double>* all) {
   all->insert(all->end(), norms.data(), norms.data() + norms.size());
 }
@@ -120,6 +108,8 @@ std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit) {
   constexpr int kPositionRows = 3;
   *limit = std::sqrt(limits[kPositionRows]);
   const std::vector<RobustLoss> losses = TunedLosses(fit.config.loss);
+  const std::vector<ObservationLabel> labels =
+      LabelsOf(fit.model().nominal(), data);
   std::vector<Outlier> outliers;
   Eigen::Index count = 0;
   for (const ObservationBlock& block : data.blocks) {
@@ -128,7 +118,7 @@ std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit) {
       if (rows == 0 || squared[count] <= limits[rows]) continue;
       const double weight =
           losses.empty() ? 1.0 : losses[rows - 1].Weight(squared[count]);
-      outliers.push_back({count, LabelOf(fit, block, i), lengths[count],
+      outliers.push_back({count, labels[count], lengths[count],
                           std::sqrt(squared[count]), weight});
     }
   }

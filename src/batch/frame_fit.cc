@@ -55,12 +55,12 @@ constexpr double kMisplacedAngle = 0.05;   // rad
 // leaves as it is.
 class FrameStarter {
  public:
-  explicit FrameStarter(const JobConfig& config)
+  FrameStarter(const JobConfig& config, Dataset data)
       : options_(config.identifiability),
-        data_(config.data),
+        data_(std::move(data)),
         arm_(config.arm),
         references_(config.references),
-        frames_(LastFrames(config.arm, config.data.joint_values)) {}
+        frames_(LastFrames(config.arm, data_.joint_values)) {}
 
   void Run() {
     FindMeasuredTargets();
@@ -98,9 +98,7 @@ class FrameStarter {
     std::vector<int> targets;
     std::vector<Eigen::Vector3d> points;
     for (const ObservationBlock& block : data_.blocks) {
-      const bool has_position = block.kind == MeasurementKind::kPosition ||
-                                block.kind == MeasurementKind::kPose;
-      if (!has_position) continue;
+      if (!HoldsPosition(block.kind)) continue;
       for (Eigen::Index i = 0; i < block.size(); ++i) {
         if (!block.sigmas.col(i).head<3>().allFinite()) continue;
         frames.push_back(frames_[block.pose(i)]);
@@ -177,9 +175,8 @@ class FrameStarter {
   void FindMeasuredTargets() {
     is_found_.assign(arm_.num_targets(), !MovesTools());
     for (const ObservationBlock& block : data_.blocks) {
-      const bool has_position = block.kind == MeasurementKind::kPosition ||
-                                block.kind == MeasurementKind::kPose;
-      for (Eigen::Index i = 0; has_position && i < block.size(); ++i) {
+      if (!HoldsPosition(block.kind)) continue;
+      for (Eigen::Index i = 0; i < block.size(); ++i) {
         is_found_[block.target(i)] = true;
       }
     }
@@ -308,7 +305,7 @@ class FrameStarter {
   }
 
   const IdentifiabilityOptions& options_;
-  const Dataset& data_;
+  const Dataset data_;
   Arm arm_;
   References references_;
   const Poses frames_;
@@ -357,9 +354,7 @@ bool FitFrames(JobConfig* config, int num_threads) {
   const References given_references = config->references;
   bool is_found = false;
   if (!HoldsPartOfFrames(*config)) {
-    JobConfig some = *config;
-    some.data = EvenSubset(config->data, kEnoughForStart);
-    FrameStarter starter(some);
+    FrameStarter starter(*config, EvenSubset(config->data, kEnoughForStart));
     starter.Run();
     const MeasurementModel found(starter.arm(), starter.references(),
                                  num_threads);

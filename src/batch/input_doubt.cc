@@ -31,9 +31,7 @@ Pairs PositionsOf(const Dataset& data) {
   std::vector<int> poses;
   std::vector<Eigen::Vector3d> points;
   for (const ObservationBlock& block : data.blocks) {
-    const bool has_position = block.kind == MeasurementKind::kPosition ||
-                              block.kind == MeasurementKind::kPose;
-    if (!has_position) continue;
+    if (!HoldsPosition(block.kind)) continue;
     for (Eigen::Index i = 0; i < block.size(); ++i) {
       if (block.target(i) != 0) continue;
       if (!block.sigmas.col(i).head<3>().allFinite()) continue;

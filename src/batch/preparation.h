@@ -26,17 +26,17 @@ struct Fit {
 Fit FitOnce(const JobConfig& config, const MeasurementModel& model,
             const IdentifiabilityOptions& options);
 
-/// What a typical residual is in sigmas: the median of the norms over that of
-/// their distribution, for observations of any dimension. 0 for no data.
-double TypicalResidual(const MeasurementModel& model, const Dataset& data,
-                       const Eigen::VectorXd& values);
-
 /// The same where the model is known to leave far more than the sigmas say, as
 /// with the joints held at nominal: the sigmas are raised to what the median
 /// residual asks, so that priors have their weight, and a robust fit is
 /// Huber's, since a redescending loss would give up nearly all of the data.
 Fit FitPart(const JobConfig& config, const MeasurementModel& model,
             const IdentifiabilityOptions& options);
+
+/// What a typical residual is in sigmas: the median of the norms over that of
+/// their distribution, for observations of any dimension. 0 for no data.
+double TypicalResidual(const MeasurementModel& model, const Dataset& data,
+                       const Eigen::VectorXd& values);
 
 /// What the solvers are given of a job after its identifiability pass.
 CalibrationProblem ProblemOf(const JobConfig& config,

@@ -75,10 +75,7 @@ Eigen::Matrix3Xd Positions(const Dataset& data) {
   Eigen::Matrix3Xd positions =
       Eigen::Matrix3Xd::Constant(3, data.num_poses(), nan);
   for (const ObservationBlock& block : data.blocks) {
-    if (block.kind != MeasurementKind::kPosition &&
-        block.kind != MeasurementKind::kPose) {
-      continue;
-    }
+    if (!HoldsPosition(block.kind)) continue;
     for (Eigen::Index i = 0; i < block.size(); ++i) {
       if (block.target(i) != 0) continue;
       for (int axis = 0; axis < 3; ++axis) {

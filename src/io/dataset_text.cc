@@ -107,8 +107,7 @@ std::string FormatDataset(const Dataset& dataset, const Arm& arm,
   const DatasetText rows(dataset, arm, joint_decimals, with_sigmas);
   text += rows.Header();
   for (const ObservationBlock& block : dataset.blocks) {
-    CHECK(block.kind == MeasurementKind::kPosition ||
-          block.kind == MeasurementKind::kPose);
+    CHECK(HoldsPosition(block.kind));
     for (Eigen::Index i = 0; i < block.size(); ++i) text += rows.Row(block, i);
   }
   return text;

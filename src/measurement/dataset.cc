@@ -7,6 +7,10 @@
 
 namespace alidade {
 
+bool HoldsPosition(MeasurementKind kind) {
+  return kind == MeasurementKind::kPosition || kind == MeasurementKind::kPose;
+}
+
 int RowsOf(MeasurementKind kind) {
   switch (kind) {
     case MeasurementKind::kPosition:

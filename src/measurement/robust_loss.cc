@@ -1,6 +1,7 @@
 #include "alidade/measurement/robust_loss.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -118,17 +119,55 @@ double TuningConstant(LossKind kind, int dimension) {
   return 0.5 * (low + high);
 }
 
-std::vector<RobustLoss> TunedLosses(LossKind kind, int max_dimension) {
+namespace {
+
+// Rows that an observation has at most.
+constexpr int kMostRows = 6;
+
+std::vector<RobustLoss> Tune(LossKind kind) {
   std::vector<RobustLoss> losses;
-  if (kind == LossKind::kNone) return losses;
-  for (int dimension = 1; dimension <= max_dimension; ++dimension) {
+  for (int dimension = 1; dimension <= kMostRows; ++dimension) {
     losses.push_back({kind, TuningConstant(kind, dimension)});
   }
   return losses;
 }
 
-double MedianOfChi(int dimension) {
+double ComputeMedianOfChi(int dimension) {
   return std::sqrt(ChiSquareQuantile(0.5, dimension));
+}
+
+}  // namespace
+
+std::vector<RobustLoss> TunedLosses(LossKind kind) {
+  // Never destroyed, as statics should be.
+  static const auto* const huber =
+      new std::vector<RobustLoss>(Tune(LossKind::kHuber));
+  static const auto* const cauchy =
+      new std::vector<RobustLoss>(Tune(LossKind::kCauchy));
+  static const auto* const tukey =
+      new std::vector<RobustLoss>(Tune(LossKind::kTukey));
+  switch (kind) {
+    case LossKind::kNone:
+      break;
+    case LossKind::kHuber:
+      return *huber;
+    case LossKind::kCauchy:
+      return *cauchy;
+    case LossKind::kTukey:
+      return *tukey;
+  }
+  return {};
+}
+
+double MedianOfChi(int dimension) {
+  // Asked for once an observation.
+  static const std::array<double, kMostRows> medians = [] {
+    std::array<double, kMostRows> values{};
+    for (int d = 1; d <= kMostRows; ++d) values[d - 1] = ComputeMedianOfChi(d);
+    return values;
+  }();
+  return dimension <= kMostRows ? medians[dimension - 1]
+                                : ComputeMedianOfChi(dimension);
 }
 
 double RobustScale(std::vector<double> norms, int dimension) {

@@ -328,6 +328,37 @@ TEST(KindsTest, ABallInSocketsAKnownDistanceApartIsEnough) {
               std::abs(real.joints[2].d), 1e-3);
 }
 
+TEST(KindsTest, SocketsWithoutAKnownDistanceLeaveTheSizeOpen) {
+  const Arm real = RealArm();
+  std::vector<Eigen::Vector3d> places;
+  std::vector<int> points;
+  for (int i = 0; i < 120; ++i) {
+    points.push_back(i % 2);
+    places.push_back(i % 2 == 0 ? InInstrument(real, 0.6, 0.2, 0.1)
+                                : InInstrument(real, -0.3, 0.6, 0.4));
+  }
+  const Eigen::MatrixXd q = Touching(real, places);
+  JobConfig job = JobOf(
+      Bench(real, q).Contacts(MeasurementKind::kFixedPoint, points).data());
+  job.arm.instrument_from_base = real.instrument_from_base;
+  job.identifiability.candidates = {true, false, true};
+  job.references.points = {{"a"}, {"b"}};
+  for (const bool with_distance : {false, true}) {
+    if (with_distance) {
+      job.data.blocks.push_back(
+          KnownDistance(0, 1, (places[0] - places[1]).norm()));
+    }
+    const JobOutcome outcome = RunJob(job, "test", 1);
+    ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
+    bool is_warned = false;
+    for (const std::string& warning : outcome.result.warnings) {
+      is_warned = is_warned ||
+                  warning.find("size of the arm open") != std::string::npos;
+    }
+    EXPECT_EQ(is_warned, !with_distance);
+  }
+}
+
 TEST(KindsTest, ContactWithAPlaneFindsThePlane) {
   const Arm real = RealArm();
   Random random(3);

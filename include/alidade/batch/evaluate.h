@@ -3,11 +3,15 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <vector>
 
 #include "alidade/measurement/measurement_model.h"
 #include "alidade/results/job_result.h"
 
 namespace alidade {
+
+/// What each observation of `data` is of. @pre the arm has its targets.
+std::vector<ObservationLabel> LabelsOf(const Arm& arm, const Dataset& data);
 
 /// Errors of two sets of values, before and after, at the poses of `data`.
 EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,

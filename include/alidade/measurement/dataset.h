@@ -32,6 +32,9 @@ enum class MeasurementKind {
 /// distance".
 const char* NameOf(MeasurementKind kind);
 
+/// Whether the position of the target itself is measured: kPosition, kPose.
+bool HoldsPosition(MeasurementKind kind);
+
 /// Rows of one observation: 3, 6 or 1.
 int RowsOf(MeasurementKind kind);
 

@@ -55,10 +55,9 @@ struct RobustLoss {
 /// @pre dimension >= 1.
 double TuningConstant(LossKind kind, int dimension);
 
-/// The losses of observations of 1 to `max_dimension` rows, entry d - 1 tuned
-/// for d rows; none at all for kNone. As of TuningConstant, times
-/// max_dimension.
-std::vector<RobustLoss> TunedLosses(LossKind kind, int max_dimension = 6);
+/// The losses of observations of 1 to 6 rows, entry d - 1 tuned for d rows;
+/// none at all for kNone. Tuned at the first call, kept from then on.
+std::vector<RobustLoss> TunedLosses(LossKind kind);
 
 /// The median norm of N(0, I) in d = `dimension` dimensions,
 /// sqrt(ChiSquareQuantile(0.5, d)): 0.6745 for d = 1. @pre dimension >= 1.
