@@ -199,10 +199,12 @@ ChartSeries SeriesOf(const RealArm& arm) {
   return series;
 }
 
-void AddPoint(int poses, const Means& means, ChartSeries* series) {
+// `before`: the mean error of the arm that is not calibrated (mm).
+void AddPoint(int poses, const Means& means, double before,
+              ChartSeries* series) {
   if (means.done == 0) return;
   series->x.push_back(poses);
-  series->y.push_back(means.mean / means.before);
+  series->y.push_back(means.mean / before);
 }
 
 // The error on all other configurations where only so many are fitted.
@@ -221,8 +223,8 @@ void PrintFewPoses(const RealArm& arm, LineChart* with_priors,
               << Number(ours.before) << " | " << Cell(ours) << " | "
               << ours.worse_than_before << " | " << Cell(keep) << " | "
               << keep.worse_than_before << " |" << std::endl;
-    AddPoint(poses, ours, &with_series);
-    AddPoint(poses, keep, &without_series);
+    AddPoint(poses, ours, ours.before, &with_series);
+    AddPoint(poses, keep, ours.before, &without_series);
   }
   with_priors->series.push_back(std::move(with_series));
   without->series.push_back(std::move(without_series));

@@ -146,8 +146,9 @@ std::string Millimetres(double metres) {
   return text.data();
 }
 
-void Calibrate(const std::string& name, const Arm& nominal, const Arm& real,
-               MeasurementKind kind, std::uint64_t seed) {
+// The true error over the predicted one.
+double Calibrate(const std::string& name, const Arm& nominal, const Arm& real,
+                 MeasurementKind kind, std::uint64_t seed) {
   constexpr std::uint64_t kWorkspaceSeed = 12;
   JobConfig job;
   job.arm = nominal;
@@ -168,6 +169,7 @@ void Calibrate(const std::string& name, const Arm& nominal, const Arm& real,
             << Millimetres(outcome.result.train.before.rms) << " | "
             << Millimetres(error) << " | " << Millimetres(predicted) << " | "
             << ratio.data() << " |" << std::endl;
+  return error / predicted;
 }
 
 int Run(const std::string& directory) {
@@ -179,6 +181,8 @@ int Run(const std::string& directory) {
                "predicted | ratio |\n|---|---|---|---|---|---|---|"
             << std::endl;
   std::uint64_t seed = 101;
+  double squares = 0.0;
+  int count = 0;
   for (const Json& robot : factory.at("robots")) {
     // Some carry a note behind a comma.
     std::string repository = robot.at("repository");
@@ -191,11 +195,18 @@ int Run(const std::string& directory) {
     const Arm real = Installed(ArmOf(robot.at("kinematics")));
     for (const MeasurementKind kind :
          {MeasurementKind::kPosition, MeasurementKind::kPose}) {
-      Calibrate(model + ", " + repository, ArmOf(nominal.at(model)), real, kind,
-                seed);
+      const double ratio =
+          Calibrate(model + ", " + repository, ArmOf(nominal.at(model)), real,
+                    kind, seed);
+      squares += ratio * ratio;
+      ++count;
       seed += 2;  // one for the poses, the next for the noise
     }
   }
+  std::array<char, 16> rms{};
+  std::snprintf(rms.data(), rms.size(), "%.2f", std::sqrt(squares / count));
+  std::cout << "| root mean square of " << count << " | | | | | | "
+            << rms.data() << " |" << std::endl;
   return EXIT_SUCCESS;
 }
 
