@@ -1,92 +1,34 @@
 #include "alidade/measurement/compression.h"
 
-#include <Eigen/QR>
-#include <algorithm>
+#include <Eigen/Cholesky>
 #include <cmath>
+#include <limits>
 
-#include "alidade/base/parallel.h"
-#include "alidade/measurement/row_evaluator.h"
+#include "parted_data.h"
 
 namespace alidade {
 namespace {
 
-// The observations of a block are cut into so many parts at most, whatever
-// their number: few enough for O(columns^2) memory, enough for the threads to
-// share.
-constexpr Eigen::Index kParts = 16;
+// Below, products instead of transformations gain nothing.
+constexpr Eigen::Index kFewestForGram = 1000;
 
-// Observations of one pass: their rows stay in the cache with some tens of
-// columns.
-constexpr Eigen::Index kObservationsPerPass = 64;
+// The largest condition that products are good enough for.
+constexpr double kGramCondition = 1e4;
 
-// Keeps the triangular factor of all rows seen so far.
-class FactorBuilder {
- public:
-  explicit FactorBuilder(Eigen::Index columns)
-      : factor_(Eigen::MatrixXd::Zero(columns, columns)) {}
-
-  void Add(const Eigen::Ref<const Eigen::MatrixXd>& rows) {
-    const Eigen::Index p = factor_.cols();
-    stacked_.resize(p + rows.rows(), p);
-    stacked_.topRows(p) = factor_;
-    stacked_.bottomRows(rows.rows()) = rows;
-    const Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXd>> qr(stacked_);
-    factor_ = qr.matrixQR().topRows(p).triangularView<Eigen::Upper>();
+// |S| |S^-1| in Frobenius' norm, S being `factor` with columns of norm 1; no
+// less than the condition of S. `scaled` and `inverse` are scratch.
+double ScaledCondition(const Eigen::MatrixXd& factor, Eigen::MatrixXd* scaled,
+                       Eigen::MatrixXd* inverse) {
+  const Eigen::Index p = factor.cols();
+  *scaled = factor;
+  for (Eigen::Index k = 0; k < p; ++k) {
+    scaled->col(k) /= scaled->col(k).norm();
   }
-
-  const Eigen::MatrixXd& factor() const { return factor_; }
-
- private:
-  Eigen::MatrixXd factor_;
-  Eigen::MatrixXd stacked_;
-};
-
-// Calls fill(evaluator, block, first, count, block's first row, &rows) for
-// every pass over the data and factors the rows that it makes.
-template <typename Fill>
-Eigen::MatrixXd FactorRows(const MeasurementModel& model,
-                           const Eigen::VectorXd& values, const Dataset& data,
-                           const std::vector<int>& columns, Eigen::Index width,
-                           const Fill& fill) {
-  FactorBuilder all(width);
-  Eigen::Index first_row = 0;
-  for (const ObservationBlock& block : data.blocks) {
-    const Eigen::Index count = block.size();
-    const Eigen::Index part_size =
-        std::max(kObservationsPerPass, (count + kParts - 1) / kParts);
-    const Eigen::Index num_parts = (count + part_size - 1) / part_size;
-    std::vector<FactorBuilder> parts(num_parts, FactorBuilder(width));
-    const auto work = [&](std::int64_t begin, std::int64_t end) {
-      RowEvaluator evaluator(model, values, data, columns);
-      Eigen::MatrixXd rows;
-      for (Eigen::Index i = begin; i < end; i += kObservationsPerPass) {
-        const Eigen::Index size =
-            std::min<Eigen::Index>(end - i, kObservationsPerPass);
-        rows.resize(size * block.rows_each(), width);
-        fill(&evaluator, block, i, size, first_row, &rows);
-        parts[begin / part_size].Add(rows);
-      }
-    };
-    ParallelFor(model.num_threads(), count, part_size, work);
-    for (const FactorBuilder& part : parts) all.Add(part.factor());
-    first_row += count * block.rows_each();
-  }
-  return all.factor();
-}
-
-// Scales the rows of each observation by the root of its weight; the last
-// column holds the residuals.
-void ApplyLosses(const ObservationBlock& block, Eigen::Index first,
-                 const std::vector<RobustLoss>& losses, Eigen::MatrixXd* rows) {
-  if (losses.empty()) return;
-  const int height = block.rows_each();
-  for (Eigen::Index i = 0; i * height < rows->rows(); ++i) {
-    auto mine = rows->middleRows(i * height, height);
-    const int dimension = block.Dimension(first + i);
-    if (dimension == 0) continue;
-    const double squared = mine.rightCols<1>().squaredNorm();
-    mine *= std::sqrt(losses[dimension - 1].Weight(squared));
-  }
+  inverse->setIdentity(p, p);
+  scaled->triangularView<Eigen::Upper>().solveInPlace(*inverse);
+  const double condition = std::sqrt(static_cast<double>(p)) * inverse->norm();
+  return std::isfinite(condition) ? condition
+                                  : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -110,37 +52,143 @@ Eigen::MatrixXd JacobianFactor(const MeasurementModel& model,
                                const Eigen::VectorXd& values,
                                const Dataset& data,
                                const std::vector<int>& columns) {
-  return FactorRows(model, values, data, columns,
-                    static_cast<Eigen::Index>(columns.size()),
-                    [](RowEvaluator* evaluator, const ObservationBlock& block,
-                       Eigen::Index first, Eigen::Index count, Eigen::Index,
-                       Eigen::MatrixXd* rows) {
-                      evaluator->Fill(block, first, count, *rows);
-                    });
+  PartedData parted(model, data, static_cast<int>(columns.size()), 0);
+  const kernel::Columns wanted(model.layout(), columns);
+  parted.ForEachTile(values, wanted,
+                     [](Part* part, TileRows* rows) { part->AddRows(rows); });
+  Eigen::MatrixXd factor;
+  parted.MergeTriangles(&factor);
+  return factor;
 }
+
+class Compressor::Implementation {
+ public:
+  Implementation(const MeasurementModel& model, const Dataset& data,
+                 const std::vector<int>& columns,
+                 const std::vector<RobustLoss>& losses,
+                 const CompressorOptions& options)
+      : parted_(model, data, static_cast<int>(columns.size()) + 1,
+                options.cache_bytes),
+        columns_(model.layout(), columns),
+        no_columns_(model.layout(), {}),
+        losses_(losses),
+        factorization_(options.factorization),
+        may_use_gram_(options.factorization == Factorization::kGram),
+        is_large_(data.num_observations() >= kFewestForGram) {}
+
+  void Compress(const Eigen::VectorXd& values, CompressedProblem* problem) {
+    used_gram_ = may_use_gram_ && CompressByProducts(values, problem);
+    if (!used_gram_) CompressByReflections(values, problem);
+    Remember(values);
+    problem->cost = summary_.cost;
+    if (factorization_ == Factorization::kAutomatic && is_large_) {
+      may_use_gram_ = HasGoodCondition(problem->factor);
+    }
+  }
+
+  const ResidualSummary& Summarize(const Eigen::VectorXd& values) {
+    if (values.size() != summarized_.size() || values != summarized_) {
+      parted_.ForEachTile(values, no_columns_,
+                          [this](Part* part, TileRows* rows) {
+                            part->AddCost(losses_, false, rows);
+                          });
+      Remember(values);
+    }
+    return summary_;
+  }
+
+  bool used_gram() const { return used_gram_; }
+
+ private:
+  void Remember(const Eigen::VectorXd& values) {
+    summary_ = parted_.Summary();
+    summarized_ = values;
+  }
+
+  bool HasGoodCondition(const Eigen::MatrixXd& factor) {
+    return ScaledCondition(factor, &scaled_, &inverse_) <= kGramCondition;
+  }
+
+  void CompressByReflections(const Eigen::VectorXd& values,
+                             CompressedProblem* problem) {
+    parted_.ForEachTile(values, columns_, [this](Part* part, TileRows* rows) {
+      part->AddCost(losses_, true, rows);
+      part->AddRows(rows);
+    });
+    parted_.MergeTriangles(&triangle_);
+    const Eigen::Index p = triangle_.cols() - 1;
+    problem->factor = triangle_.topLeftCorner(p, p);
+    problem->projected = triangle_.topRightCorner(p, 1);
+  }
+
+  // False where the products have no Cholesky factor, or one that shows that
+  // they are not good enough.
+  bool CompressByProducts(const Eigen::VectorXd& values,
+                          CompressedProblem* problem) {
+    parted_.ForEachTile(values, columns_, [this](Part* part, TileRows* rows) {
+      part->AddCost(losses_, true, rows);
+      part->AddProducts(rows);
+    });
+    parted_.SumProducts(&triangle_);
+    const Eigen::Index p = triangle_.cols() - 1;
+    cholesky_.compute(
+        triangle_.topLeftCorner(p, p).selfadjointView<Eigen::Upper>());
+    if (cholesky_.info() != Eigen::Success) return false;
+    problem->factor = cholesky_.matrixU();
+    if (factorization_ != Factorization::kGram &&
+        !HasGoodCondition(problem->factor)) {
+      return false;
+    }
+    problem->projected = triangle_.topRightCorner(p, 1);
+    cholesky_.matrixL().solveInPlace(problem->projected);
+    return true;
+  }
+
+  PartedData parted_;
+  const kernel::Columns columns_;
+  const kernel::Columns no_columns_;
+  const std::vector<RobustLoss> losses_;
+  const Factorization factorization_;
+  bool may_use_gram_ = false;
+  const bool is_large_;
+  bool used_gram_ = false;
+  Eigen::MatrixXd triangle_;
+  Eigen::MatrixXd scaled_;
+  Eigen::MatrixXd inverse_;
+  Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> cholesky_;
+  Eigen::VectorXd summarized_;
+  ResidualSummary summary_;
+};
+
+Compressor::Compressor(const MeasurementModel& model, const Dataset& data,
+                       const std::vector<int>& columns,
+                       const std::vector<RobustLoss>& losses,
+                       const CompressorOptions& options)
+    : implementation_(std::make_unique<Implementation>(model, data, columns,
+                                                       losses, options)) {}
+
+Compressor::~Compressor() = default;
+
+void Compressor::Compress(const Eigen::VectorXd& values,
+                          CompressedProblem* problem) {
+  implementation_->Compress(values, problem);
+}
+
+const ResidualSummary& Compressor::Summarize(const Eigen::VectorXd& values) {
+  return implementation_->Summarize(values);
+}
+
+bool Compressor::used_gram() const { return implementation_->used_gram(); }
 
 CompressedProblem Compress(const MeasurementModel& model,
                            const Eigen::VectorXd& values, const Dataset& data,
                            const std::vector<int>& columns,
                            const std::vector<RobustLoss>& losses) {
-  const auto p = static_cast<Eigen::Index>(columns.size());
-  const Eigen::VectorXd errors = model.Errors(values, data);
-  const Eigen::MatrixXd factor = FactorRows(
-      model, values, data, columns, p + 1,
-      [&](RowEvaluator* evaluator, const ObservationBlock& block,
-          Eigen::Index first, Eigen::Index count, Eigen::Index first_row,
-          Eigen::MatrixXd* rows) {
-        const int height = block.rows_each();
-        evaluator->Fill(block, first, count, rows->leftCols(p));
-        auto residuals = rows->rightCols(1);
-        residuals = errors.segment(first_row + first * height, rows->rows());
-        Whiten(block, first, count, residuals);
-        ApplyLosses(block, first, losses, rows);
-      });
+  CompressorOptions options;
+  options.cache_bytes = 0;
+  Compressor compressor(model, data, columns, losses, options);
   CompressedProblem problem;
-  problem.factor = factor.topLeftCorner(p, p);
-  problem.projected = factor.topRightCorner(p, 1);
-  problem.cost = RobustChiSquare(errors, data, losses);
+  compressor.Compress(values, &problem);
   return problem;
 }
 

@@ -5,9 +5,11 @@
 #include <utility>
 
 #include "alidade/base/parallel.h"
-#include "alidade/measurement/row_evaluator.h"
 #include "alidade/model/forward_kinematics.h"
+#include "kernel.h"
 #include "observation_residual.h"
+#include "tile_rows.h"
+#include "tiles.h"
 
 namespace alidade {
 namespace {
@@ -15,6 +17,16 @@ namespace {
 // Small enough to balance threads, large enough that a thread's start does not
 // show.
 constexpr int kPosesPerBlock = 256;
+constexpr int kTilesPerBlock = 4;
+
+// The row of the stacked residual at which each block begins.
+std::vector<Eigen::Index> FirstRows(const Dataset& data) {
+  std::vector<Eigen::Index> rows = {0};
+  for (const ObservationBlock& block : data.blocks) {
+    rows.push_back(rows.back() + block.measured.size());
+  }
+  return rows;
+}
 
 LayoutShape ShapeOf(const Arm& arm, const References& references) {
   return {arm.num_joints(), arm.num_targets(), references.num_points(),
@@ -121,23 +133,33 @@ void MeasurementModel::Linearize(const Eigen::VectorXd& values,
                                  const Dataset& data,
                                  const std::vector<int>& columns,
                                  Linearization* out) const {
-  out->residuals = Errors(values, data);
-  out->jacobian.resize(data.num_rows(),
-                       static_cast<Eigen::Index>(columns.size()));
-  Eigen::Index row = 0;
-  for (const ObservationBlock& block : data.blocks) {
-    const int height = block.rows_each();
-    Whiten(block, 0, block.size(),
-           out->residuals.segment(row, block.size() * height));
-    const auto fill = [&](std::int64_t begin, std::int64_t end) {
-      RowEvaluator evaluator(*this, values, data, columns);
-      evaluator.Fill(block, begin, end - begin,
-                     out->jacobian.middleRows(row + begin * height,
-                                              (end - begin) * height));
-    };
-    ParallelFor(num_threads_, block.size(), kPosesPerBlock, fill);
-    row += block.size() * height;
-  }
+  const auto p = static_cast<int>(columns.size());
+  out->residuals.resize(data.num_rows());
+  out->jacobian.resize(data.num_rows(), p);
+  const Tiles tiles(nominal_, data, 0, 1);
+  const kernel::Columns wanted(layout_, columns);
+  kernel::Constants constants;
+  kernel::ComputeConstants(*this, values, &constants);
+  const std::vector<Eigen::Index> first_rows = FirstRows(data);
+  const auto fill = [&](std::int64_t begin, std::int64_t end) {
+    TileRows rows(tiles, layout_.num_joints(), p);
+    for (std::int64_t tile = begin; tile < end; ++tile) {
+      rows.Evaluate(constants, wanted, tile);
+      for (int lane = 0; lane < rows.tile().count; ++lane) {
+        const Eigen::Index first =
+            first_rows[rows.tile().block] +
+            tiles.Observation(tile, lane) * rows.height();
+        for (int row = 0; row < rows.height(); ++row) {
+          const double* const entry = rows.rows() + row * kTile + lane;
+          for (int k = 0; k < p; ++k) {
+            out->jacobian(first + row, k) = entry[k * rows.stride()];
+          }
+          out->residuals[first + row] = entry[p * rows.stride()];
+        }
+      }
+    }
+  };
+  ParallelFor(num_threads_, tiles.size(), kTilesPerBlock, fill);
 }
 
 double MeasurementModel::RoundingError() const {

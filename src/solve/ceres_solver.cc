@@ -58,17 +58,6 @@ class StoppingRules : public ceres::IterationCallback {
   Progress* progress_;
 };
 
-// Up to so many residual rows autodiff is the reference and fast enough.
-constexpr Eigen::Index kMostAutodiffRows = 600;
-
-bool UsesCompression(const CalibrationProblem& problem,
-                     const SolverOptions& options) {
-  if (options.evaluation != Evaluation::kAutomatic) {
-    return options.evaluation == Evaluation::kCompressed;
-  }
-  return problem.data.num_rows() > kMostAutodiffRows;
-}
-
 ceres::Solver::Options CeresOptions(const SolverOptions& options,
                                     double radius) {
   ceres::Solver::Options ceres_options;
@@ -111,10 +100,11 @@ SolverSummary SolveCeres(const CalibrationProblem& problem,
   Progress progress(problem, options, "ceres");
   Eigen::VectorXd current = *values;
   if (progress.Start(current)) {
-    const bool compressed = UsesCompression(problem, options);
+    const bool compressed = options.evaluation != Evaluation::kAutodiff;
     const std::unique_ptr<Formulation> formulation =
-        compressed ? MakeCompressedFormulation(problem, current)
-                   : MakeAutodiffFormulation(problem, current);
+        compressed
+            ? MakeCompressedFormulation(problem, current, progress.compressor())
+            : MakeAutodiffFormulation(problem, current);
     const double given = options.initial_trust_region_radius;
     const double radius =
         given > 0.0 ? given : ChooseTrustRegionRadius(problem.start_rank);

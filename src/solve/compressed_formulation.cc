@@ -14,14 +14,12 @@
 namespace alidade {
 namespace {
 
-// All values of the layout, the free ones as Ceres has them.
-Eigen::VectorXd Expand(const CalibrationProblem& problem,
-                       const Eigen::VectorXd& values, const double* free) {
-  Eigen::VectorXd all = values;
+// The free values, as Ceres has them, among all of the layout.
+void Expand(const CalibrationProblem& problem, const double* free,
+            Eigen::VectorXd* all) {
   for (std::size_t k = 0; k < problem.free_columns.size(); ++k) {
-    all[problem.free_columns[k]] = free[k];
+    (*all)[problem.free_columns[k]] = free[k];
   }
-  return all;
 }
 
 // With z the projected residual and c the cost, the residual is z and below it
@@ -30,62 +28,64 @@ Eigen::VectorXd Expand(const CalibrationProblem& problem,
 class CompressedResidual : public ceres::CostFunction {
  public:
   CompressedResidual(const CalibrationProblem& problem,
-                     const Eigen::VectorXd& values)
-      : problem_(problem), values_(values) {
+                     const Eigen::VectorXd& values, Compressor* compressor)
+      : problem_(problem), compressor_(compressor), values_(values) {
     const auto p = static_cast<int>(problem.free_columns.size());
     mutable_parameter_block_sizes()->push_back(p);
     set_num_residuals(p + 1);
   }
 
+  // Not to be called from two threads at once: Ceres has one.
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override {
-    const Eigen::VectorXd values = Expand(problem_, values_, parameters[0]);
+    Expand(problem_, parameters[0], &values_);
     const int p = parameter_block_sizes()[0];
     Eigen::Map<Eigen::VectorXd> residual(residuals, p + 1);
     if (jacobians == nullptr || jacobians[0] == nullptr) {
       // Of a trial step only the cost is asked for, and that is cheap.
       residual.setZero();
-      residual[p] = std::sqrt(
-          RobustChiSquare(problem_.model.Errors(values, problem_.data),
-                          problem_.data, problem_.losses));
+      residual[p] = std::sqrt(compressor_->Summarize(values_).cost);
       return residual.allFinite();
     }
-    const CompressedProblem compressed =
-        Compress(problem_.model, values, problem_.data, problem_.free_columns,
-                 problem_.losses);
-    residual.head(p) = compressed.projected;
-    const double rest = compressed.cost - compressed.projected.squaredNorm();
+    compressor_->Compress(values_, &compressed_);
+    residual.head(p) = compressed_.projected;
+    const double rest = compressed_.cost - compressed_.projected.squaredNorm();
     residual[p] = std::sqrt(std::max(0.0, rest));
     Eigen::Map<
         Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>
         jacobian(jacobians[0], p + 1, p);
-    jacobian.topRows(p) = compressed.factor;
+    jacobian.topRows(p) = compressed_.factor;
     jacobian.row(p).setZero();
     return residual.allFinite() && jacobian.allFinite();
   }
 
  private:
   const CalibrationProblem& problem_;
-  const Eigen::VectorXd values_;
+  Compressor* const compressor_;
+  mutable Eigen::VectorXd values_;
+  mutable CompressedProblem compressed_;
 };
 
 class CompressedFormulation : public Formulation {
  public:
   CompressedFormulation(const CalibrationProblem& problem,
-                        const Eigen::VectorXd& values)
+                        const Eigen::VectorXd& values, Compressor* compressor)
       : problem_(problem), values_(values) {
     for (const int column : problem.free_columns) {
       free_.push_back(values[column]);
     }
-    ceres_problem_.AddResidualBlock(new CompressedResidual(problem, values),
-                                    nullptr, free_.data());
+    ceres_problem_.AddResidualBlock(
+        new CompressedResidual(problem, values, compressor), nullptr,
+        free_.data());
     AddPriors();
     AddBounds();
   }
 
   ceres::Problem* problem() override { return &ceres_problem_; }
   Eigen::VectorXd Values() const override {
-    return Expand(problem_, values_, free_.data());
+    Eigen::VectorXd all = values_;
+    Expand(problem_, free_.data(), &all);
+    return all;
   }
 
  private:
@@ -125,8 +125,9 @@ class CompressedFormulation : public Formulation {
 }  // namespace
 
 std::unique_ptr<Formulation> MakeCompressedFormulation(
-    const CalibrationProblem& problem, const Eigen::VectorXd& values) {
-  return std::make_unique<CompressedFormulation>(problem, values);
+    const CalibrationProblem& problem, const Eigen::VectorXd& values,
+    Compressor* compressor) {
+  return std::make_unique<CompressedFormulation>(problem, values, compressor);
 }
 
 }  // namespace alidade

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <memory>
 
+#include "alidade/measurement/compression.h"
 #include "alidade/solve/solver.h"
 
 namespace alidade {
@@ -27,9 +28,11 @@ std::unique_ptr<Formulation> MakeAutodiffFormulation(
     const CalibrationProblem& problem, const Eigen::VectorXd& values);
 
 /// One residual for all observations, the triangular factor of [J r]
-/// (compression.h), over one block of the free parameters.
+/// (compression.h), over one block of the free parameters. `compressor` is of
+/// the problem's free columns and losses, and outlives the formulation.
 std::unique_ptr<Formulation> MakeCompressedFormulation(
-    const CalibrationProblem& problem, const Eigen::VectorXd& values);
+    const CalibrationProblem& problem, const Eigen::VectorXd& values,
+    Compressor* compressor);
 
 }  // namespace alidade
 

@@ -103,6 +103,8 @@ bool Progress::CheckProblem(const Eigen::VectorXd& values) {
 bool Progress::Start(const Eigen::VectorXd& values) {
   if (!CheckProblem(values)) return false;
   floor_cost_ = FloorCost();
+  compressor_.emplace(problem_.model, problem_.data, problem_.free_columns,
+                      problem_.losses);
   IterationRecord record = Evaluate(values);
   summary_.initial_cost = record.cost;
   summary_.iterations.push_back(record);
@@ -114,20 +116,14 @@ bool Progress::Start(const Eigen::VectorXd& values) {
   return !stopped();
 }
 
-IterationRecord Progress::Evaluate(const Eigen::VectorXd& values) const {
-  const Eigen::VectorXd errors = problem_.model.Errors(values, problem_.data);
-  const Eigen::VectorXd norms = LengthErrors(errors, problem_.data);
+IterationRecord Progress::Evaluate(const Eigen::VectorXd& values) {
+  const ResidualSummary& residuals = compressor_->Summarize(values);
   IterationRecord record;
-  record.cost = RobustCost(errors) + PriorCost(values);
-  record.max_error = norms.maxCoeff();
-  record.rms_error =
-      norms.norm() / std::sqrt(static_cast<double>(norms.size()));
+  record.cost = residuals.cost + PriorCost(values);
+  record.max_error = residuals.max_error;
+  record.rms_error = residuals.rms_error;
   record.time_s = stopwatch_.Seconds();
   return record;
-}
-
-double Progress::RobustCost(const Eigen::VectorXd& errors) const {
-  return RobustChiSquare(errors, problem_.data, problem_.losses);
 }
 
 double Progress::PriorCost(const Eigen::VectorXd& values) const {

@@ -3,8 +3,10 @@
 
 #include <Eigen/Core>
 #include <chrono>
+#include <optional>
 #include <string>
 
+#include "alidade/measurement/compression.h"
 #include "alidade/results/solver_summary.h"
 #include "alidade/solve/options.h"
 #include "alidade/solve/solver.h"
@@ -37,6 +39,9 @@ class Progress {
   Progress(const CalibrationProblem& problem, const SolverOptions& options,
            const std::string& solver);
 
+  /// Of the problem's data, over its free columns. @pre Start returned true.
+  Compressor* compressor() { return &*compressor_; }
+
   /// Evaluates the starting point and records it as iteration 0. False where
   /// there is nothing to solve or it cannot be solved: the status says so.
   bool Start(const Eigen::VectorXd& values);
@@ -58,8 +63,7 @@ class Progress {
   bool HasPositiveSigmas() const;
   double FloorCost() const;
   bool CheckProblem(const Eigen::VectorXd& values);
-  IterationRecord Evaluate(const Eigen::VectorXd& values) const;
-  double RobustCost(const Eigen::VectorXd& errors) const;
+  IterationRecord Evaluate(const Eigen::VectorXd& values);
   double PriorCost(const Eigen::VectorXd& values) const;
   bool ReachedPrecision(const IterationRecord& record);
 
@@ -69,6 +73,7 @@ class Progress {
   SolverSummary summary_;
   Stopwatch stopwatch_;
   double floor_cost_ = 0.0;
+  std::optional<Compressor> compressor_;
 };
 
 }  // namespace alidade

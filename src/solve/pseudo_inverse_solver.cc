@@ -78,11 +78,13 @@ SolverSummary SolvePseudoInverse(const CalibrationProblem& problem,
   Linearization linearization;
   while (!progress.stopped()) {
     LinearizeWithPriors(problem, current, &linearization);
-    if (!linearization.jacobian.allFinite()) {
-      progress.Stop(SolverStatus::kFailed, "the Jacobian is not finite");
+    const Svd svd = ComputeSvd(linearization.jacobian);
+    if (!svd.values.allFinite() || !linearization.residuals.allFinite()) {
+      progress.Stop(SolverStatus::kFailed,
+                    "the iteration diverged: residuals or derivatives are not "
+                    "finite");
       break;
     }
-    const Svd svd = ComputeSvd(linearization.jacobian);
     if (!(svd.values[0] > 0.0)) {
       progress.Stop(SolverStatus::kFailed,
                     "no measurement depends on a free parameter");

@@ -2,6 +2,9 @@
 #define ALIDADE_MEASUREMENT_COMPRESSION_H_
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "alidade/measurement/dataset.h"
@@ -35,12 +38,70 @@ struct CompressedProblem {
   double cost = 0.0;          ///< chi-square, or sum of rho(|r_i|^2)
 };
 
-/// Compresses [J r], the rows of each observation scaled by sqrt(rho'(|r|^2))
-/// of the loss for the observation's dimension (`losses`, of 1, 2 ... rows;
-/// empty for least squares), so that R^T R = sum rho' J^T J and
-/// R^T projected = sum rho' J^T r, half the gradient of the cost. Losses have
-/// rho'' <= 0 (Triggs et al. 2000, "Bundle adjustment", section 4.3, where the
-/// second-order term is left out).
+/// What the residuals of a whole data set come to.
+struct ResidualSummary {
+  double cost = 0.0;       ///< chi-square, or sum of rho(|r_i|^2)
+  double max_error = 0.0;  ///< the largest error in lengths (m)
+  double rms_error = 0.0;  ///< over the observations (m)
+};
+
+/// How the rows of a data set are brought down to a triangle.
+enum class Factorization {
+  /// Householder's transformations until their R shows that products do, then
+  /// those: where |S| |S^-1| <= 1e4 in Frobenius' norm, S being R with columns
+  /// of norm 1, products lose eps 1e8 of a step's length at most, which the
+  /// next step mends. Taken back as soon as it does not hold any more, and
+  /// never used below 1000 observations, where it gains nothing.
+  kAutomatic,
+  kOrthogonal,  ///< Householder's transformations always: backward stable
+  kGram,        ///< products [J r]^T [J r] and Cholesky: for comparisons
+};
+
+struct CompressorOptions {
+  Factorization factorization = Factorization::kAutomatic;
+  /// What is kept of sines, cosines, measured values and sigmas in the order of
+  /// the kernel (bytes). Of what does not fit they are taken anew at every
+  /// evaluation.
+  std::size_t cache_bytes = std::size_t{1} << 31;
+};
+
+/// Compresses one data set again and again, at changing parameter values.
+/// Nothing is allocated after the first evaluation. Work is done by as many
+/// threads as the model has; parts and the order in which they are merged are
+/// fixed, so that bits do not depend on it.
+class Compressor {
+ public:
+  /// `losses`: of 1, 2 ... rows; empty for least squares. The model and the
+  /// data outlive the object and do not change. Takes O(N) time for sines and
+  /// cosines.
+  Compressor(const MeasurementModel& model, const Dataset& data,
+             const std::vector<int>& columns,
+             const std::vector<RobustLoss>& losses = {},
+             const CompressorOptions& options = {});
+  ~Compressor();
+  Compressor(const Compressor&) = delete;
+  Compressor& operator=(const Compressor&) = delete;
+
+  /// [J r], the rows of each observation scaled by sqrt(rho'(|r|^2)) of the
+  /// loss for the observation's dimension, so that R^T R = sum rho' J^T J and
+  /// R^T projected = sum rho' J^T r, half the gradient of the cost. Losses have
+  /// rho'' <= 0 (Triggs et al. 2000, "Bundle adjustment", section 4.3, where
+  /// the second-order term is left out). O(N columns^2).
+  void Compress(const Eigen::VectorXd& values, CompressedProblem* problem);
+
+  /// The cost alone, O(N). Known without work where `values` are those of the
+  /// last evaluation of either kind.
+  const ResidualSummary& Summarize(const Eigen::VectorXd& values);
+
+  /// Whether the last call of Compress used products.
+  bool used_gram() const;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// Compressor, once.
 CompressedProblem Compress(const MeasurementModel& model,
                            const Eigen::VectorXd& values, const Dataset& data,
                            const std::vector<int>& columns,

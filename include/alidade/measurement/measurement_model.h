@@ -26,7 +26,8 @@ struct Linearization {
 /// An arm, and what it is measured against, whose parameters vary: what it
 /// predicts of every kind of measurement (dataset.h). Residuals come from the
 /// forward kinematics that the autodiff residual of one observation
-/// (observation_cost.h) uses too, Jacobians from row_evaluator.h.
+/// (observation_cost.h) uses too, Jacobians from the batched kernel
+/// (docs/kernel.md).
 ///
 /// `values` have one entry per column of the layout. Results do not depend on
 /// the number of threads. Const methods may be called from several threads.
@@ -57,8 +58,8 @@ class MeasurementModel {
   Eigen::VectorXd Errors(const Eigen::VectorXd& values,
                          const Dataset& data) const;
 
-  /// Residuals, and the Jacobian's columns `columns` in that order. O(N n)
-  /// time.
+  /// Residuals, and the Jacobian's columns `columns` in that order, without
+  /// repeats. O(N n) time.
   void Linearize(const Eigen::VectorXd& values, const Dataset& data,
                  const std::vector<int>& columns, Linearization* out) const;
 

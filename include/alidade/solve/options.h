@@ -8,7 +8,9 @@ namespace alidade {
 /// How Ceres is given residuals and Jacobians. Both have the same cost,
 /// gradient and Gauss-Newton matrix.
 enum class Evaluation {
-  kAutomatic,   ///< autodiff for up to 600 residual rows, else compressed
+  /// The faster one: the compressed one, which is so from the first pose on
+  /// (docs/benchmarks.md).
+  kAutomatic,
   kAutodiff,    ///< one autodiff residual per observation: the reference
   kCompressed,  ///< the triangular factor of all observations (compression.h)
 };

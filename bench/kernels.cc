@@ -1,0 +1,176 @@
+// The batched kernel and what is made of its rows, per pose (Google Benchmark;
+// "items" are poses). RV-2AJ at the flange, 17 free parameters, position.
+
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "alidade/io/arm_file.h"
+#include "alidade/measurement/compression.h"
+#include "alidade/model/joint_draw.h"
+#include "src/measurement/aligned.h"
+#include "src/measurement/kernel.h"
+#include "src/measurement/lane_factor.h"
+#include "src/measurement/tile_rows.h"
+#include "src/measurement/tiles.h"
+
+namespace alidade {
+namespace {
+
+// The parameters that the RV-2AJ study frees.
+std::vector<int> StudyColumns(const ParameterLayout& layout) {
+  std::vector<int> columns;
+  for (const char* name :
+       {"beta1", "beta3", "beta4", "alpha1", "alpha2", "alpha3", "d1", "d2",
+        "d3", "d4", "d5", "theta1", "theta2", "theta3", "r1", "r2", "r5"}) {
+    columns.push_back(*layout.Find(name));
+  }
+  return columns;
+}
+
+struct Problem {
+  explicit Problem(int poses)
+      : model(LoadArm("configs/robots/rv2aj_flange.yaml")) {
+    data.joint_values = DrawJointValues(model.nominal(), poses, 1);
+    values = model.NominalValues();
+    data.positions() = model.Predict(values, data.joint_values);
+    data.sigmas() = Eigen::Matrix3Xd::Constant(3, poses, 2e-5);
+    columns = StudyColumns(model.layout());
+    for (const int column : columns) values[column] += 1e-4;
+  }
+
+  MeasurementModel model;
+  Dataset data;
+  Eigen::VectorXd values;
+  std::vector<int> columns;
+};
+
+void Compress(benchmark::State& state, Factorization factorization) {
+  const Problem problem(static_cast<int>(state.range(0)));
+  CompressorOptions options;
+  options.factorization = factorization;
+  Compressor compressor(problem.model, problem.data, problem.columns, {},
+                        options);
+  CompressedProblem compressed;
+  for (auto unused : state) {
+    compressor.Compress(problem.values, &compressed);
+    benchmark::DoNotOptimize(compressed.factor.data());
+  }
+  state.SetItemsProcessed(state.iterations() * state.range(0));
+}
+
+void Summarize(benchmark::State& state) {
+  const Problem problem(static_cast<int>(state.range(0)));
+  Compressor compressor(problem.model, problem.data, problem.columns);
+  Eigen::VectorXd values = problem.values;
+  for (auto unused : state) {
+    values[0] += 1e-12;
+    benchmark::DoNotOptimize(compressor.Summarize(values).cost);
+  }
+  state.SetItemsProcessed(state.iterations() * state.range(0));
+}
+
+// One tile, in the first-level cache: what the kernels take by themselves.
+struct OneTile {
+  OneTile()
+      : problem(kTile),
+        tiles(problem.model.nominal(), problem.data, 1 << 20, 1),
+        columns(problem.model.layout(), problem.columns),
+        width(static_cast<int>(problem.columns.size()) + 1),
+        rows(tiles, columns.num_joints(), width),
+        triangle(AllocateDoubles(kernel::TriangleSize(width))),
+        work(AllocateDoubles(kernel::MergeSize(width))) {
+    kernel::ComputeConstants(problem.model, problem.values, &constants);
+    rows.Evaluate(constants, columns, 0);
+    std::fill_n(triangle.get(), kernel::TriangleSize(width), 0.0);
+  }
+
+  int vectors() const {
+    return rows.height() * kTile / static_cast<int>(kernel::Lanes());
+  }
+
+  Problem problem;
+  Tiles tiles;
+  kernel::Columns columns;
+  kernel::Constants constants;
+  int width;
+  TileRows rows;
+  AlignedDoubles triangle;
+  AlignedDoubles work;
+};
+
+void EvaluateTile(benchmark::State& state) {
+  OneTile tile;
+  for (auto unused : state) {
+    tile.rows.Evaluate(tile.constants, tile.columns, 0);
+    benchmark::ClobberMemory();
+  }
+  state.SetItemsProcessed(state.iterations() * kTile);
+}
+
+// Transformations of rows that earlier ones have made small: the same work.
+void AddRows(benchmark::State& state) {
+  OneTile tile;
+  for (auto unused : state) {
+    kernel::AddRows(tile.width, tile.vectors(), tile.rows.stride(),
+                    tile.rows.rows(), tile.triangle.get());
+    benchmark::ClobberMemory();
+  }
+  state.SetItemsProcessed(state.iterations() * kTile);
+}
+
+void AddProducts(benchmark::State& state) {
+  OneTile tile;
+  for (auto unused : state) {
+    kernel::AddProducts(tile.width, tile.vectors(), tile.rows.stride(),
+                        tile.rows.rows(), tile.triangle.get());
+    benchmark::ClobberMemory();
+  }
+  state.SetItemsProcessed(state.iterations() * kTile);
+}
+
+void MergeLanes(benchmark::State& state) {
+  OneTile tile;
+  kernel::AddRows(tile.width, tile.vectors(), tile.rows.stride(),
+                  tile.rows.rows(), tile.triangle.get());
+  Eigen::MatrixXd factor;
+  for (auto unused : state) {
+    kernel::MergeLanes(tile.width, tile.triangle.get(), tile.work.get(),
+                       &factor);
+    benchmark::ClobberMemory();
+  }
+}
+
+void SineAndCosine(benchmark::State& state) {
+  alignas(64) double angles[kTile];
+  alignas(64) double cosines[kTile];
+  for (int t = 0; t < kTile; ++t) angles[t] = 0.1 * t;
+  for (auto unused : state) {
+    kernel::SineAndCosine(angles, cosines);
+    benchmark::ClobberMemory();
+  }
+  state.SetItemsProcessed(state.iterations() * kTile);
+}
+
+BENCHMARK(EvaluateTile);
+BENCHMARK(AddRows);
+BENCHMARK(AddProducts);
+BENCHMARK(MergeLanes);
+BENCHMARK(SineAndCosine);
+BENCHMARK_CAPTURE(Compress, orthogonal, Factorization::kOrthogonal)
+    ->Arg(56)
+    ->Arg(1000)
+    ->Arg(10000)
+    ->Arg(100000);
+BENCHMARK_CAPTURE(Compress, gram, Factorization::kGram)
+    ->Arg(56)
+    ->Arg(1000)
+    ->Arg(10000)
+    ->Arg(100000);
+BENCHMARK(Summarize)->Arg(56)->Arg(1000)->Arg(10000)->Arg(100000);
+
+}  // namespace
+}  // namespace alidade
+
+BENCHMARK_MAIN();

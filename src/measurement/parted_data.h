@@ -1,0 +1,113 @@
+#ifndef ALIDADE_SRC_MEASUREMENT_PARTED_DATA_H_
+#define ALIDADE_SRC_MEASUREMENT_PARTED_DATA_H_
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "alidade/base/parallel.h"
+#include "alidade/measurement/compression.h"
+#include "alidade/measurement/measurement_model.h"
+#include "alidade/measurement/robust_loss.h"
+#include "aligned.h"
+#include "kernel.h"
+#include "tile_rows.h"
+#include "tiles.h"
+
+namespace alidade {
+
+/// What consecutive tiles of a data set add up to.
+class Part {
+ public:
+  explicit Part(int width);
+
+  void Reset();
+
+  /// Adds the cost of a tile. With losses, and `scales_rows`, every row is
+  /// multiplied by the root of its observation's weight.
+  void AddCost(const std::vector<RobustLoss>& losses, bool scales_rows,
+               TileRows* rows);
+  /// triangle <- R of [triangle; rows], which are overwritten.
+  void AddRows(TileRows* rows);
+  /// triangle <- triangle + rows^T rows.
+  void AddProducts(TileRows* rows);
+
+  double* triangle() { return triangle_.get(); }
+  /// Of all tiles since Reset; lengths in m^2.
+  double cost() const { return cost_; }
+  double largest_squared_length() const { return largest_; }
+  double sum_of_squared_lengths() const { return squares_; }
+
+ private:
+  int width_;
+  AlignedDoubles triangle_;
+  double cost_ = 0.0;
+  double largest_ = 0.0;
+  double squares_ = 0.0;
+};
+
+/// A data set cut into parts, which do not depend on the number of threads, and
+/// neither does the order in which they are merged.
+class PartedData {
+ public:
+  /// `width` columns of the rows are factored: all derivatives, with or
+  /// without the residual.
+  PartedData(const MeasurementModel& model, const Dataset& data, int width,
+             std::size_t cache_bytes);
+
+  /// Calls visit(part, rows) for every tile.
+  template <typename Visit>
+  void ForEachTile(const Eigen::VectorXd& values,
+                   const kernel::Columns& columns, const Visit& visit) {
+    kernel::ComputeConstants(model_, values, &constants_);
+    const auto work = [this, &columns, &visit](std::int64_t begin,
+                                               std::int64_t end) {
+      Part& part = parts_[begin / part_size_];
+      part.Reset();
+      TileRows* const rows = TakeRows();
+      for (std::int64_t tile = begin; tile < end; ++tile) {
+        tiles_.Prefetch(tile + 1);
+        rows->Evaluate(constants_, columns, tile);
+        visit(&part, rows);
+      }
+      ReturnRows(rows);
+    };
+    // By reference, so that std::function need not allocate.
+    ParallelFor(model_.num_threads(), tiles_.size(), part_size_,
+                std::ref(work));
+  }
+
+  /// R of all parts, width x width. What the parts held is lost.
+  void MergeTriangles(Eigen::MatrixXd* factor);
+  /// The sum of all parts' triangles; the upper one is filled.
+  void SumProducts(Eigen::MatrixXd* sum);
+  ResidualSummary Summary() const;
+
+  const Tiles& tiles() const { return tiles_; }
+  int width() const { return width_; }
+
+ private:
+  // Rows that no other thread uses. As many as threads are enough, and they
+  // stay in the threads' caches whatever the number of parts.
+  TileRows* TakeRows();
+  void ReturnRows(TileRows* rows);
+
+  const MeasurementModel& model_;
+  const Tiles tiles_;
+  const int width_;
+  std::int64_t part_size_ = 1;
+  std::vector<Part> parts_;
+  std::vector<std::unique_ptr<TileRows>> all_rows_;
+  std::mutex free_rows_mutex_;
+  std::vector<TileRows*> free_rows_;
+  AlignedDoubles work_;
+  kernel::Constants constants_;
+};
+
+}  // namespace alidade
+
+#endif  // ALIDADE_SRC_MEASUREMENT_PARTED_DATA_H_

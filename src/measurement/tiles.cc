@@ -1,0 +1,265 @@
+#include "tiles.h"
+
+#include <hwy/cache_control.h>
+
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "alidade/base/parallel.h"
+#include "alidade/model/rotation.h"
+#include "kernel.h"
+
+namespace alidade {
+namespace {
+
+// Tiles that one thread fills at a time.
+constexpr std::int64_t kTilesPerBlock = 64;
+
+// Arrays that hold the measured values of an observation.
+int MeasuredArrays(MeasurementKind kind) {
+  return kind == MeasurementKind::kPose ? 12 : RowsOf(kind);
+}
+
+bool HasReference(MeasurementKind kind) {
+  switch (kind) {
+    case MeasurementKind::kDistance:
+    case MeasurementKind::kFixedPoint:
+    case MeasurementKind::kPlane:
+    case MeasurementKind::kPointDistance:
+      return true;
+    default:
+      return false;
+  }
+}
+
+// Arrays of sines and cosines of an observation's poses.
+std::size_t JointArrays(MeasurementKind kind, std::size_t num_joints) {
+  if (kind == MeasurementKind::kPointDistance) return 0;
+  return (kind == MeasurementKind::kDifference ? 4 : 2) * num_joints;
+}
+
+// Pages of 2 MiB instead of 4 KiB where the system has them: a walk through
+// gigabytes then hardly ever waits for an address to be translated. A wish, not
+// a need.
+void AskForLargePages([[maybe_unused]] double* first,
+                      [[maybe_unused]] std::size_t size) {
+#ifdef __linux__
+  constexpr std::uintptr_t kPage = 4096;
+  const auto begin = reinterpret_cast<std::uintptr_t>(first);
+  const std::uintptr_t aligned = (begin + kPage - 1) / kPage * kPage;
+  const std::uintptr_t end = begin + size * sizeof(double);
+  if (end <= aligned) return;
+  madvise(reinterpret_cast<void*>(aligned), end - aligned, MADV_HUGEPAGE);
+#endif
+}
+
+}  // namespace
+
+Tiles::Tiles(const Arm& arm, const Dataset& data, std::size_t cache_bytes,
+             int num_threads)
+    : data_(data), orders_(data.blocks.size()) {
+  for (const Joint& joint : arm.joints) {
+    is_revolute_.push_back(joint.type == JointType::kRevolute);
+  }
+  for (std::size_t block = 0; block < data.blocks.size(); ++block) {
+    AddGroups(static_cast<int>(block));
+  }
+  FillCache(cache_bytes, num_threads);
+}
+
+void Tiles::AppendGroup(const Group& group) {
+  groups_.push_back(group);
+  groups_.back().first_tile = num_tiles_;
+  num_tiles_ += (group.size + kTile - 1) / kTile;
+  largest_ = std::max(largest_, SizeOf(group));
+}
+
+void Tiles::AddGroups(int block) {
+  const ObservationBlock& observations = data_.blocks[block];
+  const MeasurementKind kind = observations.kind;
+  const auto key = [&](Eigen::Index i) {
+    return std::array<int, 3>{
+        observations.target(i),
+        HasReference(kind) ? observations.references[i] : -1,
+        kind == MeasurementKind::kPointDistance ? observations.seconds[i] : -1};
+  };
+  const Eigen::Index size = observations.size();
+  if (size == 0) return;
+  bool uniform = true;
+  for (Eigen::Index i = 1; i < size && uniform; ++i) uniform = key(i) == key(0);
+  std::vector<std::int32_t>& order = orders_[block];
+  if (!uniform) {
+    order.resize(size);
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(
+        order.begin(), order.end(),
+        [&](std::int32_t a, std::int32_t b) { return key(a) < key(b); });
+  }
+  const auto at = [&](Eigen::Index i) { return order.empty() ? i : order[i]; };
+  for (Eigen::Index first = 0; first < size;) {
+    Eigen::Index last = uniform ? size : first + 1;
+    while (last < size && key(at(last)) == key(at(first))) ++last;
+    const auto [target, reference, second] = key(at(first));
+    AppendGroup({block, target, reference, second, first, last - first});
+    first = last;
+  }
+}
+
+const Tiles::Group& Tiles::GroupOf(std::int64_t tile) const {
+  const auto after = std::upper_bound(
+      groups_.begin(), groups_.end(), tile,
+      [](std::int64_t t, const Group& group) { return t < group.first_tile; });
+  return *(after - 1);
+}
+
+std::size_t Tiles::SizeOf(const Group& group) const {
+  const MeasurementKind kind = data_.blocks[group.block].kind;
+  const std::size_t arrays = JointArrays(kind, is_revolute_.size()) +
+                             MeasuredArrays(kind) + RowsOf(kind);
+  return arrays * kTile;
+}
+
+Eigen::Index Tiles::InBlock(const Group& group, Eigen::Index i) const {
+  const std::vector<std::int32_t>& order = orders_[group.block];
+  return order.empty() ? group.first + i : order[group.first + i];
+}
+
+Eigen::Index Tiles::Observation(std::int64_t tile, int lane) const {
+  const Group& group = GroupOf(tile);
+  return InBlock(group, (tile - group.first_tile) * kTile + lane);
+}
+
+void Tiles::FillCache(std::size_t cache_bytes, int num_threads) {
+  std::size_t size = 0;
+  for (const Group& group : groups_) {
+    offsets_.push_back(size);
+    const std::size_t each = SizeOf(group);
+    const std::size_t left = cache_bytes / sizeof(double) - size;
+    const std::int64_t wanted = (group.size + kTile - 1) / kTile;
+    const std::int64_t taken =
+        std::min<std::int64_t>(wanted, static_cast<std::int64_t>(left / each));
+    size += each * static_cast<std::size_t>(taken);
+    num_cached_ += taken;
+    if (taken < wanted) break;
+  }
+  if (num_cached_ == 0) return;
+  cache_ = AllocateDoubles(size);
+  AskForLargePages(cache_.get(), size);
+  const auto fill = [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t tile = begin; tile < end; ++tile) {
+      Fill(tile, Cached(tile));
+    }
+  };
+  ParallelFor(num_threads, num_cached_, kTilesPerBlock, fill);
+}
+
+Tile Tiles::Get(std::int64_t tile, double* scratch) const {
+  if (tile >= num_cached_) return Fill(tile, scratch);
+  return Layout(tile, Cached(tile));
+}
+
+double* Tiles::Cached(std::int64_t tile) const {
+  const Group& group = GroupOf(tile);
+  return cache_.get() + offsets_[&group - groups_.data()] +
+         SizeOf(group) * static_cast<std::size_t>(tile - group.first_tile);
+}
+
+void Tiles::Prefetch(std::int64_t tile) const {
+  if (tile >= num_cached_) return;
+  constexpr std::size_t kLine = 64 / sizeof(double);
+  const double* const first = Cached(tile);
+  const std::size_t size = SizeOf(GroupOf(tile));
+  for (std::size_t k = 0; k < size; k += kLine) hwy::Prefetch(first + k);
+}
+
+Tile Tiles::Layout(std::int64_t tile, const double* arrays) const {
+  const Group& group = GroupOf(tile);
+  const MeasurementKind kind = data_.blocks[group.block].kind;
+  const std::size_t joints = is_revolute_.size();
+  Tile result;
+  result.kind = kind;
+  result.block = group.block;
+  result.target = group.target;
+  result.reference = group.reference;
+  result.second = group.second;
+  result.count = static_cast<int>(std::min<Eigen::Index>(
+      kTile, group.size - (tile - group.first_tile) * kTile));
+  result.joints = arrays;
+  result.second_joints = arrays + 2 * joints * kTile;
+  result.measured = arrays + JointArrays(kind, joints) * kTile;
+  result.inverse_sigmas = result.measured + MeasuredArrays(kind) * kTile;
+  return result;
+}
+
+Tile Tiles::Fill(std::int64_t tile, double* arrays) const {
+  const Group& group = GroupOf(tile);
+  const MeasurementKind kind = data_.blocks[group.block].kind;
+  const Tile result = Layout(tile, arrays);
+  const Eigen::Index first = (tile - group.first_tile) * kTile;
+  const std::size_t joint_arrays = JointArrays(kind, is_revolute_.size());
+  if (joint_arrays > 0) {
+    FillJoints(group, first, result.count, false, arrays);
+  }
+  if (kind == MeasurementKind::kDifference) {
+    FillJoints(group, first, result.count, true,
+               arrays + joint_arrays / 2 * kTile);
+  }
+  double* const measured = arrays + joint_arrays * kTile;
+  FillMeasured(group, first, result.count, measured,
+               measured + MeasuredArrays(kind) * kTile);
+  return result;
+}
+
+void Tiles::FillJoints(const Group& group, Eigen::Index first, int count,
+                       bool second, double* arrays) const {
+  const ObservationBlock& block = data_.blocks[group.block];
+  std::array<Eigen::Index, kTile> poses{};
+  for (int lane = 0; lane < count; ++lane) {
+    const Eigen::Index i = InBlock(group, first + lane);
+    poses[lane] = second ? block.seconds[i] : block.pose(i);
+  }
+  for (std::size_t j = 0; j < is_revolute_.size(); ++j) {
+    double* const sines = arrays + 2 * j * kTile;
+    double* const cosines = sines + kTile;
+    std::fill(sines, cosines + kTile, 0.0);
+    const auto row = static_cast<Eigen::Index>(j);
+    for (int lane = 0; lane < count; ++lane) {
+      sines[lane] = data_.joint_values(row, poses[lane]);
+    }
+    if (is_revolute_[j]) kernel::SineAndCosine(sines, cosines);
+  }
+}
+
+void Tiles::FillMeasured(const Group& group, Eigen::Index first, int count,
+                         double* measured, double* inverse_sigmas) const {
+  const ObservationBlock& block = data_.blocks[group.block];
+  const int rows = block.rows_each();
+  std::fill(measured, measured + MeasuredArrays(block.kind) * kTile, 0.0);
+  std::fill(inverse_sigmas, inverse_sigmas + rows * kTile, 0.0);
+  for (int lane = 0; lane < count; ++lane) {
+    const Eigen::Index i = InBlock(group, first + lane);
+    const bool has_whitener =
+        !block.whiteners.empty() && block.whiteners[i].size() > 0;
+    for (int row = 0; row < rows; ++row) {
+      const double sigma = block.sigmas(row, i);
+      const bool is_measured = !std::isinf(sigma);
+      inverse_sigmas[row * kTile + lane] =
+          has_whitener ? (is_measured ? 1.0 : 0.0) : 1.0 / sigma;
+      if (row < 3) measured[row * kTile + lane] = block.measured(row, i);
+    }
+    if (block.kind != MeasurementKind::kPose) continue;
+    const Eigen::Vector3d vector = block.measured.col(i).tail<3>();
+    const Eigen::Matrix3d rotation = RotationFromVector<double>(vector);
+    for (int k = 0; k < 9; ++k) {
+      measured[(3 + k) * kTile + lane] = rotation(k / 3, k % 3);
+    }
+  }
+}
+
+}  // namespace alidade
