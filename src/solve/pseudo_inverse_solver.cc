@@ -79,15 +79,13 @@ SolverSummary SolvePseudoInverse(const CalibrationProblem& problem,
   while (!progress.stopped()) {
     LinearizeWithPriors(problem, current, &linearization);
     const Svd svd = ComputeSvd(linearization.jacobian);
-    if (!svd.values.allFinite() || !linearization.residuals.allFinite()) {
-      progress.Stop(SolverStatus::kFailed,
-                    "the iteration diverged: residuals or derivatives are not "
-                    "finite");
-      break;
-    }
     if (!(svd.values[0] > 0.0)) {
+      // Squares of derivatives beyond the range of doubles leave none either.
       progress.Stop(SolverStatus::kFailed,
-                    "no measurement depends on a free parameter");
+                    linearization.jacobian.isZero(0.0)
+                        ? "no measurement depends on a free parameter"
+                        : "the iteration diverged: its derivatives are not "
+                          "finite, or their squares");
       break;
     }
     Eigen::Index rank = CountedRank(svd.values, tolerance);

@@ -271,7 +271,8 @@ TEST(PseudoInverseStatusTest, DivergenceToInfinityFails) {
     EXPECT_TRUE(values.allFinite());
     if (summary.status == SolverStatus::kFailed) {
       ++diverged;
-      EXPECT_NE(summary.message.find("diverged"), std::string::npos);
+      EXPECT_NE(summary.message.find("diverged"), std::string::npos)
+          << summary.message;
       EXPECT_TRUE(testing::SameBits(values, start));
     }
     const SolverSummary damped = calibration.Solve(testing::kCeres, &start);
