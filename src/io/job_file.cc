@@ -24,13 +24,22 @@ SolverName ReadSolverName(const YamlValue& value) {
   return name == "ceres" ? SolverName::kCeres : SolverName::kPseudoInverse;
 }
 
+Evaluation ReadEvaluation(const YamlValue& value) {
+  const std::string name =
+      value.Choice("evaluation", {"auto", "autodiff", "compressed"});
+  if (name == "autodiff") return Evaluation::kAutodiff;
+  return name == "compressed" ? Evaluation::kCompressed
+                              : Evaluation::kAutomatic;
+}
+
 void ReadSolver(const JobContext& context, JobConfig* job) {
   const std::optional<YamlValue> value = context.file.Optional("solver");
   if (!value) return;
   const YamlMap map =
       value->Map({"name", "max_iterations", "function_tolerance",
                   "rounding_floor_factor", "wanted_precision",
-                  "initial_trust_region_radius", "pseudo_inverse_tolerance"});
+                  "initial_trust_region_radius", "pseudo_inverse_tolerance",
+                  "evaluation"});
   SolverOptions& options = job->solver_options;
   if (const auto name = map.Optional("name")) {
     job->solver = ReadSolverName(*name);
@@ -45,6 +54,9 @@ void ReadSolver(const JobContext& context, JobConfig* job) {
   map.ReadNumber("initial_trust_region_radius",
                  &options.initial_trust_region_radius);
   map.ReadNumber("pseudo_inverse_tolerance", &options.pseudo_inverse_tolerance);
+  if (const auto evaluation = map.Optional("evaluation")) {
+    options.evaluation = ReadEvaluation(*evaluation);
+  }
   CheckOptions(options, map);
 }
 

@@ -1,0 +1,214 @@
+// How long a solve takes: every way of Alidade, an analytic Ceres problem as
+// one writes it, and what scipy is given to do the same (bench/scipy_speed.py).
+// RV-2AJ measured at its wrist centre and at its flange, 17 free parameters,
+// positions with noise of 0.02 mm, one start and one stopping rule for all.
+// Run by scripts/bench.
+//
+//   solve_comparison write DIR N     writes the problem for scipy
+//   solve_comparison run N           prints lines: arm,N,method,threads,
+//                                    seconds,iterations,cost
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "alidade/base/random.h"
+#include "alidade/base/units.h"
+#include "alidade/io/arm_file.h"
+#include "alidade/model/joint_draw.h"
+#include "alidade/solve/solver.h"
+#include "bench/analytic_ceres.h"
+
+namespace alidade {
+namespace {
+
+constexpr double kSigma = 0.02 * kMillimetre;
+constexpr std::uint64_t kPosesSeed = 1;
+constexpr std::uint64_t kNoiseSeed = 2;
+
+// A radius for all of them alike: the rank is full, steps are those of
+// Gauss-Newton.
+constexpr double kRadius = 1e10;
+
+std::vector<int> StudyColumns(const ParameterLayout& layout) {
+  std::vector<int> columns;
+  for (const char* name :
+       {"beta1", "beta3", "beta4", "alpha1", "alpha2", "alpha3", "d1", "d2",
+        "d3", "d4", "d5", "theta1", "theta2", "theta3", "r1", "r2", "r5"}) {
+    columns.push_back(*layout.Find(name));
+  }
+  std::sort(columns.begin(), columns.end());
+  return columns;
+}
+
+struct Measured {
+  Measured(const std::string& arm_file, Eigen::Index poses) {
+    const Arm nominal = LoadArm(arm_file);
+    const MeasurementModel model(nominal, 2);
+    Eigen::VectorXd truth = model.NominalValues();
+    // The deviations of docs/study.md are of this size.
+    Random deviations(3);
+    columns = StudyColumns(model.layout());
+    for (const int column : columns)
+      truth[column] += 1e-3 * deviations.Normal();
+    data.joint_values =
+        DrawJointValues(nominal, static_cast<int>(poses), kPosesSeed);
+    data.positions() = model.Predict(truth, data.joint_values);
+    data.sigmas() = Eigen::Matrix3Xd::Constant(3, poses, kSigma);
+    Random noise(kNoiseSeed);
+    for (double& value : data.positions().reshaped()) {
+      value += kSigma * noise.Normal();
+    }
+    arm = nominal;
+  }
+
+  Arm arm;
+  Dataset data;
+  std::vector<int> columns;
+};
+
+struct Outcome {
+  int iterations = 0;
+  double cost = 0.0;
+};
+
+// The median time of at least three runs, more of short ones.
+double MedianSeconds(const std::function<Outcome()>& solve, Outcome* outcome) {
+  std::vector<double> seconds;
+  double total = 0.0;
+  while (seconds.size() < 3 || (total < 1.0 && seconds.size() < 101)) {
+    const auto start = std::chrono::steady_clock::now();
+    *outcome = solve();
+    const std::chrono::duration<double> took =
+        std::chrono::steady_clock::now() - start;
+    seconds.push_back(took.count());
+    total += took.count();
+    if (total > 60.0) break;
+  }
+  std::nth_element(seconds.begin(), seconds.begin() + seconds.size() / 2,
+                   seconds.end());
+  return seconds[seconds.size() / 2];
+}
+
+class Comparison {
+ public:
+  Comparison(const std::string& name, const std::string& arm_file,
+             Eigen::Index poses)
+      : name_(name), measured_(arm_file, poses) {
+    options_.initial_trust_region_radius = kRadius;
+  }
+
+  void Run() const {
+    const Eigen::Index poses = measured_.data.num_poses();
+    if (poses <= 100000) {
+      Time("autodiff", 1, [&] { return Ceres(Evaluation::kAutodiff, 1); });
+      Time("analytic", 1, [&] { return Analytic(); });
+      Time("pseudo-inverse", 1, [&] { return PseudoInverse(); });
+    }
+    for (const int threads : {1, 2}) {
+      Time("compressed", threads,
+           [&] { return Ceres(Evaluation::kCompressed, threads); });
+    }
+  }
+
+  void Write(const std::string& directory) const {
+    const MeasurementModel model(measured_.arm);
+    const Eigen::VectorXd start = model.NominalValues();
+    const auto write = [&](const char* file, const Eigen::MatrixXd& numbers) {
+      std::ofstream out(directory + "/" + name_ + "_" + file, std::ios::binary);
+      out.write(reinterpret_cast<const char*>(numbers.data()),
+                static_cast<std::streamsize>(numbers.size() * sizeof(double)));
+    };
+    write("joints", measured_.data.joint_values);
+    write("points", measured_.data.positions());
+    write("nominal", start.head(5 * model.layout().num_joints()));
+    Eigen::VectorXd columns(measured_.columns.size());
+    for (Eigen::Index k = 0; k < columns.size(); ++k) {
+      columns[k] = measured_.columns[k];
+    }
+    write("columns", columns);
+  }
+
+ private:
+  void Time(const char* method, int threads,
+            const std::function<Outcome()>& solve) const {
+    Outcome outcome;
+    const double seconds = MedianSeconds(solve, &outcome);
+    std::printf("%s,%ld,%s,%d,%.6g,%d,%.12g\n", name_.c_str(),
+                static_cast<long>(measured_.data.num_poses()), method, threads,
+                seconds, outcome.iterations, outcome.cost);
+    std::fflush(stdout);
+  }
+
+  static Outcome OutcomeOf(const SolverSummary& summary) {
+    if (!summary.IsSolutionUsable()) {
+      std::fprintf(stderr, "%s\n", summary.BriefReport().c_str());
+    }
+    return {summary.accepted_steps + summary.rejected_steps,
+            summary.final_cost};
+  }
+
+  Outcome Ceres(Evaluation evaluation, int threads) const {
+    const MeasurementModel model(measured_.arm, threads);
+    SolverOptions options = options_;
+    options.evaluation = evaluation;
+    Eigen::VectorXd values = model.NominalValues();
+    return OutcomeOf(SolveCeres({model, measured_.data, measured_.columns},
+                                options, &values));
+  }
+
+  Outcome PseudoInverse() const {
+    const MeasurementModel model(measured_.arm);
+    Eigen::VectorXd values = model.NominalValues();
+    return OutcomeOf(SolvePseudoInverse(
+        {model, measured_.data, measured_.columns}, options_, &values));
+  }
+
+  Outcome Analytic() const {
+    const MeasurementModel model(measured_.arm);
+    Eigen::VectorXd values = model.NominalValues();
+    Outcome outcome;
+    outcome.cost =
+        bench::SolveAnalytic({model, measured_.data, measured_.columns},
+                             options_, &values, &outcome.iterations);
+    return outcome;
+  }
+
+  const std::string name_;
+  const Measured measured_;
+  SolverOptions options_;
+};
+
+int Run(int argc, char** argv) {
+  const std::string mode = argc > 1 ? argv[1] : "";
+  const bool writes = mode == "write" && argc == 4;
+  if (!writes && !(mode == "run" && argc == 3)) {
+    std::fprintf(stderr,
+                 "usage: solve_comparison run N\n"
+                 "       solve_comparison write DIR N\n");
+    return EXIT_FAILURE;
+  }
+  const Eigen::Index poses = std::atol(argv[argc - 1]);
+  for (const char* measured : {"wrist", "flange"}) {
+    const Comparison comparison(
+        measured, std::string("configs/robots/rv2aj_") + measured + ".yaml",
+        poses);
+    if (writes) {
+      comparison.Write(argv[2]);
+    } else {
+      comparison.Run();
+    }
+  }
+  return EXIT_SUCCESS;
+}
+
+}  // namespace
+}  // namespace alidade
+
+int main(int argc, char** argv) { return alidade::Run(argc, argv); }
