@@ -35,11 +35,10 @@ Evaluation ReadEvaluation(const YamlValue& value) {
 void ReadSolver(const JobContext& context, JobConfig* job) {
   const std::optional<YamlValue> value = context.file.Optional("solver");
   if (!value) return;
-  const YamlMap map =
-      value->Map({"name", "max_iterations", "function_tolerance",
-                  "rounding_floor_factor", "wanted_precision",
-                  "initial_trust_region_radius", "pseudo_inverse_tolerance",
-                  "evaluation"});
+  const YamlMap map = value->Map(
+      {"name", "max_iterations", "function_tolerance", "rounding_floor_factor",
+       "wanted_precision", "initial_trust_region_radius",
+       "pseudo_inverse_tolerance", "evaluation"});
   SolverOptions& options = job->solver_options;
   if (const auto name = map.Optional("name")) {
     job->solver = ReadSolverName(*name);
