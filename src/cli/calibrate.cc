@@ -6,6 +6,7 @@
 #include "alidade/io/job_file.h"
 #include "alidade/report/report.h"
 #include "command.h"
+#include "progress_line.h"
 
 namespace alidade {
 namespace {
@@ -27,9 +28,13 @@ void PrintSummary(const JobResult& result,
 
 ExitStatus RunCalibrate(const CommandLine& line) {
   const std::string& path = line.files.front();
+  ProgressLine progress;
+  progress.Show("reading " + path);
   JobConfig config = LoadJob(path);
+  ShowIterations(config.data.num_poses(), &progress, &config.solver_options);
   if (line.seed) config.identifiability.seed = *line.seed;
   const JobOutcome outcome = RunJob(config, line.text, line.threads);
+  progress.Clear();
   if (outcome.status == JobStatus::kRefused ||
       outcome.status == JobStatus::kFailed) {
     PrintError(path + ": " + outcome.message);

@@ -107,7 +107,7 @@ bool Progress::Start(const Eigen::VectorXd& values) {
                       problem_.losses);
   IterationRecord record = Evaluate(values);
   summary_.initial_cost = record.cost;
-  summary_.iterations.push_back(record);
+  Tell(record);
   if (!std::isfinite(record.cost)) {
     Stop(SolverStatus::kUnusable,
          "the residuals at the starting point are not finite: look for NaN or "
@@ -156,7 +156,7 @@ bool Progress::Record(const IterationStep& step,
   record.iteration = static_cast<int>(summary_.iterations.size());
   record.step_norm = step.norm;
   record.accepted = step.accepted;
-  summary_.iterations.push_back(record);
+  Tell(record);
   ++(step.accepted ? summary_.accepted_steps : summary_.rejected_steps);
   if (!std::isfinite(record.cost)) {
     Stop(SolverStatus::kFailed,
@@ -191,6 +191,11 @@ bool Progress::Record(const IterationStep& step,
              " is used up");
   }
   return stopped();
+}
+
+void Progress::Tell(const IterationRecord& record) {
+  summary_.iterations.push_back(record);
+  if (options_.on_iteration) options_.on_iteration(record);
 }
 
 void Progress::Stop(SolverStatus status, const std::string& message) {

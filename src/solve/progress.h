@@ -64,6 +64,7 @@ class Progress {
   double FloorCost() const;
   bool CheckProblem(const Eigen::VectorXd& values);
   IterationRecord Evaluate(const Eigen::VectorXd& values);
+  void Tell(const IterationRecord& record);
   double PriorCost(const Eigen::VectorXd& values) const;
   bool ReachedPrecision(const IterationRecord& record);
 

@@ -1,7 +1,10 @@
 #ifndef ALIDADE_SOLVE_OPTIONS_H_
 #define ALIDADE_SOLVE_OPTIONS_H_
 
+#include <functional>
 #include <string>
+
+#include "alidade/results/solver_summary.h"
 
 namespace alidade {
 
@@ -54,6 +57,10 @@ struct SolverOptions {
   /// Threads for our own kernels. The autodiff path gives Ceres one thread
   /// always, since Ceres' threads change bits. >= 1.
   int num_threads = 1;
+
+  /// Called with every iteration, the start first, while the solve runs: for
+  /// those who wait. All solvers. May be empty; must not throw.
+  std::function<void(const IterationRecord&)> on_iteration = {};
 
   /// False with a message that names the field, its value and the constraint.
   bool IsValid(std::string* error) const;
