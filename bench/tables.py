@@ -1,0 +1,135 @@
+#!/usr/bin/python3
+"""Writes the tables of docs/benchmarks.md from what scripts/bench measured."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import platform
+import subprocess
+import sys
+from collections import defaultdict
+from pathlib import Path
+
+METHODS = [
+    ("autodiff", "1", "autodiff"),
+    ("analytic", "1", "analytic Ceres"),
+    ("pseudo-inverse", "1", "pseudo-inverse"),
+    ("scipy", "1", "scipy trf"),
+    ("compressed", "1", "compressed"),
+    ("compressed", "2", "compressed, 2 threads"),
+]
+
+
+def milliseconds(seconds: float) -> str:
+    """Three digits."""
+    value = 1e3 * seconds
+    return f"{value:.3g}" if value < 1e3 else f"{value:.0f}"
+
+
+def solve_tables(path: Path) -> str:
+    """Times, and how many times faster the compressed solve is."""
+    times: dict[tuple[str, int], dict[tuple[str, str], float]] = defaultdict(dict)
+    with open(path, newline="", encoding="utf-8") as file:
+        for arm, poses, method, threads, seconds, _, _ in csv.reader(file):
+            times[arm, int(poses)][method, threads] = float(seconds)
+    names = [name for _, _, name in METHODS]
+    lines = [f"| measured at | N | {' | '.join(names)} |"]
+    lines.append("|---|" + "---|" * (len(names) + 1))
+    for (arm, poses), row in sorted(times.items()):
+        cells = [
+            milliseconds(row[method, threads]) if (method, threads) in row else "-"
+            for method, threads, _ in METHODS
+        ]
+        lines.append(f"| {arm} | {poses} | {' | '.join(cells)} |")
+    lines.append("")
+    others = METHODS[:4] + METHODS[5:]
+    header = " | ".join(name for _, _, name in others)
+    lines.append(f"| measured at | N | {header} | ns per pose and iteration |")
+    lines.append("|---|" + "---|" * (len(others) + 2))
+    iterations: dict[tuple[str, int], int] = {}
+    with open(path, newline="", encoding="utf-8") as file:
+        for arm, poses, method, threads, _, count, _ in csv.reader(file):
+            if (method, threads) == ("compressed", "1"):
+                iterations[arm, int(poses)] = int(count)
+    for key, row in sorted(times.items()):
+        ours = row["compressed", "1"]
+        cells = [
+            f"{row[method, threads] / ours:.3g}" if (method, threads) in row else "-"
+            for method, threads, _ in others
+        ]
+        each = 1e9 * ours / key[1] / iterations[key]
+        lines.append(f"| {key[0]} | {key[1]} | {' | '.join(cells)} | {each:.0f} |")
+    return "\n".join(lines)
+
+
+def kernel_table(path: Path, unit_of_rate: str) -> str:
+    """Medians of Google Benchmark's repetitions."""
+    with open(path, encoding="utf-8") as file:
+        runs = json.load(file)["benchmarks"]
+    lines = [f"| benchmark | CPU time | {unit_of_rate} |", "|---|---|---|"]
+    for run in runs:
+        if run["aggregate_name"] != "median":
+            continue
+        rate = "-"
+        if "items_per_second" in run:
+            rate = f"{1e9 / run['items_per_second']:.3g}"
+        if "bytes_per_second" in run:
+            rate = f"{run['bytes_per_second'] / 1e6:.0f}"
+        if "allocations" in run:
+            rate = f"{run['allocations']:.0f}"
+        name = run["run_name"].removesuffix("/real_time")
+        lines.append(f"| {name} | {run['cpu_time']:.4g} {run['time_unit']} | {rate} |")
+    return "\n".join(lines)
+
+
+def output(*command: str) -> str:
+    """What a command prints first."""
+    result = subprocess.run(command, check=True, capture_output=True, text=True)
+    return result.stdout.splitlines()[0]
+
+
+def processor() -> str:
+    """The name of the processor, and its vector instructions."""
+    with open("/proc/cpuinfo", encoding="utf-8") as file:
+        text = file.read()
+    name = next(
+        (line.split(":")[1].strip() for line in text.splitlines() if "model name" in line),
+        platform.machine(),
+    )
+    for flag, target in (("avx512f", "AVX-512"), ("avx2", "AVX2")):
+        if flag in text:
+            return f"{name} with {target}"
+    return name
+
+
+def insert(text: str, mark: str, table: str) -> str:
+    """Replaces what is between a mark and its end."""
+    begin, end = f"<!-- {mark} -->\n", f"<!-- end of {mark} -->"
+    head, rest = text.split(begin)
+    tail = rest.split(end, 1)[1]
+    return head + begin + table + "\n" + end + tail
+
+
+def main() -> int:
+    work, page = Path(sys.argv[1]), Path(sys.argv[2])
+    text = page.read_text(encoding="utf-8")
+    machine = (
+        f"Commit {output('git', 'rev-parse', '--short', 'HEAD')}; {processor()}, "
+        f"{len(os.sched_getaffinity(0))} cores; "
+        f"{output('g++', '--version')}, -O3. Seeds: poses 1, noise 2, deviations 3."
+    )
+    text = insert(text, "machine", machine)
+    text = insert(text, "solves", solve_tables(work / "solves.csv"))
+    text = insert(text, "kernels", kernel_table(work / "kernels.json", "ns per pose"))
+    text = insert(
+        text, "small", kernel_table(work / "small_calibration.json", "allocations")
+    )
+    text = insert(text, "files", kernel_table(work / "csv_speed.json", "MB/s"))
+    page.write_text(text, encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
