@@ -42,12 +42,12 @@ class CompressedResidual : public ceres::CostFunction {
     const int p = parameter_block_sizes()[0];
     Eigen::Map<Eigen::VectorXd> residual(residuals, p + 1);
     if (jacobians == nullptr || jacobians[0] == nullptr) {
-      // Of a trial step only the cost is asked for, and that is cheap.
       residual.setZero();
-      residual[p] = std::sqrt(compressor_->Summarize(values_).cost);
+      residual[p] = std::sqrt(CostOfTrial());
       return residual.allFinite();
     }
-    compressor_->Compress(values_, &compressed_);
+    if (compressed_at_.size() == 0 || values_ != compressed_at_) Compress();
+    expects_success_ = true;
     residual.head(p) = compressed_.projected;
     const double rest = compressed_.cost - compressed_.projected.squaredNorm();
     residual[p] = std::sqrt(std::max(0.0, rest));
@@ -60,10 +60,30 @@ class CompressedResidual : public ceres::CostFunction {
   }
 
  private:
+  void Compress() const {
+    compressor_->Compress(values_, &compressed_);
+    compressed_at_ = values_;
+  }
+
+  // Of a trial step only the cost is asked for. Most steps succeed, and then
+  // all else is asked for at the same values: it is made at once. Behind a step
+  // that was taken back the cost alone is, which is cheaper.
+  double CostOfTrial() const {
+    if (expects_success_) {
+      expects_success_ = false;
+      Compress();
+      return compressed_.cost;
+    }
+    return compressor_->Summarize(values_).cost;
+  }
+
   const CalibrationProblem& problem_;
   Compressor* const compressor_;
   mutable Eigen::VectorXd values_;
   mutable CompressedProblem compressed_;
+  mutable Eigen::VectorXd compressed_at_ = Eigen::VectorXd::Zero(0);
+  // False behind a trial whose Jacobian was never asked for.
+  mutable bool expects_success_ = true;
 };
 
 class CompressedFormulation : public Formulation {
