@@ -1,6 +1,7 @@
 #include "bench/analytic_ceres.h"
 
 #include <ceres/ceres.h>
+#include <glog/logging.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,19 +13,21 @@
 namespace alidade::bench {
 namespace {
 
-// All values of the layout, the free ones from Ceres.
+// What all residuals of a problem use, one after the other: Ceres has one
+// thread.
 struct Shared {
   const CalibrationProblem& problem;
-  Eigen::VectorXd values;
+  Arm arm;
+  ChainAxes axes;
 };
 
 class PoseResidual : public ceres::CostFunction {
  public:
-  PoseResidual(const Shared& shared, Eigen::Index pose)
-      : shared_(shared), pose_(pose) {
+  PoseResidual(Shared* shared, Eigen::Index pose)
+      : shared_(*shared), pose_(pose) {
     set_num_residuals(3);
     mutable_parameter_block_sizes()->push_back(
-        static_cast<int>(shared.problem.free_columns.size()));
+        static_cast<int>(shared_.problem.free_columns.size()));
   }
 
   bool Evaluate(double const* const* parameters, double* residuals,
@@ -32,9 +35,8 @@ class PoseResidual : public ceres::CostFunction {
     const CalibrationProblem& problem = shared_.problem;
     const ParameterLayout& layout = problem.model.layout();
     const std::vector<int>& columns = problem.free_columns;
-    // Only the joints vary: changed in place, without a copy of names.
-    static thread_local Arm arm = problem.model.nominal();
-    static thread_local ChainAxes axes;
+    Arm& arm = shared_.arm;
+    ChainAxes& axes = shared_.axes;
     for (std::size_t k = 0; k < columns.size(); ++k) {
       const Parameter& parameter = layout.parameter(columns[k]);
       Joint& joint = arm.joints[parameter.index];
@@ -92,7 +94,7 @@ class PoseResidual : public ceres::CostFunction {
     }
   }
 
-  const Shared& shared_;
+  Shared& shared_;
   const Eigen::Index pose_;
 };
 
@@ -125,14 +127,16 @@ class StopByPrediction : public ceres::IterationCallback {
 double SolveAnalytic(const CalibrationProblem& problem,
                      const SolverOptions& options, Eigen::VectorXd* values,
                      int* iterations) {
-  const Shared shared{problem, *values};
+  Shared shared{problem, problem.model.nominal(), {}};
   std::vector<double> free;
   for (const int column : problem.free_columns) {
+    CHECK(ParameterLayout::IsJointKind(
+        problem.model.layout().parameter(column).kind));
     free.push_back((*values)[column]);
   }
   ceres::Problem ceres_problem;
   for (Eigen::Index i = 0; i < problem.data.num_poses(); ++i) {
-    ceres_problem.AddResidualBlock(new PoseResidual(shared, i), nullptr,
+    ceres_problem.AddResidualBlock(new PoseResidual(&shared, i), nullptr,
                                    free.data());
   }
   ceres::Solver::Options ceres_options;

@@ -12,6 +12,7 @@
 #include "src/measurement/aligned.h"
 #include "src/measurement/kernel.h"
 #include "src/measurement/lane_factor.h"
+#include "src/measurement/sine.h"
 #include "src/measurement/tile_rows.h"
 #include "src/measurement/tiles.h"
 

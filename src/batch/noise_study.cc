@@ -110,6 +110,7 @@ class NoiseStudy {
                                      method.start_rank, method.priors};
     SolverOptions options = config_.solver_options;
     options.num_threads = 1;
+    options.on_iteration = {};  // not for many threads at once
     const SolverSummary summary =
         method.solver == SolverName::kCeres
             ? SolveCeres(problem, options, values)

@@ -5,13 +5,6 @@
 namespace alidade {
 namespace {
 
-bool HasReference(MeasurementKind kind) {
-  return kind == MeasurementKind::kDistance ||
-         kind == MeasurementKind::kFixedPoint ||
-         kind == MeasurementKind::kPlane ||
-         kind == MeasurementKind::kPointDistance;
-}
-
 bool HasSecond(MeasurementKind kind) {
   return kind == MeasurementKind::kDifference ||
          kind == MeasurementKind::kPointDistance;

@@ -81,7 +81,9 @@ class Compressor::Implementation {
     if (!used_gram_) CompressByReflections(values, problem);
     Remember(values);
     problem->cost = summary_.cost;
-    if (factorization_ == Factorization::kAutomatic && is_large_) {
+    // Products that were kept have shown it already.
+    if (factorization_ == Factorization::kAutomatic && is_large_ &&
+        !used_gram_) {
       may_use_gram_ = HasGoodCondition(problem->factor);
     }
   }

@@ -11,6 +11,13 @@ bool HoldsPosition(MeasurementKind kind) {
   return kind == MeasurementKind::kPosition || kind == MeasurementKind::kPose;
 }
 
+bool HasReference(MeasurementKind kind) {
+  return kind == MeasurementKind::kDistance ||
+         kind == MeasurementKind::kFixedPoint ||
+         kind == MeasurementKind::kPlane ||
+         kind == MeasurementKind::kPointDistance;
+}
+
 int RowsOf(MeasurementKind kind) {
   switch (kind) {
     case MeasurementKind::kPosition:

@@ -1,10 +1,10 @@
-#include "kernel.h"
-
+#include "kernel_targets.h"
+//
 #include <algorithm>
 #include <cmath>
 
 #include "alidade/model/rotation.h"
-#include "kernel_targets.h"
+#include "kernel.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "src/measurement/kernel.cc"
@@ -23,7 +23,6 @@ namespace {
 constexpr std::size_t kArraysPerJoint = 15;
 
 // Orientations of a vector's length, an array for each entry.
-constexpr std::size_t kMostLanes = 8;
 struct Turns {
   alignas(64) double matrix[9][kMostLanes];
   alignas(64) double log[3][kMostLanes];
@@ -176,13 +175,14 @@ HWY_INLINE Frame WalkChain(const Constants& constants, const Columns& columns,
     frame.origin = AddScaled(Broadcast(joint.d), frame.x, frame.origin);
     if (wanted.theta >= 0) Store3(frame.origin, lines.origin_on_axis, lanes);
     if (wanted.HasJointAxis()) Store3(frame.z, lines.joint_axis, lanes);
-    const V first = hn::Load(kTag, joints + 2 * j * kTile);
+    const V first = hn::Load(kTag, joints + std::ptrdiff_t{2} * j * kTile);
     V cosine = Broadcast(joint.cos_theta);
     V sine = Broadcast(joint.sin_theta);
     V length = Broadcast(joint.r);
     if (joint.is_revolute) {
       // sin and cos of theta + q.
-      const V second = hn::Load(kTag, joints + (2 * j + 1) * kTile);
+      const V second =
+          hn::Load(kTag, joints + (std::ptrdiff_t{2} * j + 1) * kTile);
       const V turned = hn::MulAdd(cosine, first, hn::Mul(sine, second));
       cosine = hn::MulSub(cosine, second, hn::Mul(sine, first));
       sine = turned;
@@ -267,6 +267,7 @@ struct Writer {
   // The columns of joints and base; p is where the target is.
   HWY_INLINE void WriteArm(const Constants& constants, const Columns& columns,
                            const V3& p, double* scratch) const {
+    if (!columns.HasArm()) return;
     const std::size_t lanes = hn::Lanes(kTag);
     for (int j = 0; j < columns.num_joints(); ++j) {
       const Columns::OfJoint& column = columns.joint(j);
@@ -397,7 +398,7 @@ HWY_INLINE void WriteOrientation(const Job& job, const Frame& last, int t,
   const double* const measured = job.tile.measured + 3 * kTile + t;
   for (int k = 0; k < 3; ++k) {
     // Column k of [x y z] R_m^T.
-    const V3 row = Load3(measured + 3 * k * kTile, kTile);
+    const V3 row = Load3(measured + std::ptrdiff_t{3} * k * kTile, kTile);
     const V3 column = AddScaled(row.z, z, AddScaled(row.y, y, Scale(row.x, x)));
     hn::Store(column.x, kTag, turns.matrix[k]);
     hn::Store(column.y, kTag, turns.matrix[3 + k]);
@@ -415,74 +416,91 @@ HWY_INLINE void WriteOrientation(const Job& job, const Frame& last, int t,
          writer->At(job.columns.num_derivatives()) + 3 * kTile, kTile);
 }
 
+// Residual and columns of a distance between two reference points.
+HWY_INLINE void EvaluatePointDistance(
+    const Job& job, int t, Writer<MeasurementKind::kPointDistance>* writer) {
+  const Tile& tile = job.tile;
+  const std::vector<Eigen::Vector3d>& points = job.constants.points;
+  const Eigen::Vector3d difference =
+      points[tile.reference] - points[tile.second];
+  const V error =
+      LengthError(Broadcast(difference), hn::Load(kTag, tile.measured + t),
+                  &writer->direction);
+  WriteError(error, writer->weights.x,
+             writer->At(job.columns.num_derivatives()), job.lengths + t);
+  writer->WritePoint(job.columns.point(tile.reference), 1.0);
+  writer->WritePoint(job.columns.point(tile.second), -1.0);
+}
+
+// The residual where the target is at p, and the columns of what it is measured
+// against; of a difference nothing yet. The writer learns the direction of
+// lengths.
+template <MeasurementKind kKind>
+HWY_INLINE void WriteMeasured(const Job& job, int t, const V3& p,
+                              Writer<kKind>* writer) {
+  const Tile& tile = job.tile;
+  const Constants& constants = job.constants;
+  double* const residual = writer->At(job.columns.num_derivatives());
+  double* const lengths = job.lengths + t;
+  if constexpr (kKind == MeasurementKind::kPosition ||
+                kKind == MeasurementKind::kPose) {
+    WriteError(p - Load3(tile.measured + t, kTile), writer->weights, residual,
+               lengths);
+  }
+  if constexpr (kKind == MeasurementKind::kFixedPoint) {
+    WriteError(p - Broadcast(constants.points[tile.reference]), writer->weights,
+               residual, lengths);
+    writer->WritePoint(job.columns.point(tile.reference), -1.0);
+  }
+  if constexpr (kKind == MeasurementKind::kDistance) {
+    const V error =
+        LengthError(p - Broadcast(constants.points[tile.reference]),
+                    hn::Load(kTag, tile.measured + t), &writer->direction);
+    WriteError(error, writer->weights.x, residual, lengths);
+    writer->WritePoint(job.columns.point(tile.reference), -1.0);
+  }
+  if constexpr (kKind == MeasurementKind::kPlane) {
+    const PlaneConstants& plane = constants.planes[tile.reference];
+    writer->direction = Broadcast(plane.normal);
+    const V error = hn::Sub(Dot(writer->direction, p), Broadcast(plane.offset));
+    WriteError(error, writer->weights.x, residual, lengths);
+    writer->WritePlane(job.columns.plane(tile.reference), plane, p);
+  }
+}
+
 template <MeasurementKind kKind>
 HWY_INLINE void EvaluateVector(const Job& job, int t) {
   const Tile& tile = job.tile;
-  const Constants& constants = job.constants;
   Writer<kKind> writer;
   writer.rows = job.rows + t;
-  double* const residual = writer.At(job.columns.num_derivatives());
   if constexpr (Writer<kKind>::kIsLength) {
     writer.weights.x = hn::Load(kTag, tile.inverse_sigmas + t);
   } else {
     writer.weights = Load3(tile.inverse_sigmas + t, kTile);
   }
   if constexpr (kKind == MeasurementKind::kPointDistance) {
-    const V3 difference = Broadcast(Eigen::Vector3d(
-        constants.points[tile.reference] - constants.points[tile.second]));
-    const V error = LengthError(difference, hn::Load(kTag, tile.measured + t),
-                                &writer.direction);
-    WriteError(error, writer.weights.x, residual, job.lengths + t);
-    writer.WritePoint(job.columns.point(tile.reference), 1.0);
-    writer.WritePoint(job.columns.point(tile.second), -1.0);
+    EvaluatePointDistance(job, t, &writer);
     return;
   }
   const Frame last =
-      WalkChain(constants, job.columns, tile.joints + t, job.scratch);
-  const Eigen::Vector3d& tool = constants.targets[tile.target].translation;
+      WalkChain(job.constants, job.columns, tile.joints + t, job.scratch);
+  const Eigen::Vector3d& tool = job.constants.targets[tile.target].translation;
   const V3 p = PointOf(last, tool);
-  if constexpr (kKind == MeasurementKind::kPosition ||
-                kKind == MeasurementKind::kPose) {
-    WriteError(p - Load3(tile.measured + t, kTile), writer.weights, residual,
-               job.lengths + t);
-  }
+  WriteMeasured<kKind>(job, t, p, &writer);
   if constexpr (kKind == MeasurementKind::kPose) {
     WriteOrientation(job, last, t, &writer);
   }
-  if constexpr (kKind == MeasurementKind::kFixedPoint) {
-    WriteError(p - Broadcast(constants.points[tile.reference]), writer.weights,
-               residual, job.lengths + t);
-    writer.WritePoint(job.columns.point(tile.reference), -1.0);
-  }
-  if constexpr (kKind == MeasurementKind::kDistance) {
-    const V error =
-        LengthError(p - Broadcast(constants.points[tile.reference]),
-                    hn::Load(kTag, tile.measured + t), &writer.direction);
-    WriteError(error, writer.weights.x, residual, job.lengths + t);
-    writer.WritePoint(job.columns.point(tile.reference), -1.0);
-  }
-  if constexpr (kKind == MeasurementKind::kPlane) {
-    const PlaneConstants& plane = constants.planes[tile.reference];
-    writer.direction = Broadcast(plane.normal);
-    const V error = hn::Sub(Dot(writer.direction, p), Broadcast(plane.offset));
-    WriteError(error, writer.weights.x, residual, job.lengths + t);
-    writer.WritePlane(job.columns.plane(tile.reference), plane, p);
-  }
-  if (job.columns.HasArm()) {
-    writer.WriteArm(constants, job.columns, p, job.scratch);
-  }
-  writer.WriteTool(constants, job.columns, tile.target, last);
+  writer.WriteArm(job.constants, job.columns, p, job.scratch);
+  writer.WriteTool(job.constants, job.columns, tile.target, last);
   if constexpr (kKind == MeasurementKind::kDifference) {
-    const Frame other =
-        WalkChain(constants, job.columns, tile.second_joints + t, job.scratch);
+    const Frame other = WalkChain(job.constants, job.columns,
+                                  tile.second_joints + t, job.scratch);
     const V3 q = PointOf(other, tool);
     WriteError((p - q) - Load3(tile.measured + t, kTile), writer.weights,
-               residual, job.lengths + t);
+               writer.At(job.columns.num_derivatives()), job.lengths + t);
     writer.subtracts = true;
-    if (job.columns.HasArm()) {
-      writer.WriteArm(constants, job.columns, q, job.scratch);
-    }
-    writer.WriteTool(constants, job.columns, tile.target, other);
+    writer.WriteArm(job.constants, job.columns, q, job.scratch);
+    writer.WriteTool(job.constants, job.columns, tile.target, other);
   }
 }
 
@@ -524,7 +542,7 @@ TileSums SumTile(int height, const double* residual, const double* lengths,
   for (int t = 0; t < kTile; t += static_cast<int>(hn::Lanes(kTag))) {
     V norm = hn::Zero(kTag);
     for (int row = 0; row < height; ++row) {
-      const V r = hn::Load(kTag, residual + row * kTile + t);
+      const V r = hn::Load(kTag, residual + std::ptrdiff_t{row} * kTile + t);
       norm = hn::MulAdd(r, r, norm);
     }
     hn::Store(norm, kTag, norms + t);
@@ -538,78 +556,6 @@ TileSums SumTile(int height, const double* residual, const double* lengths,
           hn::GetLane(hn::MaxOfLanes(kTag, largest))};
 }
 
-// ------------------------------------------------------------------- sines
-
-// Taylor's polynomials in z = y^2 for |y| <= pi / 4, without the terms that
-// follow by themselves: what they leave out is below 1e-19.
-HWY_INLINE V SineTail(V z) {
-  V sum = Broadcast(1.0 / 355687428096000.0);  // 1 / 17!
-  sum = hn::MulAdd(sum, z, Broadcast(-1.0 / 1307674368000.0));
-  sum = hn::MulAdd(sum, z, Broadcast(1.0 / 6227020800.0));
-  sum = hn::MulAdd(sum, z, Broadcast(-1.0 / 39916800.0));
-  sum = hn::MulAdd(sum, z, Broadcast(1.0 / 362880.0));
-  sum = hn::MulAdd(sum, z, Broadcast(-1.0 / 5040.0));
-  sum = hn::MulAdd(sum, z, Broadcast(1.0 / 120.0));
-  return hn::MulAdd(sum, z, Broadcast(-1.0 / 6.0));
-}
-
-HWY_INLINE V CosineTail(V z) {
-  V sum = Broadcast(-1.0 / 6402373705728000.0);  // 1 / 18!
-  sum = hn::MulAdd(sum, z, Broadcast(1.0 / 20922789888000.0));
-  sum = hn::MulAdd(sum, z, Broadcast(-1.0 / 87178291200.0));
-  sum = hn::MulAdd(sum, z, Broadcast(1.0 / 479001600.0));
-  sum = hn::MulAdd(sum, z, Broadcast(-1.0 / 3628800.0));
-  sum = hn::MulAdd(sum, z, Broadcast(1.0 / 40320.0));
-  sum = hn::MulAdd(sum, z, Broadcast(-1.0 / 720.0));
-  return hn::MulAdd(sum, z, Broadcast(1.0 / 24.0));
-}
-
-// The argument less its multiple n of pi / 2 (Cody and Waite 1980, "Software
-// Manual for the Elementary Functions"), in two parts: pi / 2 is taken away in
-// pieces of 33 bits, whose products with n are exact up to n = 2^20.
-HWY_INLINE void SineAndCosineOf(V x, V* sine, V* cosine) {
-  const V n = hn::Round(hn::Mul(x, Broadcast(0x1.45f306dc9c883p-1)));
-  const V first = hn::Sub(x, hn::Mul(n, Broadcast(0x1.921fb544p+0)));
-  const V piece = hn::Mul(n, Broadcast(0x1.0b4611a626331p-34));
-  const V y = hn::Sub(first, piece);
-  const V rest = hn::Sub(hn::Sub(first, y), piece);
-  const V z = hn::Mul(y, y);
-  const V half = hn::Mul(Broadcast(0.5), z);
-  const V one = Broadcast(1.0);
-  // sin(y + rest) = y + (y^3 tail + rest (1 - z / 2))
-  const V s = hn::Add(y, hn::MulAdd(hn::Mul(z, y), SineTail(z),
-                                    hn::Mul(rest, hn::Sub(one, half))));
-  // cos(y + rest) = w + ((1 - w) - z / 2 + z^2 tail - y rest), w = 1 - z / 2
-  const V w = hn::Sub(one, half);
-  const V lost = hn::Sub(hn::Sub(one, w), half);
-  const V c = hn::Add(w, hn::Add(lost, hn::MulSub(hn::Mul(z, z), CosineTail(z),
-                                                  hn::Mul(y, rest))));
-  // The quadrant, 0 to 3.
-  const V quadrant =
-      hn::NegMulAdd(Broadcast(4.0), hn::Floor(hn::Mul(n, Broadcast(0.25))), n);
-  const auto is_first = hn::Eq(quadrant, one);
-  const auto is_third = hn::Eq(quadrant, Broadcast(3.0));
-  const auto is_second = hn::Eq(quadrant, Broadcast(2.0));
-  const auto swaps = hn::Or(is_first, is_third);
-  const V swapped_sine = hn::IfThenElse(swaps, c, s);
-  const V swapped_cosine = hn::IfThenElse(swaps, s, c);
-  *sine = hn::IfThenElse(hn::Or(is_second, is_third), hn::Neg(swapped_sine),
-                         swapped_sine);
-  *cosine = hn::IfThenElse(hn::Or(is_first, is_second), hn::Neg(swapped_cosine),
-                           swapped_cosine);
-}
-
-void SineAndCosine(double* angles, double* cosines) {
-  for (int t = 0; t < kTile; t += static_cast<int>(hn::Lanes(kTag))) {
-    const V x = hn::Load(kTag, angles + t);
-    V sine;
-    V cosine;
-    SineAndCosineOf(x, &sine, &cosine);
-    hn::Store(sine, kTag, angles + t);
-    hn::Store(cosine, kTag, cosines + t);
-  }
-}
-
 }  // namespace
 }  // namespace alidade::kernel::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -618,7 +564,6 @@ HWY_AFTER_NAMESPACE();
 namespace alidade::kernel {
 
 HWY_EXPORT(EvaluateTile);
-HWY_EXPORT(SineAndCosine);
 HWY_EXPORT(SumTile);
 
 std::size_t ScratchSize(int num_joints) {
@@ -642,31 +587,9 @@ void EvaluateTile(const Constants& constants, const Columns& columns,
   (constants, columns, tile, scratch, rows, lengths);
 }
 
-void SineAndCosine(double* angles, double* cosines) {
-  // Beyond, the vector code would lose digits.
-  constexpr double kLargest = 1e5;
-  double largest = 0.0;
-  for (int t = 0; t < kTile; ++t) {
-    largest = std::max(largest, std::abs(angles[t]));
-  }
-  if (largest <= kLargest) {
-    HWY_DYNAMIC_DISPATCH(SineAndCosine)(angles, cosines);
-    return;
-  }
-  for (int t = 0; t < kTile; ++t) {
-    cosines[t] = std::cos(angles[t]);
-    angles[t] = std::sin(angles[t]);
-  }
-}
-
 TileSums SumTile(int height, const double* residual, const double* lengths,
                  double* norms) {
   return HWY_DYNAMIC_DISPATCH(SumTile)(height, residual, lengths, norms);
-}
-
-const char* VectorTarget() {
-  return hwy::TargetName(hwy::SupportedTargets() &
-                         (~hwy::SupportedTargets() + 1));
 }
 
 }  // namespace alidade::kernel

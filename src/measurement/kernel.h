@@ -125,14 +125,6 @@ struct TileSums {
 TileSums SumTile(int height, const double* residual, const double* lengths,
                  double* norms);
 
-/// kTile sines and cosines: `angles` (rad) becomes their sines. Errors are
-/// below 1.2 units in the last place of 1 for angles up to 1e5 rad. Both
-/// aligned to 64 bytes.
-void SineAndCosine(double* angles, double* cosines);
-
-/// "AVX3" (AVX-512), "AVX2", "NEON" ...: what this machine runs.
-const char* VectorTarget();
-
 }  // namespace alidade::kernel
 
 #endif  // ALIDADE_SRC_MEASUREMENT_KERNEL_H_

@@ -9,4 +9,13 @@
   (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | \
    HWY_RVV)
 
+#include <cstddef>
+
+namespace alidade::kernel {
+
+/// Lanes of the longest vectors of doubles that the kernels use.
+constexpr std::size_t kMostLanes = 8;
+
+}  // namespace alidade::kernel
+
 #endif  // ALIDADE_SRC_MEASUREMENT_KERNEL_TARGETS_H_

@@ -1,8 +1,9 @@
-#include "lane_factor.h"
-
-#include <algorithm>
-
 #include "kernel_targets.h"
+//
+#include <algorithm>
+#include <limits>
+
+#include "lane_factor.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "src/measurement/lane_factor.cc"
@@ -14,8 +15,6 @@
 #define ALIDADE_SRC_MEASUREMENT_LANE_FACTOR_CC_ONCE
 namespace alidade::kernel {
 namespace {
-
-constexpr std::size_t kMostLanes = 8;
 
 // Where row k of an upper triangle begins, in entries, less k: entry (k, j) is
 // at RowStart + j.
@@ -76,13 +75,14 @@ HWY_INLINE V Product(const double* x, const double* y, std::size_t rows) {
 }
 
 // Makes the reflector that clears x, whose sum of squares is given, below
-// *diagonal; none where x is zero.
+// *diagonal; none where x is zero, or so small that its square has lost digits.
 HWY_INLINE Reflector MakeReflector(V squares, double* diagonal) {
   const V alpha = hn::Load(kTag, diagonal);
   const V norm = hn::Sqrt(hn::MulAdd(alpha, alpha, squares));
   const V beta = hn::Neg(hn::CopySign(norm, alpha));
   const V first = hn::Sub(alpha, beta);
-  const auto is_zero = hn::Eq(squares, hn::Zero(kTag));
+  const auto is_zero =
+      hn::Lt(squares, hn::Set(kTag, std::numeric_limits<double>::min()));
   const V one = hn::Set(kTag, 1.0);
   const V safe_first = hn::IfThenElse(is_zero, one, first);
   const V safe_beta = hn::IfThenElse(is_zero, one, beta);
@@ -111,6 +111,21 @@ HWY_INLINE V ApplyOne(const Reflector& reflector, const double* x,
   }
   return Product(column, column, rows);
 }
+
+// A matrix and the triangle above it.
+struct Stack {
+  int columns;
+  std::size_t rows;    // of the matrix
+  std::size_t stride;  // from column to column
+  double* matrix;
+  double* triangle;
+
+  // Row k of the triangle; entry j is at j vectors from there.
+  double* TriangleRow(int k) const {
+    return triangle + RowStart(columns, k) * hn::Lanes(kTag);
+  }
+  double* Column(int k) const { return matrix + k * stride; }
+};
 
 // Two reflectors, the second made of x2 after the first had been applied to
 // it, and the product x1 . x2.
@@ -170,41 +185,43 @@ HWY_INLINE void ApplyPair(const Pair& pair, std::size_t stride, double* top1,
   }
 }
 
-// Clears columns k and k + 1, which exist, and returns what did it. `row1` and
-// `row2` are rows k and k + 1 of the triangle, entry j at j lanes.
-HWY_INLINE Pair ClearTwo(int k, std::size_t rows, double* x1, double* x2,
-                         double* row1, double* row2) {
+// Clears columns k and k + 1, which exist, and returns what did it.
+HWY_INLINE Pair ClearTwo(const Stack& stack, int k, std::size_t rows) {
   const std::size_t lanes = hn::Lanes(kTag);
+  double* const x1 = stack.Column(k);
+  double* const x2 = stack.Column(k + 1);
   Pair pair;
   pair.rows = rows;
   pair.x1 = x1;
   pair.x2 = x2;
-  pair.first = MakeReflector(Product(x1, x1, rows), row1 + k * lanes);
-  const V squares = ApplyOne(pair.first, x1, rows, row1 + (k + 1) * lanes, x2);
-  pair.second = MakeReflector(squares, row2 + (k + 1) * lanes);
+  double* const row = stack.TriangleRow(k);
+  pair.first = MakeReflector(Product(x1, x1, rows), row + k * lanes);
+  const V squares = ApplyOne(pair.first, x1, rows, row + (k + 1) * lanes, x2);
+  pair.second =
+      MakeReflector(squares, stack.TriangleRow(k + 1) + (k + 1) * lanes);
   pair.product = Product(x1, x2, rows);
   return pair;
 }
 
-// Applies a pair to all columns from j on.
-HWY_INLINE void ApplyFrom(const Pair& pair, int j, int columns,
-                          std::size_t stride, double* row1, double* row2,
-                          double* matrix) {
+// Applies the pair of columns k and k + 1 to all columns behind them.
+HWY_INLINE void ApplyBehind(const Stack& stack, int k, const Pair& pair) {
   const std::size_t lanes = hn::Lanes(kTag);
-  for (; j + 4 <= columns; j += 4) {
-    ApplyPair<4>(pair, stride, row1 + j * lanes, row2 + j * lanes,
-                 matrix + j * stride);
+  double* top1 = stack.TriangleRow(k) + (k + 2) * lanes;
+  double* top2 = stack.TriangleRow(k + 1) + (k + 2) * lanes;
+  int j = k + 2;
+  for (; j + 4 <= stack.columns; j += 4) {
+    ApplyPair<4>(pair, stack.stride, top1, top2, stack.Column(j));
+    top1 += 4 * lanes;
+    top2 += 4 * lanes;
   }
-  double* const top1 = row1 + j * lanes;
-  double* const top2 = row2 + j * lanes;
-  double* const rest = matrix + j * stride;
-  switch (columns - j) {
+  double* const rest = stack.Column(j);
+  switch (stack.columns - j) {
     case 3:
-      return ApplyPair<3>(pair, stride, top1, top2, rest);
+      return ApplyPair<3>(pair, stack.stride, top1, top2, rest);
     case 2:
-      return ApplyPair<2>(pair, stride, top1, top2, rest);
+      return ApplyPair<2>(pair, stack.stride, top1, top2, rest);
     case 1:
-      return ApplyPair<1>(pair, stride, top1, top2, rest);
+      return ApplyPair<1>(pair, stack.stride, top1, top2, rest);
     default:
       return;
   }
@@ -212,28 +229,25 @@ HWY_INLINE void ApplyFrom(const Pair& pair, int j, int columns,
 
 // `is_triangle`: the matrix is an upper triangle, so that column k has k + 1
 // rows.
-HWY_INLINE void Factor(int columns, std::size_t rows, std::size_t stride,
-                       bool is_triangle, double* matrix, double* triangle) {
-  const std::size_t lanes = hn::Lanes(kTag);
-  for (int k = 0; k < columns; k += 2) {
-    double* const row1 = triangle + RowStart(columns, k) * lanes;
-    double* const row2 = triangle + RowStart(columns, k + 1) * lanes;
+HWY_INLINE void Factor(const Stack& stack, bool is_triangle) {
+  for (int k = 0; k < stack.columns; k += 2) {
     const std::size_t height =
-        is_triangle ? std::min<std::size_t>(rows, std::size_t(k) + 2) : rows;
-    double* const x1 = matrix + k * stride;
-    if (k + 1 == columns) {
-      MakeReflector(Product(x1, x1, height), row1 + k * lanes);
+        is_triangle ? std::min(stack.rows, static_cast<std::size_t>(k) + 2)
+                    : stack.rows;
+    if (k + 1 == stack.columns) {
+      const double* const x = stack.Column(k);
+      MakeReflector(Product(x, x, height),
+                    stack.TriangleRow(k) + k * hn::Lanes(kTag));
       return;
     }
-    const Pair pair = ClearTwo(k, height, x1, x1 + stride, row1, row2);
-    ApplyFrom(pair, k + 2, columns, stride, row1, row2, matrix);
+    ApplyBehind(stack, k, ClearTwo(stack, k, height));
   }
 }
 
 void AddRows(int columns, int rows, std::size_t stride, double* matrix,
              double* triangle) {
-  Factor(columns, static_cast<std::size_t>(rows), stride, false, matrix,
-         triangle);
+  Factor({columns, static_cast<std::size_t>(rows), stride, matrix, triangle},
+         false);
 }
 
 // The triangle `other`, its lanes moved down by `shift`, as a matrix in `work`.
@@ -256,12 +270,16 @@ HWY_INLINE void Unpack(int columns, const double* other, std::size_t shift,
   }
 }
 
+// What Unpack left in `work`, and a triangle above it.
+HWY_INLINE Stack PackedStack(int columns, double* work, double* triangle) {
+  const auto rows = static_cast<std::size_t>(columns);
+  return {columns, rows, rows * hn::Lanes(kTag), work, triangle};
+}
+
 void MergeTriangles(int columns, const double* other, double* work,
                     double* triangle) {
-  const std::size_t lanes = hn::Lanes(kTag);
   Unpack(columns, other, 0, work);
-  Factor(columns, columns, static_cast<std::size_t>(columns) * lanes, true,
-         work, triangle);
+  Factor(PackedStack(columns, work, triangle), true);
 }
 
 // Lane by lane the upper half joins the lower one, until lane 0 has it all.
@@ -270,40 +288,36 @@ void MergeAllLanes(int columns, double* triangle, double* work) {
   const std::size_t lanes = hn::Lanes(kTag);
   for (std::size_t half = lanes / 2; half > 0; half /= 2) {
     Unpack(columns, triangle, half, work);
-    Factor(columns, columns, static_cast<std::size_t>(columns) * lanes, true,
-           work, triangle);
+    Factor(PackedStack(columns, work, triangle), true);
   }
 }
 
-// The products of kA columns from `a` on with kB columns from `b` on.
+// Adds the products of kA columns from `a` on with kB columns from `b` on.
 template <int kA, int kB>
-HWY_INLINE void MultiplyColumns(int columns, std::size_t rows,
-                                std::size_t stride, const double* matrix, int a,
-                                int b, double* triangle) {
+HWY_INLINE void MultiplyColumns(const Stack& stack, int a, int b) {
   const std::size_t lanes = hn::Lanes(kTag);
   V sums[kA][kB];
   for (auto& row : sums) {
     for (V& sum : row) sum = hn::Zero(kTag);
   }
-  const double* const left = matrix + a * stride;
-  const double* const right = matrix + b * stride;
-  for (std::size_t i = 0; i < rows * lanes; i += lanes) {
+  const double* const left = stack.Column(a);
+  const double* const right = stack.Column(b);
+  for (std::size_t i = 0; i < stack.rows * lanes; i += lanes) {
     V factors[kB];
     for (int n = 0; n < kB; ++n) {
-      factors[n] = hn::Load(kTag, right + n * stride + i);
+      factors[n] = hn::Load(kTag, right + n * stack.stride + i);
     }
     for (int m = 0; m < kA; ++m) {
-      const V factor = hn::Load(kTag, left + m * stride + i);
+      const V factor = hn::Load(kTag, left + m * stack.stride + i);
       for (int n = 0; n < kB; ++n) {
         sums[m][n] = hn::MulAdd(factor, factors[n], sums[m][n]);
       }
     }
   }
   for (int m = 0; m < kA; ++m) {
-    for (int n = 0; n < kB; ++n) {
-      if (b + n < a + m) continue;
-      double* const entry =
-          triangle + (RowStart(columns, a + m) + b + n) * lanes;
+    double* const row = stack.TriangleRow(a + m);
+    for (int n = std::max(0, a + m - b); n < kB; ++n) {
+      double* const entry = row + (b + n) * lanes;
       hn::Store(hn::Add(hn::Load(kTag, entry), sums[m][n]), kTag, entry);
     }
   }
@@ -311,41 +325,34 @@ HWY_INLINE void MultiplyColumns(int columns, std::size_t rows,
 
 // The products of kA columns from `a` on with all from there on.
 template <int kA>
-HWY_INLINE void MultiplyFrom(int columns, std::size_t rows, std::size_t stride,
-                             const double* matrix, int a, double* triangle) {
+HWY_INLINE void MultiplyFrom(const Stack& stack, int a) {
   int b = a;
-  for (; b + 4 <= columns; b += 4) {
-    MultiplyColumns<kA, 4>(columns, rows, stride, matrix, a, b, triangle);
-  }
-  switch (columns - b) {
+  for (; b + 4 <= stack.columns; b += 4) MultiplyColumns<kA, 4>(stack, a, b);
+  switch (stack.columns - b) {
     case 3:
-      return MultiplyColumns<kA, 3>(columns, rows, stride, matrix, a, b,
-                                    triangle);
+      return MultiplyColumns<kA, 3>(stack, a, b);
     case 2:
-      return MultiplyColumns<kA, 2>(columns, rows, stride, matrix, a, b,
-                                    triangle);
+      return MultiplyColumns<kA, 2>(stack, a, b);
     case 1:
-      return MultiplyColumns<kA, 1>(columns, rows, stride, matrix, a, b,
-                                    triangle);
+      return MultiplyColumns<kA, 1>(stack, a, b);
     default:
       return;
   }
 }
 
-void AddProducts(int columns, int rows, std::size_t stride,
-                 const double* matrix, double* triangle) {
-  const auto height = static_cast<std::size_t>(rows);
+void AddProducts(int columns, int rows, std::size_t stride, double* matrix,
+                 double* triangle) {
+  const Stack stack = {columns, static_cast<std::size_t>(rows), stride, matrix,
+                       triangle};
   int a = 0;
-  for (; a + 4 <= columns; a += 4) {
-    MultiplyFrom<4>(columns, height, stride, matrix, a, triangle);
-  }
+  for (; a + 4 <= columns; a += 4) MultiplyFrom<4>(stack, a);
   switch (columns - a) {
     case 3:
-      return MultiplyFrom<3>(columns, height, stride, matrix, a, triangle);
+      return MultiplyFrom<3>(stack, a);
     case 2:
-      return MultiplyFrom<2>(columns, height, stride, matrix, a, triangle);
+      return MultiplyFrom<2>(stack, a);
     case 1:
-      return MultiplyFrom<1>(columns, height, stride, matrix, a, triangle);
+      return MultiplyFrom<1>(stack, a);
     default:
       return;
   }
@@ -397,8 +404,8 @@ void MergeLanes(int columns, double* triangle, double* work,
   }
 }
 
-void AddProducts(int columns, int rows, std::size_t stride,
-                 const double* matrix, double* triangle) {
+void AddProducts(int columns, int rows, std::size_t stride, double* matrix,
+                 double* triangle) {
   HWY_DYNAMIC_DISPATCH(AddProducts)(columns, rows, stride, matrix, triangle);
 }
 

@@ -37,10 +37,10 @@ std::size_t MergeSize(int columns);
 void MergeLanes(int columns, double* triangle, double* work,
                 Eigen::MatrixXd* factor);
 
-/// triangle <- triangle + matrix^T matrix, lane by lane. About
-/// rows columns^2 / 2 multiply-adds of vectors.
-void AddProducts(int columns, int rows, std::size_t stride,
-                 const double* matrix, double* triangle);
+/// triangle <- triangle + matrix^T matrix, lane by lane; the matrix stays.
+/// About rows columns^2 / 2 multiply-adds of vectors.
+void AddProducts(int columns, int rows, std::size_t stride, double* matrix,
+                 double* triangle);
 
 /// The sum of all lanes, columns x columns; its upper triangle is filled.
 void SumLanes(int columns, const double* triangle, Eigen::MatrixXd* sum);

@@ -47,6 +47,7 @@ void Part::AddCost(const std::vector<RobustLoss>& losses, bool scales_rows,
   alignas(64) std::array<double, kTile> norms;
   const kernel::TileSums sums = kernel::SumTile(
       rows->height(), rows->residual(), rows->lengths(), norms.data());
+  // NaN may be lost here; the cost is then NaN, and nobody asks for more.
   largest_ = std::max(largest_, sums.largest_length);
   squares_ += sums.squared_lengths;
   if (losses.empty()) {
@@ -103,16 +104,15 @@ PartedData::PartedData(const MeasurementModel& model, const Dataset& data,
   }
 }
 
-TileRows* PartedData::TakeRows() {
-  const std::lock_guard<std::mutex> lock(free_rows_mutex_);
-  TileRows* const rows = free_rows_.back();
-  free_rows_.pop_back();
-  return rows;
+PartedData::BorrowedRows::BorrowedRows(PartedData* owner) : owner_(owner) {
+  const std::lock_guard<std::mutex> lock(owner_->free_rows_mutex_);
+  rows_ = owner_->free_rows_.back();
+  owner_->free_rows_.pop_back();
 }
 
-void PartedData::ReturnRows(TileRows* rows) {
-  const std::lock_guard<std::mutex> lock(free_rows_mutex_);
-  free_rows_.push_back(rows);
+PartedData::BorrowedRows::~BorrowedRows() {
+  const std::lock_guard<std::mutex> lock(owner_->free_rows_mutex_);
+  owner_->free_rows_.push_back(rows_);
 }
 
 void PartedData::MergeTriangles(Eigen::MatrixXd* factor) {

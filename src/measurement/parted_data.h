@@ -68,13 +68,12 @@ class PartedData {
                                                std::int64_t end) {
       Part& part = parts_[begin / part_size_];
       part.Reset();
-      TileRows* const rows = TakeRows();
+      const BorrowedRows rows(this);
       for (std::int64_t tile = begin; tile < end; ++tile) {
         tiles_.Prefetch(tile + 1);
         rows->Evaluate(constants_, columns, tile);
-        visit(&part, rows);
+        visit(&part, rows.get());
       }
-      ReturnRows(rows);
     };
     // By reference, so that std::function need not allocate.
     ParallelFor(model_.num_threads(), tiles_.size(), part_size_,
@@ -91,10 +90,22 @@ class PartedData {
   int width() const { return width_; }
 
  private:
-  // Rows that no other thread uses. As many as threads are enough, and they
-  // stay in the threads' caches whatever the number of parts.
-  TileRows* TakeRows();
-  void ReturnRows(TileRows* rows);
+  // Rows that no other thread uses, until the object is gone. As many as
+  // threads are enough, and they stay in the threads' caches whatever the
+  // number of parts.
+  class BorrowedRows {
+   public:
+    explicit BorrowedRows(PartedData* owner);
+    ~BorrowedRows();
+    BorrowedRows(const BorrowedRows&) = delete;
+    BorrowedRows& operator=(const BorrowedRows&) = delete;
+    TileRows* operator->() const { return rows_; }
+    TileRows* get() const { return rows_; }
+
+   private:
+    PartedData* const owner_;
+    TileRows* rows_;
+  };
 
   const MeasurementModel& model_;
   const Tiles tiles_;

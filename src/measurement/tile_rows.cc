@@ -44,9 +44,12 @@ void TileRows::ApplyWhiteners(std::int64_t tile) {
     if (whitener.size() == 0) continue;
     for (int column = 0; column <= num_derivatives(); ++column) {
       double* const first = rows() + stride() * column + lane;
-      for (int row = 0; row < height(); ++row) raw[row] = first[row * kTile];
       for (int row = 0; row < height(); ++row) {
-        first[row * kTile] = whitener.row(row).dot(raw.head(height()));
+        raw[row] = first[std::ptrdiff_t{row} * kTile];
+      }
+      for (int row = 0; row < height(); ++row) {
+        first[std::ptrdiff_t{row} * kTile] =
+            whitener.row(row).dot(raw.head(height()));
       }
     }
   }

@@ -1,5 +1,6 @@
 #include "tiles.h"
 
+#include <glog/logging.h>
 #include <hwy/cache_control.h>
 
 #ifdef __linux__
@@ -9,11 +10,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "alidade/base/parallel.h"
 #include "alidade/model/rotation.h"
-#include "kernel.h"
+#include "sine.h"
 
 namespace alidade {
 namespace {
@@ -22,20 +24,14 @@ namespace {
 constexpr std::int64_t kTilesPerBlock = 64;
 
 // Arrays that hold the measured values of an observation.
-int MeasuredArrays(MeasurementKind kind) {
+std::size_t MeasuredArrays(MeasurementKind kind) {
   return kind == MeasurementKind::kPose ? 12 : RowsOf(kind);
 }
 
-bool HasReference(MeasurementKind kind) {
-  switch (kind) {
-    case MeasurementKind::kDistance:
-    case MeasurementKind::kFixedPoint:
-    case MeasurementKind::kPlane:
-    case MeasurementKind::kPointDistance:
-      return true;
-    default:
-      return false;
-  }
+// Of a lane in an array of a tile.
+std::size_t IndexOf(int array, int lane) {
+  return static_cast<std::size_t>(array) * kTile +
+         static_cast<std::size_t>(lane);
 }
 
 // Arrays of sines and cosines of an observation's poses.
@@ -50,7 +46,9 @@ std::size_t JointArrays(MeasurementKind kind, std::size_t num_joints) {
 void AskForLargePages([[maybe_unused]] double* first,
                       [[maybe_unused]] std::size_t size) {
 #ifdef __linux__
+  constexpr std::size_t kWorthwhile = std::size_t{1} << 23;  // bytes
   constexpr std::uintptr_t kPage = 4096;
+  if (size * sizeof(double) < kWorthwhile) return;
   const auto begin = reinterpret_cast<std::uintptr_t>(first);
   const std::uintptr_t aligned = (begin + kPage - 1) / kPage * kPage;
   const std::uintptr_t end = begin + size * sizeof(double);
@@ -91,6 +89,7 @@ void Tiles::AddGroups(int block) {
   };
   const Eigen::Index size = observations.size();
   if (size == 0) return;
+  CHECK_LE(size, std::numeric_limits<std::int32_t>::max());
   bool uniform = true;
   for (Eigen::Index i = 1; i < size && uniform; ++i) uniform = key(i) == key(0);
   std::vector<std::int32_t>& order = orders_[block];
@@ -241,23 +240,26 @@ void Tiles::FillMeasured(const Group& group, Eigen::Index first, int count,
   const ObservationBlock& block = data_.blocks[group.block];
   const int rows = block.rows_each();
   std::fill(measured, measured + MeasuredArrays(block.kind) * kTile, 0.0);
-  std::fill(inverse_sigmas, inverse_sigmas + rows * kTile, 0.0);
+  std::fill(inverse_sigmas, inverse_sigmas + IndexOf(rows, 0), 0.0);
   for (int lane = 0; lane < count; ++lane) {
     const Eigen::Index i = InBlock(group, first + lane);
     const bool has_whitener =
         !block.whiteners.empty() && block.whiteners[i].size() > 0;
+    // What was not measured may be anything in the data, NaN too.
+    Eigen::Matrix<double, 6, 1> value = Eigen::Matrix<double, 6, 1>::Zero();
     for (int row = 0; row < rows; ++row) {
       const double sigma = block.sigmas(row, i);
       const bool is_measured = !std::isinf(sigma);
-      inverse_sigmas[row * kTile + lane] =
+      if (is_measured) value[row] = block.measured(row, i);
+      inverse_sigmas[IndexOf(row, lane)] =
           has_whitener ? (is_measured ? 1.0 : 0.0) : 1.0 / sigma;
-      if (row < 3) measured[row * kTile + lane] = block.measured(row, i);
+      if (row < 3) measured[IndexOf(row, lane)] = value[row];
     }
     if (block.kind != MeasurementKind::kPose) continue;
-    const Eigen::Vector3d vector = block.measured.col(i).tail<3>();
+    const Eigen::Vector3d vector = value.tail<3>();
     const Eigen::Matrix3d rotation = RotationFromVector<double>(vector);
     for (int k = 0; k < 9; ++k) {
-      measured[(3 + k) * kTile + lane] = rotation(k / 3, k % 3);
+      measured[IndexOf(3 + k, lane)] = rotation(k / 3, k % 3);
     }
   }
 }

@@ -34,8 +34,8 @@ struct Tile {
   /// An array for each row (m); of kPose three of the position (m) and nine of
   /// the measured rotation matrix, row by row.
   const double* measured = nullptr;
-  /// An array for each row: 1 / sigma, 0 where the row was not measured; ones
-  /// instead of 1 / sigma where the block has whiteners.
+  /// An array for each row: 1 / sigma, 0 where the row was not measured; 1
+  /// instead of 1 / sigma for observations with a whitener.
   const double* inverse_sigmas = nullptr;
 };
 
@@ -57,8 +57,8 @@ class Tiles {
   /// @pre scratch: scratch_size() doubles, aligned to 64 bytes.
   Tile Get(std::int64_t tile, double* scratch) const;
 
-  /// Asks for a tile's memory, so that it is there when Get needs it. Any
-  /// number will do.
+  /// Asks for a tile's memory, so that it is there when Get needs it. One
+  /// behind the last tile will do. @pre tile >= 0.
   void Prefetch(std::int64_t tile) const;
 
   /// The observation of the tile's block in lane `lane` of the tile.

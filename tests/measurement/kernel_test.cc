@@ -11,6 +11,7 @@
 #include "alidade/base/random.h"
 #include "alidade/measurement/compression.h"
 #include "alidade/measurement/measurement_model.h"
+#include "src/measurement/sine.h"
 #include "src/measurement/tiles.h"
 #include "tests/support/random_measurements.h"
 #include "tests/support/vector_targets.h"

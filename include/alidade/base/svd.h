@@ -17,7 +17,8 @@ struct Svd {
 /// factor, which keep small singular values to high relative accuracy (Demmel
 /// and Veselic 1992, "Jacobi's method is more accurate than QR"). Here once,
 /// since Eigen's templates take a minute to compile in every source.
-/// O(rows columns^2). @pre rows >= columns >= 1, all finite.
+/// Where the matrix is not finite, all is NaN. O(rows columns^2).
+/// @pre rows >= columns >= 1.
 Svd ComputeSvd(const Eigen::MatrixXd& matrix);
 
 /// Only the values, of a matrix of any shape; empty for an empty one.

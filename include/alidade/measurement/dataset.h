@@ -35,6 +35,9 @@ const char* NameOf(MeasurementKind kind);
 /// Whether the position of the target itself is measured: kPosition, kPose.
 bool HoldsPosition(MeasurementKind kind);
 
+/// Whether an observation names a reference point or plane.
+bool HasReference(MeasurementKind kind);
+
 /// Rows of one observation: 3, 6 or 1.
 int RowsOf(MeasurementKind kind);
 
