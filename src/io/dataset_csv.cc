@@ -2,7 +2,7 @@
 
 #include "alidade/base/error.h"
 #include "src/io/csv_columns.h"
-#include "src/io/dataset_reader.h"
+#include "src/io/load_data.h"
 #include "src/io/names.h"
 #include "src/io/row_reader.h"
 
@@ -17,16 +17,19 @@ constexpr double kTargetSize = 0.2;
 double DefaultRotationSigma(double sigma) { return sigma / kTargetSize; }
 
 LoadedData LoadData(const std::string& path, const Arm& arm,
-                    const DataFormat& format, References* references) {
-  return DatasetReader(path, arm, format, references).Read();
+                    const DataFormat& format, References* references,
+                    int num_threads) {
+  ReadOptions options;
+  options.num_threads = num_threads;
+  return LoadDataWith({path, arm, format}, references, options);
 }
 
 Dataset LoadDataset(const std::string& path, const Arm& arm,
-                    double default_sigma) {
+                    double default_sigma, int num_threads) {
   DataFormat format;
   format.sigma = default_sigma;
   References references;
-  LoadedData loaded = LoadData(path, arm, format, &references);
+  LoadedData loaded = LoadData(path, arm, format, &references, num_threads);
   std::vector<std::string> names;
   for (const ReferencePoint& point : references.points) {
     names.push_back(point.name);
@@ -43,7 +46,7 @@ Dataset LoadDataset(const std::string& path, const Arm& arm,
 }
 
 Eigen::MatrixXd LoadJointValues(const std::string& path, const Arm& arm) {
-  RowReader rows(path, arm, JointColumns(arm), true);
+  RowReader rows(MappedFile(path), arm, JointColumns(arm), true);
   std::vector<double> motors;
   while (rows.Next()) {
     for (int j = 0; j < arm.num_joints(); ++j) motors.push_back(rows.Number(j));
