@@ -37,11 +37,10 @@ std::vector<Command> FileCommands() {
       {"convert",
        "IN OUT --arm=ARM.yaml",
        "turn a data set from CSV into a NumPy array, or back",
-       "The names' endings, .csv and .npy, say which way. Arrays are read "
-       "some\n"
-       "ten times faster; numbers are kept to the last bit, orientations to\n"
-       "rounding, as rotation vectors. Targets, sets and other kinds of\n"
-       "measurement than positions and orientations are refused.",
+       "The names' endings, .csv and .npy, say which way. Arrays are read\n"
+       "several times faster. Numbers are kept to the last bit, orientations,\n"
+       "as rotation vectors, to rounding. Several targets, sets and other\n"
+       "kinds of measurement than positions and orientations are refused.",
        {"arm"},
        2,
        2,

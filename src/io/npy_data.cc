@@ -22,6 +22,7 @@
 namespace alidade {
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // Little endian, at any address; compilers make one instruction of it.
@@ -109,6 +110,7 @@ class PlainRecords {
                const ReadOptions& options)
       : records_(records),
         layout_(layout),
+        numbers_(NumbersOf(layout)),
         num_threads_(options.num_threads),
         block_(std::max<std::int64_t>(
             1, options.chunk_bytes /
@@ -137,20 +139,39 @@ class PlainRecords {
   }
 
  private:
+  // A column of numbers. Without a branch where it matters: all cells of nearly
+  // all rows are above `lowest` and finite.
+  struct Number {
+    std::size_t column;
+    std::size_t slot;
+    Unit unit;
+    CellRule rule;
+    double lowest;
+  };
+
+  static std::vector<Number> NumbersOf(const PlainLayout& layout) {
+    std::vector<Number> numbers;
+    for (std::size_t c = 0; c < layout.columns.size(); ++c) {
+      const PlainColumn& column = layout.columns[c];
+      if (column.use != PlainColumn::Use::kNumber) continue;
+      numbers.push_back(
+          {c, static_cast<std::size_t>(column.slot), column.unit, column.rule,
+           column.rule == CellRule::kPositive ? 0.0 : -kInfinity});
+    }
+    return numbers;
+  }
+
   bool ReadBlock(std::int64_t begin, std::int64_t end) {
     std::vector<double> row = layout_.defaults;
     for (std::int64_t i = begin; i < end; ++i) {
-      for (std::size_t c = 0; c < layout_.columns.size(); ++c) {
-        const PlainColumn& column = layout_.columns[c];
-        if (column.use != PlainColumn::Use::kNumber) continue;
-        const double number = records_.Number(i, c);
-        const double value = InSi(number, column.unit);
-        if (!IsPlain(value, column.rule) ||
-            std::isnan(value) != std::isnan(number)) {
-          return false;
-        }
-        row[static_cast<std::size_t>(column.slot)] = value;
+      bool is_measured = true;
+      for (const Number& number : numbers_) {
+        const double value =
+            InSi(records_.Number(i, number.column), number.unit);
+        is_measured &= value > number.lowest && value < kInfinity;
+        row[number.slot] = value;
       }
+      if (!is_measured && !MayStay(i, row)) return false;
       const PlainRows::State state = rows_.Set(i, row.data());
       if (state == PlainRows::State::kDoubtful) return false;
       if (state == PlainRows::State::kNothing) {
@@ -161,8 +182,19 @@ class PlainRecords {
     return true;
   }
 
+  // Of a row some of whose cells are NaN, or wrong.
+  bool MayStay(std::int64_t i, const std::vector<double>& row) const {
+    return std::all_of(
+        numbers_.begin(), numbers_.end(), [&](const Number& number) {
+          const double value = row[number.slot];
+          const bool was_nan = std::isnan(records_.Number(i, number.column));
+          return IsPlain(value, number.rule) && std::isnan(value) == was_nan;
+        });
+  }
+
   const Records& records_;
   const PlainLayout& layout_;
+  const std::vector<Number> numbers_;
   const int num_threads_;
   const std::int64_t block_;
   PlainRows rows_;

@@ -112,9 +112,12 @@ struct Description {
 };
 
 std::string ShapeText(const std::vector<std::int64_t>& shape) {
-  std::string text = "(";
-  for (const std::int64_t size : shape) text += std::to_string(size) + ",";
-  return text + ")";
+  if (shape.size() == 1) return "(" + std::to_string(shape[0]) + ",)";
+  std::string text;
+  for (const std::int64_t size : shape) {
+    text += (text.empty() ? "" : ", ") + std::to_string(size);
+  }
+  return "(" + text + ")";
 }
 
 // The header that is made of the names must split into them again.

@@ -1,7 +1,10 @@
 #include "src/io/plain_rows.h"
 
+#include <sys/mman.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
@@ -11,6 +14,24 @@ namespace alidade {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Asks for large pages below a large matrix that nothing was written to yet.
+// With small ones, most of the time of filling it is the system's, which
+// provides and clears one page after the other. Only a hint.
+void AskForLargePages(const Eigen::MatrixXd& matrix) {
+#ifdef MADV_HUGEPAGE
+  constexpr std::uintptr_t kPage = 1 << 21;
+  const auto begin = reinterpret_cast<std::uintptr_t>(matrix.data());
+  const std::uintptr_t end =
+      begin + sizeof(double) * static_cast<std::uintptr_t>(matrix.size());
+  const std::uintptr_t first = (begin + kPage - 1) / kPage * kPage;
+  if (first + kPage > end) return;
+  (void)madvise(reinterpret_cast<void*>(first), (end - first) / kPage * kPage,
+                MADV_HUGEPAGE);
+#else
+  (void)matrix;
+#endif
+}
 
 // A matrix keeps its columns `kept`, in their order.
 void KeepColumns(const std::vector<Eigen::Index>& kept,
@@ -42,10 +63,16 @@ PlainRows::PlainRows(const PlainLayout& layout, Eigen::Index size)
       targets_(layout.has_target || layout.target != 0 ? size : 0,
                layout.target),
       sets_(layout.has_set ? size : 0),
-      sources_(static_cast<std::size_t>(size)) {}
+      sources_(static_cast<std::size_t>(size)) {
+  for (const Eigen::MatrixXd* matrix : {&motors_, &measured_, &sigmas_}) {
+    AskForLargePages(*matrix);
+  }
+}
 
 PlainRows::State PlainRows::Set(Eigen::Index i, const double* row) {
-  std::copy_n(row, layout_.num_joints(), &motors_(0, i));
+  // A call of memmove for a handful of numbers takes longer than the loop.
+  double* const motors = &motors_(0, i);
+  for (int j = 0; j < layout_.num_joints(); ++j) motors[j] = row[j];
   const double* const position = row + layout_.slots.position;
   const double* const sigma = row + layout_.slots.position_sigma;
   int count = 0;
