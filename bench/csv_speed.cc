@@ -92,9 +92,8 @@ void Read(benchmark::State& state, Text text, bool is_careful) {
   // Of all threads.
   const double cpu_s =
       static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-  state.counters["MB/s"] =
-      benchmark::Counter(bytes / 1e6, benchmark::Counter::kIsRate);
-  state.counters["MB/s/core"] = bytes / 1e6 / cpu_s;
+  state.SetBytesProcessed(static_cast<std::int64_t>(bytes));
+  state.counters["MB_per_core_second"] = bytes / 1e6 / cpu_s;
   state.SetItemsProcessed(state.iterations() * kPoses);
 }
 

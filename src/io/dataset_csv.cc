@@ -1,9 +1,13 @@
 #include "alidade/io/dataset_csv.h"
 
+#include <utility>
+
 #include "alidade/base/error.h"
+#include "alidade/io/dataset_npy.h"
 #include "src/io/csv_columns.h"
 #include "src/io/load_data.h"
 #include "src/io/names.h"
+#include "src/io/npy_data.h"
 #include "src/io/row_reader.h"
 
 namespace alidade {
@@ -11,6 +15,20 @@ namespace {
 
 // Of a target whose orientation is measured (m).
 constexpr double kTargetSize = 0.2;
+
+Eigen::MatrixXd ReadJointValues(MappedFile file, const Arm& arm) {
+  RowReader rows(std::move(file), arm, JointColumns(arm), true);
+  std::vector<double> motors;
+  while (rows.Next()) {
+    for (int j = 0; j < arm.num_joints(); ++j) motors.push_back(rows.Number(j));
+  }
+  if (rows.row() == 0) {
+    rows.Fail("no rows behind the header, expected one for every pose");
+  }
+  return JointsFromMotors(
+      arm, Eigen::Map<const Eigen::MatrixXd>(motors.data(), arm.num_joints(),
+                                             rows.row()));
+}
 
 }  // namespace
 
@@ -46,17 +64,13 @@ Dataset LoadDataset(const std::string& path, const Arm& arm,
 }
 
 Eigen::MatrixXd LoadJointValues(const std::string& path, const Arm& arm) {
-  RowReader rows(MappedFile(path), arm, JointColumns(arm), true);
-  std::vector<double> motors;
-  while (rows.Next()) {
-    for (int j = 0; j < arm.num_joints(); ++j) motors.push_back(rows.Number(j));
+  if (!IsNpy(path)) return ReadJointValues(MappedFile(path), arm);
+  MappedFile text(path, NpyAsCsv(path));
+  try {
+    return ReadJointValues(std::move(text), arm);
+  } catch (const InputError& error) {
+    throw InArray(error);
   }
-  if (rows.row() == 0) {
-    rows.Fail("no rows behind the header, expected one for every pose");
-  }
-  return JointsFromMotors(
-      arm, Eigen::Map<const Eigen::MatrixXd>(motors.data(), arm.num_joints(),
-                                             rows.row()));
 }
 
 }  // namespace alidade

@@ -10,7 +10,7 @@
 
 namespace alidade {
 
-/// A data set's file and what is to be known to read it.
+/// A data set's file and what is to be known to read it. Must not outlive them.
 struct DataFile {
   const std::string& path;
   const Arm& arm;

@@ -242,15 +242,19 @@ LoadedData Read(const DataFile& file, const Records& records,
   return loaded;
 }
 
-// Where it is in the array instead of the CSV that was made of it.
+}  // namespace
+
+std::string NpyAsCsv(const std::string& path) {
+  const MappedFile mapped(path);
+  return Records(path, mapped.text()).AsCsv();
+}
+
 InputError InArray(const InputError& error) {
   SourceLocation location = error.location();
   location.line = std::max(0, location.line - 1);
   location.column = 0;
   return InputError(location, error.message());
 }
-
-}  // namespace
 
 LoadedData LoadNpy(const DataFile& file, References* references,
                    const ReadOptions& options) {

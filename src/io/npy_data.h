@@ -1,6 +1,9 @@
 #ifndef ALIDADE_SRC_IO_NPY_DATA_H_
 #define ALIDADE_SRC_IO_NPY_DATA_H_
 
+#include <string>
+
+#include "alidade/base/error.h"
 #include "alidade/io/dataset_csv.h"
 #include "alidade/measurement/references.h"
 #include "src/io/load_data.h"
@@ -17,6 +20,13 @@ namespace alidade {
 /// 1. @throws InputError.
 LoadedData LoadNpy(const DataFile& file, References* references,
                    const ReadOptions& options);
+
+/// The array as the text of a CSV, for readers that go row by row.
+/// @throws InputError.
+std::string NpyAsCsv(const std::string& path);
+
+/// An error in that text, told by the array's rows instead of the text's lines.
+InputError InArray(const InputError& error);
 
 }  // namespace alidade
 

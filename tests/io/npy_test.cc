@@ -193,6 +193,19 @@ TEST(NpyTest, FastPathGivesTheBitsOfTheSameCsv) {
   }
 }
 
+TEST(NpyTest, JointValuesAreReadAlone) {
+  const TestDirectory directory;
+  const std::string path = directory.Write(
+      "data.npy",
+      Npy({"force", "q2_mm", "q1_deg"}, {{kNan, 3, 90}, {0, 4, 0}}));
+  const Eigen::MatrixXd joints = LoadJointValues(path, TwoJoints());
+  ASSERT_EQ(joints.cols(), 2);
+  EXPECT_EQ(joints.col(0), Eigen::Vector2d(kPi / 2.0, 0.003));
+  directory.Write("data.npy", Npy({"q2_mm", "q1_deg"}, {{3, 90}, {kNan, 0}}));
+  ExpectInputError([&] { LoadJointValues(path, TwoJoints()); },
+                   {2, 0, "q2_mm", "finite"});
+}
+
 struct BadFile {
   const char* name;
   std::string bytes;
