@@ -30,7 +30,7 @@ ExitStatus RunCalibrate(const CommandLine& line) {
   const std::string& path = line.files.front();
   ProgressLine progress;
   progress.Show("reading " + path);
-  JobConfig config = LoadJob(path);
+  JobConfig config = LoadJob(path, line.threads);
   ShowIterations(config.data.num_poses(), &progress, &config.solver_options);
   if (line.seed) config.identifiability.seed = *line.seed;
   const JobOutcome outcome = RunJob(config, line.text, line.threads);

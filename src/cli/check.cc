@@ -13,9 +13,11 @@ namespace {
 
 class Checker {
  public:
+  explicit Checker(int num_threads) : num_threads_(num_threads) {}
+
   /// One line about the file. @throws InputError.
   std::string Check(const std::string& path) {
-    if (IsCsv(path)) return CheckCsv(path);
+    if (IsDataFile(path)) return CheckData(path);
     switch (DetectFormat(path)) {
       case FileFormat::kArm:
         arm_ = LoadArm(path);
@@ -27,19 +29,21 @@ class Checker {
         LoadSimulation(path);
         return "simulation";
       case FileFormat::kJob:
-        return "job, " + std::to_string(LoadJob(path).data.num_poses()) +
+        return "job, " +
+               std::to_string(LoadJob(path, num_threads_).data.num_poses()) +
                " poses";
     }
     return "";
   }
 
  private:
-  std::string CheckCsv(const std::string& path) {
+  std::string CheckData(const std::string& path) {
     DataFormat format;
     format.sigma = kMillimetre;
     References references;
     const Dataset data =
-        LoadData(path, RequireArm(path), format, &references).data;
+        LoadData(path, RequireArm(path), format, &references, num_threads_)
+            .data;
     return "data set, " + std::to_string(data.num_poses()) + " poses of " +
            arm_->name;
   }
@@ -51,13 +55,14 @@ class Checker {
                      "it");
   }
 
+  const int num_threads_;
   std::optional<Arm> arm_;
 };
 
 }  // namespace
 
 ExitStatus RunCheck(const CommandLine& line) {
-  Checker checker;
+  Checker checker(line.threads);
   ExitStatus status = kExitDone;
   for (const std::string& path : line.files) {
     try {

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "alidade/io/dataset_npy.h"
+
 namespace alidade {
 namespace {
 
@@ -24,14 +26,25 @@ std::vector<Command> FileCommands() {
        RunShow},
       {"check",
        "FILE...",
-       "validate YAML and CSV files without running anything",
+       "validate YAML and data files without running anything",
        "Reads every file, and the files that jobs and simulations name, and\n"
-       "prints one line each. A CSV is read with the arm named before it. All\n"
+       "prints one line each. Data are read with the arm named before it. All\n"
        "files are looked at; the exit status is 2 where one is wrong.",
        {},
        1,
        kAnyNumber,
        RunCheck},
+      {"convert",
+       "IN OUT --arm=ARM.yaml",
+       "turn a data set from CSV into a NumPy array, or back",
+       "The names' endings, .csv and .npy, say which way. Arrays are read\n"
+       "several times faster. Numbers are kept to the last bit, orientations,\n"
+       "as rotation vectors, to rounding. Several targets, sets and other\n"
+       "kinds of measurement than positions and orientations are refused.",
+       {"arm"},
+       2,
+       2,
+       RunConvert},
       {"simulate",
        "SIMULATION.yaml",
        "write a data set from an arm, its deviations, poses and noise",
@@ -110,7 +123,8 @@ void PrintError(const std::string& message) {
   std::cerr << "alidade: " << message << std::endl;
 }
 
-bool IsCsv(const std::string& path) {
+bool IsDataFile(const std::string& path) {
+  if (IsNpy(path)) return true;
   if (path.size() < 4) return false;
   std::string ending = path.substr(path.size() - 4);
   std::transform(ending.begin(), ending.end(), ending.begin(),

@@ -20,6 +20,7 @@ enum ExitStatus {
 struct CommandLine {
   std::vector<std::string> files;
   std::string out;  ///< --out; empty = not given
+  std::string arm;  ///< --arm; empty = not given
   int threads = 1;
   std::optional<std::uint64_t> seed;
   std::string text;  ///< the whole command line, for the result
@@ -43,6 +44,7 @@ const std::vector<Command>& Commands();
 // One file each. All throw InputError for wrong input.
 ExitStatus RunShow(const CommandLine& line);
 ExitStatus RunCheck(const CommandLine& line);
+ExitStatus RunConvert(const CommandLine& line);
 ExitStatus RunSimulate(const CommandLine& line);
 ExitStatus RunIdentify(const CommandLine& line);
 ExitStatus RunCalibrate(const CommandLine& line);
@@ -52,8 +54,9 @@ ExitStatus RunValidate(const CommandLine& line);
 /// Prints "alidade: MESSAGE" on standard error.
 void PrintError(const std::string& message);
 
-/// True for names that end in ".csv", whatever their case.
-bool IsCsv(const std::string& path);
+/// True for names of data sets: they end in ".csv" or ".npy", whatever their
+/// case.
+bool IsDataFile(const std::string& path);
 
 }  // namespace alidade
 

@@ -11,7 +11,7 @@ namespace alidade {
 
 ExitStatus RunCompare(const CommandLine& line) {
   const std::string& path = line.files.front();
-  JobConfig config = LoadJob(path);
+  JobConfig config = LoadJob(path, line.threads);
   if (line.seed) {
     config.identifiability.seed = *line.seed;
     if (config.noise_study) config.noise_study->seed = *line.seed;

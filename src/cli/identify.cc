@@ -17,14 +17,15 @@ namespace {
 // data set that states none.
 constexpr double kAnySigma = kMillimetre;
 
-JobConfig LoadJobOrPair(const std::vector<std::string>& files) {
-  if (files.size() == 1) return LoadJob(files.front());
+JobConfig LoadJobOrPair(const CommandLine& line) {
+  const std::vector<std::string>& files = line.files;
+  if (files.size() == 1) return LoadJob(files.front(), line.threads);
   JobConfig config;
   config.arm = LoadArm(files[0]);
   DataFormat format;
   format.sigma = kAnySigma;
   LoadedData loaded =
-      LoadData(files[1], config.arm, format, &config.references);
+      LoadData(files[1], config.arm, format, &config.references, line.threads);
   config.data = std::move(loaded.data);
   config.rejected = std::move(loaded.rejected);
   return config;
@@ -33,7 +34,7 @@ JobConfig LoadJobOrPair(const std::vector<std::string>& files) {
 }  // namespace
 
 ExitStatus RunIdentify(const CommandLine& line) {
-  JobConfig config = LoadJobOrPair(line.files);
+  JobConfig config = LoadJobOrPair(line);
   if (line.seed) config.identifiability.seed = *line.seed;
   std::cout << config.arm.name << ", " << config.data.num_poses() << " poses\n"
             << FormatIdentifiability(IdentifyJob(config, line.threads));

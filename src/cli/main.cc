@@ -13,6 +13,7 @@
 #include "command.h"
 
 DEFINE_string(out, "", "where results are written");
+DEFINE_string(arm, "", "the arm that data are of");
 DEFINE_int32(threads, 1, "threads to work with; results do not depend on it");
 DEFINE_uint64(seed, 0, "seed of everything random, instead of the file's");
 DEFINE_int32(verbosity, 0, "0: warnings, 1: what is done, 2: details");
@@ -27,6 +28,7 @@ struct FlagHelp {
 
 const std::vector<FlagHelp>& FlagHelps() {
   static const std::vector<FlagHelp> kFlagHelps = {
+      {"arm", "--arm=ARM.yaml   the arm that the data are of"},
       {"out", "--out=PATH       where results are written"},
       {"seed",
        "--seed=N         seed of all that is drawn, instead of the "
@@ -183,6 +185,7 @@ ExitStatus RunCommand(const std::string& name,
   CheckLine(command, line);
   SetVerbosity();
   line.out = FLAGS_out;
+  line.arm = FLAGS_arm;
   line.threads = FLAGS_threads;
   return command.run(line);
 }

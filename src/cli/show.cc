@@ -112,8 +112,8 @@ void ShowDataset(const Arm& arm, const Dataset& data) {
   }
 }
 
-void ShowJob(const std::string& path) {
-  const JobConfig config = LoadJob(path);
+void ShowJob(const std::string& path, int num_threads) {
+  const JobConfig config = LoadJob(path, num_threads);
   std::cout << config.title << "\n\n";
   ShowArm(config.arm);
   std::cout << "\n";
@@ -135,17 +135,18 @@ ExitStatus RunShow(const CommandLine& line) {
   if (fs::is_directory(path)) path = (fs::path(path) / "result.json").string();
   if (fs::path(path).extension() == ".json") {
     ShowResult(path);
-  } else if (IsCsv(path)) {
+  } else if (IsDataFile(path)) {
     throw InputError({path, 0, 0, ""},
                      "a data set is shown with its arm: alidade show ARM.yaml "
                      "DATA.csv");
   } else if (DetectFormat(path) == FileFormat::kJob) {
-    ShowJob(path);
+    ShowJob(path, line.threads);
   } else if (line.files.size() == 1) {
     ShowArm(LoadArm(path));
   } else {
     const Arm arm = LoadArm(path);
-    ShowDataset(arm, LoadDataset(line.files[1], arm, kMillimetre));
+    ShowDataset(arm,
+                LoadDataset(line.files[1], arm, kMillimetre, line.threads));
   }
   return kExitDone;
 }

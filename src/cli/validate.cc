@@ -20,12 +20,13 @@ constexpr double kAnySigma = kMillimetre;
 
 Accuracy ValidateAgainst(const Arm& arm, const std::string& file,
                          const CommandLine& line) {
-  if (!IsCsv(file)) {
+  if (!IsDataFile(file)) {
     return CompareArms(arm, LoadArm(file), kRandomPoses,
                        line.seed.value_or(kDefaultSeed));
   }
   const MeasurementModel model(arm, line.threads);
-  return EvaluateAccuracy(model, LoadDataset(file, arm, kAnySigma),
+  return EvaluateAccuracy(model,
+                          LoadDataset(file, arm, kAnySigma, line.threads),
                           model.NominalValues());
 }
 

@@ -7,6 +7,7 @@
 
 #include "alidade/io/arm_file.h"
 #include "alidade/model/parameter_layout.h"
+#include "src/io/file_pattern.h"
 #include "src/io/names.h"
 
 namespace alidade {
@@ -116,6 +117,18 @@ Arm NamedFiles::ReadArm(const YamlValue& value) {
 void NamedFiles::Remember(const std::string& path) {
   if (std::find(paths_.begin(), paths_.end(), path) != paths_.end()) return;
   paths_.push_back(path);
+}
+
+std::vector<std::string> NamedFiles::Expand(const YamlValue& value) const {
+  const std::string path = Resolve(value);
+  if (!IsPattern(path)) return {path};
+  std::vector<std::string> found = MatchingFiles(path);
+  if (found.empty()) {
+    value.Fail("no file matches " + path +
+               ", expected one or more; '*' stands for any characters of a "
+               "file's name, not of a folder's");
+  }
+  return found;
 }
 
 std::string NamedFiles::ExpandVariable(const YamlValue& value) {

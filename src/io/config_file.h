@@ -52,6 +52,21 @@ class NamedFiles {
     }
   }
 
+  /// load(path) of every file that `value` names: one, or all that the '*' in
+  /// its name stands for, in the order of their names. @throws InputError, also
+  /// where there is none.
+  template <typename Load>
+  void ReadEach(const YamlValue& value, const Load& load) {
+    for (const std::string& path : Expand(value)) {
+      Remember(path);
+      try {
+        load(path);
+      } catch (const InputError& error) {
+        throw Explain(error, value);
+      }
+    }
+  }
+
   /// The arm that `value` names, and the files that it names. @throws
   /// InputError.
   Arm ReadArm(const YamlValue& value);
@@ -61,6 +76,7 @@ class NamedFiles {
 
  private:
   void Remember(const std::string& path);
+  std::vector<std::string> Expand(const YamlValue& value) const;
   static std::string ExpandVariable(const YamlValue& value);
   InputError Explain(const InputError& error, const YamlValue& value) const;
 

@@ -23,6 +23,18 @@ std::string_view Unquote(std::string_view cell) {
 
 }  // namespace
 
+std::string_view TakeLine(std::string_view* text) {
+  std::string_view line = text->substr(0, text->find('\n'));
+  text->remove_prefix(std::min(text->size(), line.size() + 1));
+  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  return line;
+}
+
+bool IsPassedOver(std::string_view line) {
+  const std::size_t first = line.find_first_not_of(kSpaces);
+  return first == std::string_view::npos || line[first] == '#';
+}
+
 CsvLines::CsvLines(const std::string& path, std::string_view text)
     : path_(path), rest_(text) {
   if (rest_.substr(0, kByteOrderMark.size()) == kByteOrderMark) {
@@ -32,12 +44,9 @@ CsvLines::CsvLines(const std::string& path, std::string_view text)
 
 bool CsvLines::Next() {
   while (!rest_.empty()) {
-    line_ = rest_.substr(0, rest_.find('\n'));
-    rest_.remove_prefix(std::min(rest_.size(), line_.size() + 1));
+    line_ = TakeLine(&rest_);
     ++line_number_;
-    if (!line_.empty() && line_.back() == '\r') line_.remove_suffix(1);
-    const std::string_view content = Trim(line_);
-    if (!content.empty() && content.front() != '#') return true;
+    if (!IsPassedOver(line_)) return true;
   }
   return false;
 }

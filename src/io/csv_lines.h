@@ -7,6 +7,13 @@
 
 namespace alidade {
 
+/// Takes the first line off `text` and returns it without its end: '\n', and
+/// one '\r' before it.
+std::string_view TakeLine(std::string_view* text);
+
+/// Whether the line is blank or begins with '#', so that it holds nothing.
+bool IsPassedOver(std::string_view line);
+
 /// Goes through the lines of a CSV text and splits them into cells. Blank lines
 /// and lines that begin with '#' are passed over; a byte-order mark and the
 /// carriage returns of Windows are accepted. Nothing is copied: `path` and
@@ -20,6 +27,8 @@ class CsvLines {
 
   std::string_view line() const { return line_; }
   int line_number() const { return line_number_; }  ///< from 1
+  /// The text behind the line.
+  std::string_view rest() const { return rest_; }
 
   /// The cells of the line, without the spaces and the double quotes around
   /// them. @throws InputError where a quote is not closed.

@@ -1,6 +1,7 @@
 #include "src/io/data_section.h"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <utility>
@@ -173,9 +174,32 @@ DataFormat ReadFormat(const YamlMap& map, const Units& units, const Arm& arm,
   return format;
 }
 
-// A path, or a map where more is to be said of the file.
-LoadedData ReadEntry(const YamlValue& value, const DataFormat& defaults,
-                     JobContext* context, JobConfig* job) {
+// All parts as one. A pose of a part without sets is in the set "".
+LoadedData Merge(std::vector<LoadedData> parts) {
+  LoadedData all;
+  std::vector<Dataset> data;
+  const bool has_sets =
+      std::any_of(parts.begin(), parts.end(),
+                  [](const LoadedData& part) { return !part.sets.empty(); });
+  for (LoadedData& part : parts) {
+    if (has_sets) {
+      part.sets.resize(static_cast<std::size_t>(part.data.num_poses()));
+      std::move(part.sets.begin(), part.sets.end(),
+                std::back_inserter(all.sets));
+    }
+    all.rejected.insert(all.rejected.end(), part.rejected.begin(),
+                        part.rejected.end());
+    data.push_back(std::move(part.data));
+  }
+  all.data = MergeDatasets(std::move(data));
+  return all;
+}
+
+// A path, or a map where more is to be said of the file; or of the files, where
+// the path is a pattern.
+void ReadEntry(const YamlValue& value, const DataFormat& defaults,
+               JobContext* context, JobConfig* job,
+               std::vector<LoadedData>* parts) {
   DataFormat format = defaults;
   std::optional<YamlValue> file;
   if (value.IsMap()) {
@@ -185,19 +209,10 @@ LoadedData ReadEntry(const YamlValue& value, const DataFormat& defaults,
     format = ReadFormat(map, context->units, job->arm, defaults);
     file = map.Required("file");
   }
-  return context->files.Read(
-      file.value_or(value), [&](const std::string& path) {
-        return LoadData(path, job->arm, format, &job->references);
-      });
-}
-
-// A pose of a file without sets is in the set "".
-void AppendSets(const LoadedData& part, std::vector<std::string>* sets) {
-  if (part.sets.empty()) {
-    sets->resize(sets->size() + part.data.num_poses());
-  } else {
-    sets->insert(sets->end(), part.sets.begin(), part.sets.end());
-  }
+  context->files.ReadEach(file.value_or(value), [&](const std::string& path) {
+    parts->push_back(LoadData(path, job->arm, format, &job->references,
+                              context->num_threads));
+  });
 }
 
 }  // namespace
@@ -226,21 +241,13 @@ LoadedData ReadData(const YamlValue& value, const MeasurementSigmas& sigmas,
   std::vector<YamlValue> entries = {value};
   if (value.IsList()) entries = value.List();
   if (entries.empty()) value.Fail("the list is empty, expected data sets");
-  std::vector<Dataset> parts;
-  LoadedData all;
-  bool has_sets = false;
+  std::vector<LoadedData> parts;
   for (const YamlValue& entry : entries) {
-    LoadedData part = ReadEntry(entry, defaults, context, job);
-    has_sets = has_sets || !part.sets.empty();
-    AppendSets(part, &all.sets);
-    job->rejected.insert(job->rejected.end(), part.rejected.begin(),
-                         part.rejected.end());
-    all.rejected.insert(all.rejected.end(), part.rejected.begin(),
-                        part.rejected.end());
-    parts.push_back(std::move(part.data));
+    ReadEntry(entry, defaults, context, job, &parts);
   }
-  if (!has_sets) all.sets.clear();
-  all.data = MergeDatasets(parts);
+  LoadedData all = Merge(std::move(parts));
+  job->rejected.insert(job->rejected.end(), all.rejected.begin(),
+                       all.rejected.end());
   return all;
 }
 

@@ -1,6 +1,7 @@
 #include "src/io/dataset_builder.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace alidade {
 namespace {
@@ -53,23 +54,95 @@ ObservationBlock MakeBlock(const std::vector<const Observation*>& observations,
   return block;
 }
 
-void AppendObservations(const ObservationBlock& block, int first_pose,
-                        std::vector<Observation>* observations) {
-  const bool is_difference = block.kind == MeasurementKind::kDifference;
-  for (Eigen::Index i = 0; i < block.size(); ++i) {
-    Observation observation;
-    observation.kind = block.kind;
-    observation.pose = block.pose(i) + first_pose;
-    observation.target = block.target(i);
-    if (!block.references.empty()) observation.reference = block.references[i];
-    if (!block.seconds.empty()) {
-      observation.second = block.seconds[i] + (is_difference ? first_pose : 0);
-    }
-    observation.measured = block.measured.col(i);
-    observation.sigmas = block.sigmas.col(i);
-    if (!block.whiteners.empty()) observation.whitener = block.whiteners[i];
-    observations->push_back(std::move(observation));
+// A block of a part, and the part's first pose among all.
+struct PartBlock {
+  const ObservationBlock* block = nullptr;
+  int first_pose = 0;
+};
+
+void AppendShifted(const std::vector<int>& from, int shift,
+                   std::vector<int>* to) {
+  const std::size_t first = to->size();
+  to->resize(first + from.size());
+  std::transform(from.begin(), from.end(),
+                 to->begin() + static_cast<std::ptrdiff_t>(first),
+                 [&](int value) { return value + shift; });
+}
+
+// The list of one part; of as many zeros where the part leaves it out.
+void AppendList(const std::vector<int>& from, Eigen::Index size, int shift,
+                std::vector<int>* to) {
+  if (from.empty()) {
+    to->resize(to->size() + static_cast<std::size_t>(size), 0);
+  } else {
+    AppendShifted(from, shift, to);
   }
+}
+
+void AppendPoses(const PartBlock& part, std::vector<int>* poses) {
+  if (!part.block->poses.empty()) {
+    AppendShifted(part.block->poses, part.first_pose, poses);
+    return;
+  }
+  const auto size = static_cast<int>(part.block->size());
+  for (int i = 0; i < size; ++i) poses->push_back(part.first_pose + i);
+}
+
+// Kinds stay in the order that they first come in.
+void AddToKind(const PartBlock& part,
+               std::vector<std::vector<PartBlock>>* by_kind) {
+  for (std::vector<PartBlock>& blocks : *by_kind) {
+    if (blocks.front().block->kind != part.block->kind) continue;
+    blocks.push_back(part);
+    return;
+  }
+  by_kind->push_back({part});
+}
+
+// Blocks of one kind, one after the other.
+ObservationBlock MergeBlocks(const std::vector<PartBlock>& parts,
+                             Eigen::Index num_poses) {
+  ObservationBlock all;
+  all.kind = parts.front().block->kind;
+  const bool is_difference = all.kind == MeasurementKind::kDifference;
+  Eigen::Index size = 0;
+  bool has_target = false;
+  bool has_whitener = false;
+  for (const PartBlock& part : parts) {
+    size += part.block->size();
+    const auto is_other = [](int target) { return target != 0; };
+    const std::vector<int>& targets = part.block->targets;
+    has_target =
+        has_target || std::any_of(targets.begin(), targets.end(), is_other);
+    has_whitener = has_whitener || !part.block->whiteners.empty();
+  }
+  all.measured.resize(all.rows_each(), size);
+  all.sigmas.resize(all.rows_each(), size);
+  Eigen::Index first = 0;
+  for (const PartBlock& part : parts) {
+    const ObservationBlock& block = *part.block;
+    all.measured.middleCols(first, block.size()) = block.measured;
+    all.sigmas.middleCols(first, block.size()) = block.sigmas;
+    first += block.size();
+    AppendPoses(part, &all.poses);
+    if (has_target) AppendList(block.targets, block.size(), 0, &all.targets);
+    if (HasReference(all.kind)) {
+      AppendList(block.references, block.size(), 0, &all.references);
+    }
+    if (HasSecond(all.kind)) {
+      AppendList(block.seconds, block.size(),
+                 is_difference ? part.first_pose : 0, &all.seconds);
+    }
+    if (!has_whitener) continue;
+    all.whiteners.insert(all.whiteners.end(), block.whiteners.begin(),
+                         block.whiteners.end());
+    all.whiteners.resize(static_cast<std::size_t>(first));
+  }
+  if (all.kind == MeasurementKind::kPointDistance ||
+      CountsFromZero(all.poses, num_poses)) {
+    all.poses.clear();
+  }
+  return all;
 }
 
 }  // namespace
@@ -93,13 +166,13 @@ std::vector<ObservationBlock> MakeBlocks(
   return blocks;
 }
 
-Dataset MergeDatasets(const std::vector<Dataset>& parts) {
-  if (parts.size() == 1) return parts.front();
+Dataset MergeDatasets(std::vector<Dataset> parts) {
+  if (parts.size() == 1) return std::move(parts.front());
   Dataset all;
   Eigen::Index num_poses = 0;
   for (const Dataset& part : parts) num_poses += part.num_poses();
   all.joint_values.resize(parts.front().num_joints(), num_poses);
-  std::vector<Observation> observations;
+  std::vector<std::vector<PartBlock>> by_kind;
   Eigen::Index first = 0;
   for (const Dataset& part : parts) {
     all.name += (all.name.empty() ? "" : ", ") + part.name;
@@ -110,11 +183,14 @@ Dataset MergeDatasets(const std::vector<Dataset>& parts) {
     }
     all.files.insert(all.files.end(), part.files.begin(), part.files.end());
     for (const ObservationBlock& block : part.blocks) {
-      AppendObservations(block, static_cast<int>(first), &observations);
+      if (block.size() == 0) continue;
+      AddToKind({&block, static_cast<int>(first)}, &by_kind);
     }
     first += part.num_poses();
   }
-  all.blocks = MakeBlocks(observations, num_poses);
+  for (const std::vector<PartBlock>& blocks : by_kind) {
+    all.blocks.push_back(MergeBlocks(blocks, num_poses));
+  }
   return all;
 }
 

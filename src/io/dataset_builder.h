@@ -29,8 +29,9 @@ std::vector<ObservationBlock> MakeBlocks(
     const std::vector<Observation>& observations, Eigen::Index num_poses);
 
 /// All poses and observations of `parts`, in their order; a pose's file is
-/// counted on. @pre as many joints in each.
-Dataset MergeDatasets(const std::vector<Dataset>& parts);
+/// counted on. Matrices are copied part by part, at the speed of memory. @pre
+/// as many joints in each.
+Dataset MergeDatasets(std::vector<Dataset> parts);
 
 }  // namespace alidade
 

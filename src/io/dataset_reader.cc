@@ -7,15 +7,16 @@
 #include <limits>
 #include <utility>
 
-#include "alidade/model/rotation.h"
 #include "src/io/names.h"
 #include "src/io/numbers.h"
+#include "src/io/orientation_cells.h"
+#include "src/io/plain_csv.h"
+#include "src/io/plain_rows.h"
 
 namespace alidade {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kQuaternionNorm = 1e-3;
 
 // Two of the angles turn about one axis there.
 constexpr char kGimbalLock[] =
@@ -35,19 +36,36 @@ std::optional<int> ParseCount(std::string_view text) {
 
 }  // namespace
 
-DatasetReader::DatasetReader(const std::string& path, const Arm& arm,
+DatasetReader::DatasetReader(MappedFile file, const Arm& arm,
                              const DataFormat& format, References* references)
     : arm_(arm),
       format_(format),
       references_(references),
       columns_(MakeDatasetColumns(arm, format)),
-      rows_(path, arm, columns_.specs, format.ignore_others, format.where),
+      rows_(std::move(file), arm, columns_.specs, format.ignore_others,
+            format.where),
       groups_(CheckColumns(columns_, format, arm, rows_)),
       rotation_sigma_(format.rotation_sigma > 0.0
                           ? format.rotation_sigma
                           : DefaultRotationSigma(format.sigma)) {}
 
-LoadedData DatasetReader::Read() {
+std::optional<PlainLayout> DatasetReader::Layout() const {
+  return MakePlainLayout({columns_, groups_, rows_}, arm_, format_,
+                         rotation_sigma_);
+}
+
+LoadedData DatasetReader::Read(const ReadOptions& options) {
+  if (!options.is_careful) {
+    if (const std::optional<PlainLayout> layout = Layout()) {
+      std::optional<LoadedData> loaded =
+          ReadPlainCsv(rows_, *layout, arm_, options);
+      if (loaded) return *std::move(loaded);
+    }
+  }
+  return ReadRows();
+}
+
+LoadedData DatasetReader::ReadRows() {
   while (rows_.Next()) ReadRow();
   if (read_.empty()) {
     rows_.Fail(rows_.row() == 0
@@ -123,7 +141,7 @@ void DatasetReader::ReadPositions() {
   }
   Observation::Rows measured(6);
   measured.head<3>() = position.value;
-  measured.tail<3>() = VectorFromRotation(ReadOrientation());
+  measured.tail<3>() = MeasuredVector(ReadOrientation());
   Add(MeasurementKind::kPose, ReadTarget(), 0, measured,
       StackNoise(PositionNoise(position), OrientationNoise()));
 }
@@ -221,23 +239,24 @@ bool DatasetReader::HasOrientation(int first, int count) const {
 Eigen::Matrix3d DatasetReader::ReadOrientation() const {
   if (groups_.quaternion) return ReadQuaternion();
   if (groups_.vector) {
-    return RotationFromVector<double>(ReadTriple(columns_.vector).value);
+    return RotationOfVector(ReadTriple(columns_.vector).value);
   }
   return RotationOf(*format_.rotation, ReadTriple(columns_.angles).value);
 }
 
 Eigen::Matrix3d DatasetReader::ReadQuaternion() const {
   const int first = columns_.quaternion;
-  Eigen::Quaterniond quaternion(rows_.Number(first), rows_.Number(first + 1),
-                                rows_.Number(first + 2),
-                                rows_.Number(first + 3));
-  const double norm = quaternion.norm();
-  if (!(std::abs(norm - 1.0) <= kQuaternionNorm)) {
-    rows_.FailCell(first, "the quaternion's norm is " + FormatShortest(norm) +
+  const Eigen::Vector4d wxyz(rows_.Number(first), rows_.Number(first + 1),
+                             rows_.Number(first + 2), rows_.Number(first + 3));
+  const std::optional<Eigen::Matrix3d> rotation = RotationOfQuaternion(wxyz);
+  if (!rotation) {
+    const Eigen::Quaterniond quaternion(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+    rows_.FailCell(first, "the quaternion's norm is " +
+                              FormatShortest(quaternion.norm()) +
                               ", expected 1 to within 0.001: are its columns "
                               "w, x, y, z?");
   }
-  return quaternion.normalized().toRotationMatrix();
+  return *rotation;
 }
 
 double DatasetReader::SigmaOr(int spec, double otherwise) const {
@@ -382,8 +401,7 @@ std::vector<int> DatasetReader::KeepRows(LoadedData* loaded) const {
   for (std::size_t i = 0; i < read_.size(); ++i) {
     const Row& row = read_[i];
     if (!is_kept[i]) {
-      loaded->rejected.push_back(
-          {rows_.path(), row.line, "nothing was measured"});
+      loaded->rejected.push_back({rows_.path(), row.line, kNothingMeasured});
       continue;
     }
     pose_of_row[i] = num_poses++;

@@ -13,6 +13,9 @@
 #include "src/io/covariance.h"
 #include "src/io/dataset_builder.h"
 #include "src/io/dataset_columns.h"
+#include "src/io/mapped_file.h"
+#include "src/io/plain_layout.h"
+#include "src/io/read_options.h"
 #include "src/io/row_reader.h"
 
 namespace alidade {
@@ -21,10 +24,15 @@ namespace alidade {
 class DatasetReader {
  public:
   /// Reads the header. The arguments must outlive the reader.
-  DatasetReader(const std::string& path, const Arm& arm,
-                const DataFormat& format, References* references);
+  DatasetReader(MappedFile file, const Arm& arm, const DataFormat& format,
+                References* references);
 
-  LoadedData Read();
+  /// To be called once.
+  LoadedData Read(const ReadOptions& options);
+
+  const RowReader& rows() const { return rows_; }
+  /// The layout of the file where it is plain, so that it can be read fast.
+  std::optional<PlainLayout> Layout() const;
 
  private:
   // Three numbers of one row, as far as they were measured.
@@ -49,6 +57,7 @@ class DatasetReader {
     SourceLocation named_at;
   };
 
+  LoadedData ReadRows();
   void ReadRow();
   void ReadPositions();
   void ReadTargetPositions();

@@ -3,7 +3,10 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "alidade/base/units.h"
 #include "alidade/io/dataset_csv.h"
@@ -11,9 +14,12 @@
 #include "src/io/dataset_columns.h"
 #include "src/io/names.h"
 #include "src/io/numbers.h"
+#include "src/io/observation_order.h"
 
 namespace alidade {
 namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Rounding must not leave "-0.0000".
 std::string FormatFixed(double value, int decimals) {
@@ -26,6 +32,22 @@ std::string FormatFixed(double value, int decimals) {
   return is_zero && text.front() == '-' ? text.substr(1) : text;
 }
 
+// A number of degrees that reads back to exactly `angle` (rad), the one with
+// the fewest decimals first; nothing where no double is near enough to do so.
+std::optional<double> ExactDegrees(double angle) {
+  const double degrees = angle / kDegree;
+  double power = 1.0;
+  for (int decimals = 0; decimals <= 15; ++decimals, power *= 10.0) {
+    const double candidate = std::round(degrees * power) / power;
+    if (candidate * kDegree == angle) return candidate;
+  }
+  for (const double candidate : {degrees, std::nextafter(degrees, -kInfinity),
+                                 std::nextafter(degrees, kInfinity)}) {
+    if (candidate * kDegree == angle) return candidate;
+  }
+  return std::nullopt;
+}
+
 class DatasetText {
  public:
   DatasetText(const Dataset& data, const Arm& arm, int joint_decimals,
@@ -34,25 +56,26 @@ class DatasetText {
         arm_(arm),
         motors_(MotorsFromJoints(arm, data.joint_values)),
         joint_decimals_(joint_decimals),
-        with_sigmas_(with_sigmas),
         has_orientations_(data.Has(MeasurementKind::kPose)),
-        has_targets_(arm.num_targets() > 1) {}
+        sigmas_(SigmaColumns(data, with_sigmas)),
+        has_targets_(arm.num_targets() > 1),
+        in_radians_(FindInexactJoints()) {}
 
   std::string Header() const {
     const DatasetColumns columns = MakeDatasetColumns(arm_, DataFormat());
     std::vector<std::pair<int, int>> groups = {{0, arm_.num_joints()},
                                                {columns.position, 3}};
     if (has_orientations_) groups.emplace_back(columns.vector, 3);
-    if (with_sigmas_) groups.emplace_back(columns.position_sigma, 3);
-    if (with_sigmas_ && has_orientations_) {
-      groups.emplace_back(columns.turn_sigma, 3);
-    }
+    if (sigmas_.positions) groups.emplace_back(columns.position_sigma, 3);
+    if (sigmas_.orientations) groups.emplace_back(columns.turn_sigma, 3);
     if (has_targets_) groups.emplace_back(columns.target, 1);
     std::string header;
     for (const auto& [first, count] : groups) {
       for (int i = first; i < first + count; ++i) {
         if (!header.empty()) header += ",";
-        header += FirstName(columns.specs[i]);
+        const ColumnSpec& spec = columns.specs[i];
+        header += i < arm_.num_joints() && in_radians_[i] ? spec.base + "_rad"
+                                                          : FirstName(spec);
       }
     }
     return header + "\n";
@@ -61,28 +84,70 @@ class DatasetText {
   std::string Row(const ObservationBlock& block, Eigen::Index i) const {
     std::string text;
     for (int j = 0; j < data_.num_joints(); ++j) {
-      const bool is_revolute = arm_.joints[j].type == JointType::kRevolute;
-      const double unit = is_revolute ? kDegree : kMillimetre;
       if (j > 0) text += ",";
-      text += FormatFixed(motors_(j, block.pose(i)) / unit, joint_decimals_);
+      text += JointText(j, motors_(j, block.pose(i)));
     }
-    AppendNumbers(block, block.measured.col(i), i, &text);
-    if (with_sigmas_) AppendNumbers(block, block.sigmas.col(i), i, &text);
+    AppendLengths(block, block.measured, i, &text);
+    if (has_orientations_) AppendAngles(block, block.measured, i, &text);
+    if (sigmas_.positions) AppendLengths(block, block.sigmas, i, &text);
+    if (sigmas_.orientations) AppendAngles(block, block.sigmas, i, &text);
     if (has_targets_) text += "," + arm_.targets[block.target(i)].name;
     return text + "\n";
   }
 
  private:
-  // Lengths, then angles; empty where nothing was measured.
-  void AppendNumbers(const ObservationBlock& block,
-                     const Eigen::VectorXd& numbers, Eigen::Index i,
-                     std::string* text) const {
-    const int size = has_orientations_ ? 6 : 3;
-    for (int row = 0; row < size; ++row) {
+  bool IsRevolute(int j) const {
+    return arm_.joints[j].type == JointType::kRevolute;
+  }
+
+  // Turning joints whose values degrees cannot state exactly, where all their
+  // digits are asked for.
+  std::vector<bool> FindInexactJoints() const {
+    std::vector<bool> in_radians(arm_.joints.size(), false);
+    for (int j = 0; j < arm_.num_joints(); ++j) {
+      if (joint_decimals_ != kFewestDigits || !IsRevolute(j)) continue;
+      for (Eigen::Index i = 0; i < motors_.cols() && !in_radians[j]; ++i) {
+        in_radians[j] = !ExactDegrees(motors_(j, i));
+      }
+    }
+    return in_radians;
+  }
+
+  std::string JointText(int j, double value) const {
+    if (joint_decimals_ != kFewestDigits) {
+      const double unit = IsRevolute(j) ? kDegree : kMillimetre;
+      return FormatFixed(value / unit, joint_decimals_);
+    }
+    if (!IsRevolute(j)) return FormatShifted(value, 3);
+    return FormatShifted(in_radians_[j] ? value : *ExactDegrees(value), 0);
+  }
+
+  static StatedSigmas SigmaColumns(const Dataset& data, bool with_sigmas) {
+    if (!with_sigmas) return {false, false};
+    StatedSigmas sigmas = FindStatedSigmas(data);
+    sigmas.orientations =
+        sigmas.orientations && data.Has(MeasurementKind::kPose);
+    return sigmas;
+  }
+
+  // Cells are empty where nothing was measured.
+  static void AppendLengths(const ObservationBlock& block,
+                            const Eigen::MatrixXd& numbers, Eigen::Index i,
+                            std::string* text) {
+    for (int row = 0; row < 3; ++row) {
       *text += ",";
-      if (row >= numbers.size() || std::isinf(block.sigmas(row, i))) continue;
-      *text += row < 3 ? FormatShifted(numbers[row], 3)
-                       : FormatShortest(numbers[row] / kDegree);
+      if (std::isinf(block.sigmas(row, i))) continue;
+      *text += FormatShifted(numbers(row, i), 3);
+    }
+  }
+
+  static void AppendAngles(const ObservationBlock& block,
+                           const Eigen::MatrixXd& numbers, Eigen::Index i,
+                           std::string* text) {
+    for (int row = 3; row < 6; ++row) {
+      *text += ",";
+      if (row >= numbers.rows() || std::isinf(block.sigmas(row, i))) continue;
+      *text += FormatShortest(numbers(row, i) / kDegree);
     }
   }
 
@@ -90,9 +155,10 @@ class DatasetText {
   const Arm& arm_;
   const Eigen::MatrixXd motors_;
   const int joint_decimals_;
-  const bool with_sigmas_;
   const bool has_orientations_;
+  const StatedSigmas sigmas_;
   const bool has_targets_;
+  const std::vector<bool> in_radians_;  // by joint
 };
 
 }  // namespace
@@ -108,7 +174,9 @@ std::string FormatDataset(const Dataset& dataset, const Arm& arm,
   text += rows.Header();
   for (const ObservationBlock& block : dataset.blocks) {
     CHECK(HoldsPosition(block.kind));
-    for (Eigen::Index i = 0; i < block.size(); ++i) text += rows.Row(block, i);
+  }
+  for (const ObservationRef& one : InOrderOfPoses(dataset)) {
+    text += rows.Row(*one.block, one.index);
   }
   return text;
 }

@@ -13,6 +13,7 @@ struct JobContext {
   YamlMap file;
   Units units;
   NamedFiles files;
+  int num_threads = 1;  ///< to read data sets with
 };
 
 /// @throws InputError at the map where the options are not valid.

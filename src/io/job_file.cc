@@ -283,14 +283,14 @@ void ReadNoiseStudy(const JobContext& context, JobConfig* job) {
   job->noise_study = study;
 }
 
-JobConfig Load(const std::string& path, bool with_validation) {
+JobConfig Load(const std::string& path, bool with_validation, int num_threads) {
   const YamlMap file =
       ReadConfigFile(path, FileFormat::kJob)
           .Map({"format", "title", "units", "arm", "data", "measurement",
                 "truth", "validation", "identifiability", "solver", "robust",
                 "compare_with", "acceptance", "published", "noise_study",
                 "references", "bounds"});
-  JobContext context{file, Units(file), NamedFiles(path)};
+  JobContext context{file, Units(file), NamedFiles(path), num_threads};
   JobConfig job;
   job.path = path;
   job.title = file.Required("title").Text();
@@ -317,8 +317,10 @@ const std::vector<std::string>& PublishedQuantityNames() {
   return *names;
 }
 
-JobConfig LoadJob(const std::string& path) { return Load(path, true); }
+JobConfig LoadJob(const std::string& path, int num_threads) {
+  return Load(path, true, num_threads);
+}
 
-JobConfig LoadWholeJob(const std::string& path) { return Load(path, false); }
+JobConfig LoadWholeJob(const std::string& path) { return Load(path, false, 1); }
 
 }  // namespace alidade

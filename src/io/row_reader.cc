@@ -4,7 +4,6 @@
 #include <limits>
 #include <optional>
 
-#include "alidade/io/files.h"
 #include "src/io/names.h"
 #include "src/io/numbers.h"
 
@@ -36,12 +35,11 @@ bool IsNotMeasured(std::string_view cell) {
   return lower(0) == 'n' && lower(1) == 'a' && lower(2) == 'n';
 }
 
-RowReader::RowReader(const std::string& path, const Arm& arm,
+RowReader::RowReader(MappedFile file, const Arm& arm,
                      std::vector<ColumnSpec> specs, bool ignore_others,
                      const Filter& where)
-    : path_(path),
-      text_(ReadFile(path)),
-      lines_(path_, text_),
+    : file_(std::move(file)),
+      lines_(file_.path(), file_.text()),
       arm_(arm),
       specs_(std::move(specs)),
       ignore_others_(ignore_others),
@@ -54,12 +52,13 @@ RowReader::RowReader(const std::string& path, const Arm& arm,
 }
 
 void RowReader::RefuseOtherEncodings() const {
-  const std::string mark = text_.substr(0, 2);
+  const std::string_view text = file_.text();
+  const std::string_view mark = text.substr(0, 2);
   if (mark == "\xff\xfe" || mark == "\xfe\xff") {
     lines_.Fail(
         "the text is UTF-16, expected UTF-8: save the file as \"CSV UTF-8\"");
   }
-  if (text_.find('\0') != std::string::npos) {
+  if (text.find('\0') != std::string_view::npos) {
     lines_.Fail("not a text file, expected comma-separated values");
   }
 }
@@ -240,7 +239,7 @@ std::string_view RowReader::Text(int spec) const {
 
 SourceLocation RowReader::CellLocation(int spec) const {
   SourceLocation location;
-  location.file = path_;
+  location.file = path();
   location.line = lines_.line_number();
   if (!Has(spec)) return location;
   location.column = lines_.ColumnOf(cells_[columns_of_[spec]].data());

@@ -10,6 +10,7 @@
 #include "alidade/model/arm.h"
 #include "src/io/csv_columns.h"
 #include "src/io/csv_lines.h"
+#include "src/io/mapped_file.h"
 
 namespace alidade {
 
@@ -20,12 +21,18 @@ class RowReader {
   /// Texts that rows must have to be read: column, cell.
   using Filter = std::vector<std::pair<std::string, std::string>>;
 
+  /// A column of the file.
+  struct Column {
+    std::string name;
+    int spec = -1;  ///< -1 = passed over
+    const Unit* unit = nullptr;
+  };
+
   /// Reads the header. The joints come first in `specs`. @throws InputError
   /// where a column of the file is unknown (unless others are ignored) or
   /// repeated, its unit does not fit, or a required one is missing.
-  RowReader(const std::string& path, const Arm& arm,
-            std::vector<ColumnSpec> specs, bool ignore_others,
-            const Filter& where = {});
+  RowReader(MappedFile file, const Arm& arm, std::vector<ColumnSpec> specs,
+            bool ignore_others, const Filter& where = {});
   RowReader(const RowReader&) = delete;
   RowReader& operator=(const RowReader&) = delete;
 
@@ -40,7 +47,11 @@ class RowReader {
   /// The cell's text; empty where there is no such column.
   std::string_view Text(int spec) const;
 
-  const std::string& path() const { return path_; }
+  const std::string& path() const { return file_.path(); }
+  /// The columns of the file, in its order.
+  const std::vector<Column>& columns() const { return columns_; }
+  /// What stands behind the line that was read last (the header, at first).
+  std::string_view rest() const { return lines_.rest(); }
   int line() const { return lines_.line_number(); }
   /// Number of the row in the file, counted from 1; those that the filter
   /// leaves out count too.
@@ -57,13 +68,6 @@ class RowReader {
                          const std::string& column = "") const;
 
  private:
-  // A column of the file.
-  struct Column {
-    std::string name;
-    int spec = -1;  // -1 = passed over
-    const Unit* unit = nullptr;
-  };
-
   void RefuseOtherEncodings() const;
   void ReadHeader();
   void ReadFilter(const Filter& where);
@@ -77,8 +81,7 @@ class RowReader {
   bool IsKept() const;
   void ReadNumbers();
 
-  const std::string path_;
-  const std::string text_;
+  const MappedFile file_;
   CsvLines lines_;
   const Arm& arm_;
   const std::vector<ColumnSpec> specs_;

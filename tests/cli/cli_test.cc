@@ -68,8 +68,8 @@ TEST(CliTest, HelpNamesEveryCommandOnStandardOutput) {
   const ProcessResult result = Alidade("--help");
   EXPECT_EQ(result.status, 0);
   EXPECT_THAT(result.err, IsEmpty());
-  for (const char* command : {"show", "check", "simulate", "identify",
-                              "calibrate", "compare", "validate"}) {
+  for (const char* command : {"show", "check", "convert", "simulate",
+                              "identify", "calibrate", "compare", "validate"}) {
     EXPECT_THAT(result.out, HasSubstr(command));
     const ProcessResult help = Alidade(std::string(command) + " --help");
     EXPECT_EQ(help.status, 0) << command;
@@ -109,6 +109,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"calibrate --threads=many a.yaml", "not a value"},
         BadUsage{"calibrate --threads=0 a.yaml", "must be between"},
         BadUsage{"calibrate a.yaml --seed", "needs a value"},
+        BadUsage{"convert a.csv b.npy", "--arm=ARM.yaml is missing"},
+        BadUsage{"convert a.csv b.csv --arm=a.yaml", "one of each"},
+        BadUsage{"convert a.csv b.txt --arm=a.yaml", "ends in .csv or .npy"},
         BadUsage{"calibrate no_such_file.yaml", "no_such_file.yaml"},
         BadUsage{"show /", "/"}));
 

@@ -35,6 +35,11 @@ struct ColumnMapping {
   std::vector<std::pair<std::string, std::vector<std::string>>> targets;
 };
 
+/// DataFormat::sigma of those who want to know what a file states: rows without
+/// a sigma of their own get it (orientations a negative one too), and writers
+/// leave such columns out. Nothing else may be done with such data.
+inline constexpr double kUnstatedSigma = -1.0;
+
 /// What a data set's file does not say itself.
 struct DataFormat {
   ColumnMapping columns;
@@ -72,26 +77,37 @@ struct LoadedData {
 /// planes are looked up by their names in `references`; those that are not
 /// there are appended as unknown.
 /// @pre the mapping's lists are empty or as long as they should be.
-/// @throws InputError with file, line and column name.
+///
+/// Files whose names end in ".npy" are NumPy arrays, all others CSV. Large
+/// files of positions or poses are mapped into memory and read by
+/// `num_threads`; the result does not depend on it.
+/// @throws InputError with file, line (of a NumPy array, row) and column name.
 LoadedData LoadData(const std::string& path, const Arm& arm,
-                    const DataFormat& format, References* references);
+                    const DataFormat& format, References* references,
+                    int num_threads = 1);
 
 /// The same of a file in our own format that needs nothing besides: positions,
 /// orientations as quaternions or rotation vectors, differences.
 /// `default_sigma` (m) is that of lengths without one.
 /// @throws InputError, also where the file needs more than that.
 Dataset LoadDataset(const std::string& path, const Arm& arm,
-                    double default_sigma);
+                    double default_sigma, int num_threads = 1);
 
 /// Reads only the joint columns; others are allowed and ignored.
 Eigen::MatrixXd LoadJointValues(const std::string& path, const Arm& arm);
 
+/// FormatDataset's joint_decimals.
+inline constexpr int kFewestDigits = -1;
+
 /// The text of a data set of positions or poses that LoadDataset reads back:
-/// joint values in deg and mm with `joint_decimals` decimals; positions in mm
+/// joint values in deg and mm with `joint_decimals` decimals, or with
+/// kFewestDigits so that they read back to the same bits (a column of angles
+/// that no number of degrees reads back to is in rad); positions in mm
 /// with the fewest digits that read back to the same bits; orientations as
 /// rotation vectors in deg that read back to rounding; sigmas likewise when
-/// `with_sigmas` (not the correlations of whiteners). What was not measured is
-/// an empty cell. Each of `comments` is a line behind "# " on top.
+/// `with_sigmas` (not the correlations of whiteners, and not kUnstatedSigma).
+/// What was not measured is an empty cell. Rows are in the order of poses. Each
+/// of `comments` is a line behind "# " on top.
 /// @pre blocks are of kPosition and kPose.
 std::string FormatDataset(const Dataset& dataset, const Arm& arm,
                           int joint_decimals, bool with_sigmas,

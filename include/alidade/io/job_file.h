@@ -14,8 +14,9 @@ enum class FileFormat { kArm, kDeviations, kJob, kSimulation };
 FileFormat DetectFormat(const std::string& path);
 
 /// Reads a job and every file it names; paths are relative to the job file.
+/// Large data sets are read by `num_threads`; the result does not depend on it.
 /// @throws InputError with file, line, column and key.
-JobConfig LoadJob(const std::string& path);
+JobConfig LoadJob(const std::string& path, int num_threads = 1);
 
 /// The same without `validation`: no pose is held out of `data`. For studies
 /// that hold out their own.

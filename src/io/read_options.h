@@ -1,0 +1,21 @@
+#ifndef ALIDADE_SRC_IO_READ_OPTIONS_H_
+#define ALIDADE_SRC_IO_READ_OPTIONS_H_
+
+#include <cstdint>
+
+namespace alidade {
+
+/// How a data set is read. No option changes what comes out.
+struct ReadOptions {
+  int num_threads = 1;
+  /// No fast path: rows are read one by one. For tests.
+  bool is_careful = false;
+  /// Threads take pieces of about so many bytes: large enough that starting
+  /// one costs nothing beside reading it, small enough for its text and its
+  /// numbers to stay in a core's cache between the passes.
+  std::int64_t chunk_bytes = 1 << 18;
+};
+
+}  // namespace alidade
+
+#endif  // ALIDADE_SRC_IO_READ_OPTIONS_H_
