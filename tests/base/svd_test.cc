@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "alidade/base/random.h"
@@ -45,6 +47,27 @@ TEST(SvdTest, SingularValuesOfKnownMatrices) {
   EXPECT_NEAR(SingularValues(a.transpose())[1], 3.0, 1e-15);
   EXPECT_EQ(SingularValues(Eigen::MatrixXd(0, 0)).size(), 0);
   EXPECT_EQ(SingularValues(Eigen::MatrixXd::Zero(4, 2)).maxCoeff(), 0.0);
+}
+
+TEST(SvdTest, OfWhatIsNotFiniteIsNan) {
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(),
+                           std::numeric_limits<double>::infinity(), 1e200}) {
+    Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(5, 3);
+    matrix(4, 1) = bad;
+    matrix(2, 1) = bad;
+    const Svd svd = ComputeSvd(matrix);
+    ASSERT_EQ(svd.values.size(), 3);
+    const Eigen::VectorXd values = SingularValues(matrix);
+    if (bad == 1e200) {
+      // Squares overflow: what comes out must say so or be right.
+      EXPECT_TRUE(std::isnan(svd.values[0]) || svd.values[0] >= 1e200);
+      continue;
+    }
+    EXPECT_TRUE(std::isnan(svd.values[0]));
+    EXPECT_TRUE(std::isnan(values[0]));
+    EXPECT_EQ(svd.u.rows(), 5);
+    EXPECT_TRUE(std::isnan(svd.u(0, 0)));
+  }
 }
 
 }  // namespace

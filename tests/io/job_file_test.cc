@@ -90,6 +90,19 @@ TEST(LoadJobTest, ReadsTheSolverAndItsLimits) {
   EXPECT_EQ(job.acceptance.heldout_max, 4e-4);
 }
 
+TEST(LoadJobTest, ReadsTheEvaluation) {
+  EXPECT_EQ(LoadJob(ConfigFiles().job()).solver_options.evaluation,
+            Evaluation::kAutomatic);
+  for (const auto& [name, evaluation] :
+       {std::pair("auto", Evaluation::kAutomatic),
+        std::pair("autodiff", Evaluation::kAutodiff),
+        std::pair("compressed", Evaluation::kCompressed)}) {
+    const ConfigFiles files({"  max_iterations: 12\n",
+                             std::string("  evaluation: ") + name + "\n"});
+    EXPECT_EQ(LoadJob(files.job()).solver_options.evaluation, evaluation);
+  }
+}
+
 TEST(LoadJobTest, ReadsThePublishedStudy) {
   const JobConfig job = LoadJob(ConfigFiles().job());
   ASSERT_TRUE(job.published.has_value());

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -43,8 +44,7 @@ void Repeat(int times, ObservationBlock* block, Random* random) {
 }
 
 // All kinds, full whiteners and rows not measured among them; whitened
-// residuals of 0.1 to 100. With 180 repeats most blocks have more observations
-// than sixteen parts take in one pass each.
+// residuals of 0.1 to 100. With 180 repeats most blocks have several tiles.
 MeasuredArm ManyMeasurements(int repeats, int seed) {
   Random random(51, seed);
   MeasuredArm measured =
@@ -220,6 +220,90 @@ TEST(CompressGradientTest, IsThatOfTheRobustCost) {
     // of the truncation, and of the cost's rounding divided by the step.
     EXPECT_NEAR(slope, gradient[column], 2e-7 * scale)
         << model.layout().parameter(column).name;
+  }
+}
+
+// Against the template's errors: the cost with each loss, and the largest and
+// the mean length.
+TEST(CompressorTest, SummarizesAllKinds) {
+  const MeasuredArm measured = ManyMeasurements(30, 7);
+  const MeasurementModel model = ModelOf(measured, 2);
+  const Eigen::VectorXd errors = model.Errors(measured.values, measured.data);
+  const Eigen::VectorXd lengths = LengthErrors(errors, measured.data);
+  const double rms = lengths.norm() / std::sqrt(double(lengths.size()));
+  for (const LossKind kind : {LossKind::kNone, LossKind::kHuber,
+                              LossKind::kCauchy, LossKind::kTukey}) {
+    const std::vector<RobustLoss> losses = LossesOf(kind);
+    Compressor compressor(model, measured.data, AllColumns(measured), losses);
+    const ResidualSummary summary = compressor.Summarize(measured.values);
+    const double cost = RobustChiSquare(errors, measured.data, losses);
+    EXPECT_NEAR(summary.cost, cost, 1e-12 * cost);
+    EXPECT_NEAR(summary.max_error, lengths.maxCoeff(), 1e-14);
+    EXPECT_NEAR(summary.rms_error, rms, 1e-14);
+    // The same of an evaluation with derivatives, and kept from it.
+    CompressedProblem problem;
+    compressor.Compress(measured.values, &problem);
+    EXPECT_NEAR(problem.cost, cost, 1e-12 * cost);
+    EXPECT_EQ(compressor.Summarize(measured.values).cost, problem.cost);
+    Eigen::VectorXd moved = measured.values;
+    moved[0] += 1e-3;
+    EXPECT_NE(compressor.Summarize(moved).cost, problem.cost);
+  }
+}
+
+// What was not measured says nothing, whatever the data hold there.
+TEST(CompressorTest, PassesOverNanThatWasNotMeasured) {
+  MeasuredArm measured = ManyMeasurements(2, 8);
+  const MeasurementModel model = ModelOf(measured, 1);
+  const std::vector<int> columns = AllColumns(measured);
+  const CompressedProblem expected =
+      Compress(model, measured.values, measured.data, columns, {});
+  int num_nan = 0;
+  for (ObservationBlock& block : measured.data.blocks) {
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      for (int row = 0; row < block.rows_each(); ++row) {
+        // A half-measured orientation has no meaning: all of it or nothing.
+        if (row >= 3 || !std::isinf(block.sigmas(row, i))) continue;
+        block.measured(row, i) = std::numeric_limits<double>::quiet_NaN();
+        ++num_nan;
+      }
+    }
+  }
+  ASSERT_GE(num_nan, 3);
+  const CompressedProblem actual =
+      Compress(model, measured.values, measured.data, columns, {});
+  EXPECT_EQ(actual.factor, expected.factor);
+  EXPECT_EQ(actual.projected, expected.projected);
+  EXPECT_EQ(actual.cost, expected.cost);
+}
+
+TEST(JacobianFactorTest, OfNoColumnsIsEmpty) {
+  const MeasuredArm measured = ManyMeasurements(1, 9);
+  EXPECT_EQ(
+      JacobianFactor(ModelOf(measured, 1), measured.values, measured.data, {})
+          .size(),
+      0);
+}
+
+// One less than a tile holds, as many, one more.
+TEST(JacobianFactorTest, TilesMayBeFullOrNot) {
+  MeasuredArm measured = ManyMeasurements(20, 10);
+  for (ObservationBlock& block : measured.data.blocks) {
+    if (block.kind != MeasurementKind::kPosition) block = {};
+  }
+  const ObservationBlock all = measured.data.blocks.front();
+  for (const int size : {1, 63, 64, 65, 100}) {
+    ObservationBlock& block = measured.data.blocks.front();
+    block = all;
+    block.poses.resize(size);
+    block.targets.assign(size, 0);
+    block.measured = all.measured.leftCols(size);
+    block.sigmas = all.sigmas.leftCols(size);
+    if (!all.whiteners.empty()) block.whiteners.resize(size);
+    const std::vector<int> columns = {0, 3, 7, 9};
+    ExpectFactorOf(ExactNormal(measured, columns, {}).matrix,
+                   JacobianFactor(ModelOf(measured, 1), measured.values,
+                                  measured.data, columns));
   }
 }
 

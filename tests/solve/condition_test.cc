@@ -188,6 +188,26 @@ TEST(GramRuleTest, ProductsGiveTheSameProblem) {
   EXPECT_LE((problems[0].factor * difference).norm(), 1e-9 * norm);
 }
 
+TEST(GramRuleTest, BitsDoNotDependOnThreadsOrCache) {
+  CompressedProblem expected;
+  for (const int threads : {1, 2, 8}) {
+    const Measured measured = MakeMeasured(0.3, 9000, threads);
+    const Eigen::VectorXd values = measured.model.NominalValues();
+    CompressorOptions options;
+    if (threads == 2) options.cache_bytes = 200000;
+    Compressor compressor(measured.model, measured.data, measured.columns, {},
+                          options);
+    CompressedProblem problem;
+    compressor.Compress(values, &problem);
+    compressor.Compress(values, &problem);
+    EXPECT_TRUE(compressor.used_gram());
+    if (threads == 1) expected = problem;
+    EXPECT_EQ(problem.factor, expected.factor) << threads;
+    EXPECT_EQ(problem.projected, expected.projected) << threads;
+    EXPECT_EQ(problem.cost, expected.cost) << threads;
+  }
+}
+
 // What products cannot factor is left to transformations.
 TEST(GramRuleTest, DependentColumnsFallBack) {
   const Measured measured = MakeMeasured(0.0, 1500);
