@@ -28,6 +28,17 @@ def milliseconds(seconds: float) -> str:
     return f"{value:.3g}" if value < 1e3 else f"{value:.0f}"
 
 
+def check_costs(path: Path) -> None:
+    """All ways must have ended in the same minimum."""
+    costs: dict[tuple[str, str], list[float]] = defaultdict(list)
+    with open(path, newline="", encoding="utf-8") as file:
+        for arm, poses, _, _, _, _, cost in csv.reader(file):
+            costs[arm, poses].append(float(cost))
+    for key, values in costs.items():
+        if max(values) - min(values) > 1e-9 * max(values):
+            sys.exit(f"tables: the ways disagree about the cost of {key}: {values}")
+
+
 def solve_tables(path: Path) -> str:
     """Times, and how many times faster the compressed solve is."""
     times: dict[tuple[str, int], dict[tuple[str, str], float]] = defaultdict(dict)
@@ -118,9 +129,10 @@ def main() -> int:
     machine = (
         f"Commit {output('git', 'rev-parse', '--short', 'HEAD')}; {processor()}, "
         f"{len(os.sched_getaffinity(0))} cores; "
-        f"{output('g++', '--version')}, -O3. Seeds: poses 1, noise 2, deviations 3."
+        f"{output('g++', '--version')}, -O3. Solves: poses of seed 1, noise of seed 2, deviations of seed 3."
     )
     text = insert(text, "machine", machine)
+    check_costs(work / "solves.csv")
     text = insert(text, "solves", solve_tables(work / "solves.csv"))
     text = insert(text, "kernels", kernel_table(work / "kernels.json", "ns per pose"))
     text = insert(

@@ -49,8 +49,8 @@ struct ResidualSummary {
 enum class Factorization {
   /// Householder's transformations until their R shows that products do, then
   /// those: where |S| |S^-1| <= 1e4 in Frobenius' norm, S being R with columns
-  /// of norm 1, products lose eps 1e8 of a step's length at most, which the
-  /// next step mends. Taken back as soon as it does not hold any more, and
+  /// of norm 1, products lose some 1e8 eps of a step's length, which the next
+  /// step mends. Taken back as soon as it does not hold any more, and
   /// never used below 1000 observations, where it gains nothing.
   kAutomatic,
   kOrthogonal,  ///< Householder's transformations always: backward stable
@@ -66,7 +66,8 @@ struct CompressorOptions {
 };
 
 /// Compresses one data set again and again, at changing parameter values.
-/// Nothing is allocated after the first evaluation. Work is done by as many
+/// Nothing is allocated after the first evaluation but threads, where there are
+/// several. Work is done by as many
 /// threads as the model has; parts and the order in which they are merged are
 /// fixed, so that bits do not depend on it.
 class Compressor {
