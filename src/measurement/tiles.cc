@@ -245,18 +245,22 @@ void Tiles::FillMeasured(const Group& group, Eigen::Index first, int count,
     const Eigen::Index i = InBlock(group, first + lane);
     const bool has_whitener =
         !block.whiteners.empty() && block.whiteners[i].size() > 0;
-    // What was not measured may be anything in the data, NaN too.
-    Eigen::Matrix<double, 6, 1> value = Eigen::Matrix<double, 6, 1>::Zero();
     for (int row = 0; row < rows; ++row) {
       const double sigma = block.sigmas(row, i);
       const bool is_measured = !std::isinf(sigma);
-      if (is_measured) value[row] = block.measured(row, i);
       inverse_sigmas[IndexOf(row, lane)] =
           has_whitener ? (is_measured ? 1.0 : 0.0) : 1.0 / sigma;
-      if (row < 3) measured[IndexOf(row, lane)] = value[row];
+      // What was not measured may be anything in the data, NaN too.
+      if (row < 3 && is_measured) {
+        measured[IndexOf(row, lane)] = block.measured(row, i);
+      }
     }
     if (block.kind != MeasurementKind::kPose) continue;
-    const Eigen::Vector3d vector = value.tail<3>();
+    // An orientation is one thing: any of its rows needs it as a whole.
+    Eigen::Vector3d vector = Eigen::Vector3d::Zero();
+    if (block.sigmas.col(i).tail<3>().array().isFinite().any()) {
+      vector = block.measured.col(i).tail<3>();
+    }
     const Eigen::Matrix3d rotation = RotationFromVector<double>(vector);
     for (int k = 0; k < 9; ++k) {
       measured[IndexOf(3 + k, lane)] = rotation(k / 3, k % 3);
