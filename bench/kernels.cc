@@ -9,6 +9,7 @@
 #include "alidade/io/arm_file.h"
 #include "alidade/measurement/compression.h"
 #include "alidade/model/joint_draw.h"
+#include "bench/study_columns.h"
 #include "src/measurement/aligned.h"
 #include "src/measurement/kernel.h"
 #include "src/measurement/lane_factor.h"
@@ -19,17 +20,6 @@
 namespace alidade {
 namespace {
 
-// The parameters that the RV-2AJ study frees.
-std::vector<int> StudyColumns(const ParameterLayout& layout) {
-  std::vector<int> columns;
-  for (const char* name :
-       {"beta1", "beta3", "beta4", "alpha1", "alpha2", "alpha3", "d1", "d2",
-        "d3", "d4", "d5", "theta1", "theta2", "theta3", "r1", "r2", "r5"}) {
-    columns.push_back(*layout.Find(name));
-  }
-  return columns;
-}
-
 struct Problem {
   explicit Problem(int poses)
       : model(LoadArm("configs/robots/rv2aj_flange.yaml")) {
@@ -37,7 +27,7 @@ struct Problem {
     values = model.NominalValues();
     data.positions() = model.Predict(values, data.joint_values);
     data.sigmas() = Eigen::Matrix3Xd::Constant(3, poses, 2e-5);
-    columns = StudyColumns(model.layout());
+    columns = bench::StudyColumns(model.layout());
     for (const int column : columns) values[column] += 1e-4;
   }
 

@@ -9,7 +9,6 @@
 #include <cstddef>
 #include <cstdlib>
 #include <new>
-#include <string>
 #include <vector>
 
 #include "alidade/base/random.h"
@@ -19,6 +18,7 @@
 #include "alidade/measurement/compression.h"
 #include "alidade/model/joint_draw.h"
 #include "alidade/solve/solver.h"
+#include "bench/study_columns.h"
 
 namespace {
 std::atomic<long> allocations{0};
@@ -40,21 +40,16 @@ constexpr double kSigma = 0.02 * kMillimetre;
 struct Problem {
   Problem() : model(LoadArm("configs/robots/rv2aj_flange.yaml")) {
     Eigen::VectorXd truth = model.NominalValues();
-    std::vector<std::string> free;
-    for (const char* name :
-         {"beta1", "beta3", "beta4", "alpha1", "alpha2", "alpha3", "d1", "d2",
-          "d3", "d4", "d5", "theta1", "theta2", "theta3", "r1", "r2", "r5"}) {
-      free.push_back(name);
-      columns.push_back(*model.layout().Find(name));
-    }
+    columns = bench::StudyColumns(model.layout());
     // All others are held.
-    for (const Parameter& parameter : model.layout().parameters()) {
-      if (!ParameterLayout::IsJointKind(parameter.kind)) continue;
-      if (std::find(free.begin(), free.end(), parameter.name) == free.end()) {
+    for (int column = 0; column < model.layout().size(); ++column) {
+      const Parameter& parameter = model.layout().parameter(column);
+      const bool is_free =
+          std::binary_search(columns.begin(), columns.end(), column);
+      if (ParameterLayout::IsJointKind(parameter.kind) && !is_free) {
         options.fix.push_back(parameter.name);
       }
     }
-    std::sort(columns.begin(), columns.end());
     Random random(2);
     for (const int column : columns) truth[column] += 1e-3 * random.Normal();
     data.joint_values = DrawJointValues(model.nominal(), 56, 1);

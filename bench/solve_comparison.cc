@@ -24,6 +24,7 @@
 #include "alidade/model/joint_draw.h"
 #include "alidade/solve/solver.h"
 #include "bench/analytic_ceres.h"
+#include "bench/study_columns.h"
 
 namespace alidade {
 namespace {
@@ -36,17 +37,6 @@ constexpr std::uint64_t kNoiseSeed = 2;
 // Gauss-Newton.
 constexpr double kRadius = 1e10;
 
-std::vector<int> StudyColumns(const ParameterLayout& layout) {
-  std::vector<int> columns;
-  for (const char* name :
-       {"beta1", "beta3", "beta4", "alpha1", "alpha2", "alpha3", "d1", "d2",
-        "d3", "d4", "d5", "theta1", "theta2", "theta3", "r1", "r2", "r5"}) {
-    columns.push_back(*layout.Find(name));
-  }
-  std::sort(columns.begin(), columns.end());
-  return columns;
-}
-
 struct Measured {
   Measured(const std::string& arm_file, Eigen::Index poses) {
     const Arm nominal = LoadArm(arm_file);
@@ -54,7 +44,7 @@ struct Measured {
     Eigen::VectorXd truth = model.NominalValues();
     // The deviations of docs/study.md are of this size.
     Random deviations(3);
-    columns = StudyColumns(model.layout());
+    columns = bench::StudyColumns(model.layout());
     for (const int column : columns)
       truth[column] += 1e-3 * deviations.Normal();
     data.joint_values =
