@@ -17,6 +17,12 @@ function(alidade_compile_options target)
       -fno-omit-frame-pointer
       # GCC 12 sees uninitialized members in std::regex when it sanitizes.
       -Wno-maybe-uninitialized)
+    # What the address sanitizer finds as well, at a third of the compiler's
+    # time.
+    if(ALIDADE_SANITIZE MATCHES address AND ALIDADE_SANITIZE MATCHES undefined)
+      target_compile_options(${target} PRIVATE
+        -fno-sanitize=null,alignment,object-size)
+    endif()
     target_link_options(${target} PUBLIC -fsanitize=${ALIDADE_SANITIZE})
   endif()
 endfunction()
