@@ -10,7 +10,7 @@
 #define HWY_TARGET_INCLUDE "src/measurement/kernel.cc"
 #include <hwy/foreach_target.h>
 //
-#include <hwy/highway.h>
+#include "vectors-inl.h"
 
 // Compiled once, before the sources of the instruction sets.
 #ifndef ALIDADE_SRC_MEASUREMENT_KERNEL_CC_ONCE
@@ -50,11 +50,6 @@ void TakeLogarithms(std::size_t lanes, Turns* turns) {
 HWY_BEFORE_NAMESPACE();
 namespace alidade::kernel::HWY_NAMESPACE {
 namespace {
-
-namespace hn = hwy::HWY_NAMESPACE;
-using D = hn::CappedTag<double, kMostLanes>;
-using V = hn::Vec<D>;
-constexpr D kTag;
 
 // ---------------------------------------------------------------- vectors
 

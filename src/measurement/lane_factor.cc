@@ -9,7 +9,7 @@
 #define HWY_TARGET_INCLUDE "src/measurement/lane_factor.cc"
 #include <hwy/foreach_target.h>
 //
-#include <hwy/highway.h>
+#include "vectors-inl.h"
 
 #ifndef ALIDADE_SRC_MEASUREMENT_LANE_FACTOR_CC_ONCE
 #define ALIDADE_SRC_MEASUREMENT_LANE_FACTOR_CC_ONCE
@@ -30,11 +30,6 @@ inline std::size_t RowStart(int columns, int k) {
 HWY_BEFORE_NAMESPACE();
 namespace alidade::kernel::HWY_NAMESPACE {
 namespace {
-
-namespace hn = hwy::HWY_NAMESPACE;
-using D = hn::CappedTag<double, kMostLanes>;
-using V = hn::Vec<D>;
-constexpr D kTag;
 
 std::size_t LanesOfTarget() { return hn::Lanes(kTag); }
 

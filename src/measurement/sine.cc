@@ -10,16 +10,11 @@
 #define HWY_TARGET_INCLUDE "src/measurement/sine.cc"
 #include <hwy/foreach_target.h>
 //
-#include <hwy/highway.h>
+#include "vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::kernel::HWY_NAMESPACE {
 namespace {
-
-namespace hn = hwy::HWY_NAMESPACE;
-using D = hn::CappedTag<double, kMostLanes>;
-using V = hn::Vec<D>;
-constexpr D kTag;
 
 HWY_INLINE V Broadcast(double value) { return hn::Set(kTag, value); }
 
