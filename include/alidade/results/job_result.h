@@ -13,6 +13,7 @@
 #include "alidade/results/accuracy.h"
 #include "alidade/results/identifiability_result.h"
 #include "alidade/results/solver_summary.h"
+#include "alidade/results/uncertainty_result.h"
 
 namespace alidade {
 
@@ -236,6 +237,8 @@ struct JobResult {
   /// Chi-square of the fit over its degrees of freedom, priors accounted for;
   /// 0 where no freedom is left.
   double reduced_chi_square = 0.0;
+  /// Nothing where it was not asked for.
+  std::optional<UncertaintyResult> uncertainty;
   std::optional<StudyResult> study;
   std::vector<AcceptanceCheck> acceptance;
   /// What speaks against the result although a solver calls it usable.
