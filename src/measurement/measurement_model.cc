@@ -5,11 +5,9 @@
 #include <utility>
 
 #include "alidade/base/parallel.h"
+#include "alidade/measurement/observation_rows.h"
 #include "alidade/model/forward_kinematics.h"
-#include "kernel.h"
 #include "observation_residual.h"
-#include "tile_rows.h"
-#include "tiles.h"
 
 namespace alidade {
 namespace {
@@ -17,13 +15,17 @@ namespace {
 // Small enough to balance threads, large enough that a thread's start does not
 // show.
 constexpr int kPosesPerBlock = 256;
-constexpr int kTilesPerBlock = 4;
 
-// The row of the stacked residual at which each block begins.
-std::vector<Eigen::Index> FirstRows(const Dataset& data) {
-  std::vector<Eigen::Index> rows = {0};
+// The row of the stacked residual at which each observation begins.
+std::vector<Eigen::Index> FirstRowOfEach(const Dataset& data) {
+  std::vector<Eigen::Index> rows;
+  rows.reserve(data.num_observations());
+  Eigen::Index row = 0;
   for (const ObservationBlock& block : data.blocks) {
-    rows.push_back(rows.back() + block.measured.size());
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      rows.push_back(row);
+      row += block.rows_each();
+    }
   }
   return rows;
 }
@@ -136,30 +138,15 @@ void MeasurementModel::Linearize(const Eigen::VectorXd& values,
   const auto p = static_cast<int>(columns.size());
   out->residuals.resize(data.num_rows());
   out->jacobian.resize(data.num_rows(), p);
-  const Tiles tiles(nominal_, data, 0, 1);
-  const kernel::Columns wanted(layout_, columns);
-  kernel::Constants constants;
-  kernel::ComputeConstants(*this, values, &constants);
-  const std::vector<Eigen::Index> first_rows = FirstRows(data);
-  const auto fill = [&](std::int64_t begin, std::int64_t end) {
-    TileRows rows(tiles, layout_.num_joints(), p);
-    for (std::int64_t tile = begin; tile < end; ++tile) {
-      rows.Evaluate(constants, wanted, tile);
-      for (int lane = 0; lane < rows.tile().count; ++lane) {
-        const Eigen::Index first =
-            first_rows[rows.tile().block] +
-            tiles.Observation(tile, lane) * rows.height();
-        for (int row = 0; row < rows.height(); ++row) {
-          const double* const entry = rows.rows() + row * kTile + lane;
-          for (int k = 0; k < p; ++k) {
-            out->jacobian(first + row, k) = entry[k * rows.stride()];
-          }
-          out->residuals[first + row] = entry[p * rows.stride()];
-        }
-      }
-    }
-  };
-  ParallelFor(num_threads_, tiles.size(), kTilesPerBlock, fill);
+  const std::vector<Eigen::Index> first_rows = FirstRowOfEach(data);
+  ForEachObservation(*this, values, data, columns,
+                     [&](int, Eigen::Index observation,
+                         const Eigen::Ref<const Eigen::MatrixXd>& rows) {
+                       const Eigen::Index first = first_rows[observation];
+                       out->jacobian.middleRows(first, rows.rows()) =
+                           rows.leftCols(p);
+                       out->residuals.segment(first, rows.rows()) = rows.col(p);
+                     });
 }
 
 double MeasurementModel::RoundingError() const {

@@ -1,0 +1,176 @@
+#include "alidade/uncertainty/assessment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "alidade/base/distributions.h"
+#include "alidade/uncertainty/diagnostics.h"
+#include "alidade/uncertainty/prediction.h"
+
+namespace alidade {
+namespace {
+
+// Beyond this two parameters can only be told together.
+constexpr double kStrongCorrelation = 0.9;
+constexpr std::size_t kMostPairs = 20;
+
+// A test that true residuals would fail this seldom is worth a word.
+constexpr double kUnlikely = 1e-3;
+
+class Assessment {
+ public:
+  explicit Assessment(const AssessmentInput& input)
+      : input_(input),
+        fit_(input.fit),
+        covariance_(CovarianceOf(input.fit)),
+        prior_(FreePriors(input.fit)) {}
+
+  UncertaintyResult Run() {
+    result_.confidence = input_.options.confidence;
+    result_.estimator =
+        fit_.losses.empty() ? "inverse information" : "sandwich";
+    if (input_.sigma_estimated) {
+      covariance_.degrees_of_freedom =
+          std::max(1.0, static_cast<double>(fit_.data.num_equations()) -
+                            EffectiveParameters(covariance_, prior_));
+    }
+    result_.degrees_of_freedom = covariance_.degrees_of_freedom;
+    result_.covariance = covariance_.Matrix();
+    ListParameters();
+    ListPairs();
+    result_.residuals =
+        DiagnoseResiduals(fit_, covariance_, !input_.sigma_estimated);
+    Predict();
+    DoubtResiduals();
+    return std::move(result_);
+  }
+
+ private:
+  const std::string& NameOf(int index) const {
+    return fit_.model.layout().parameter(covariance_.columns[index]).name;
+  }
+
+  bool WantsProfile(double nonlinearity) const {
+    if (!input_.resolve) return false;
+    switch (input_.options.intervals) {
+      case IntervalMethod::kLinear:
+        return false;
+      case IntervalMethod::kProfile:
+        return true;
+      case IntervalMethod::kAutomatic:
+        return nonlinearity > input_.options.nonlinearity_limit;
+    }
+    return false;
+  }
+
+  void ListParameters() {
+    const Eigen::VectorXd deviations = covariance_.Deviations();
+    const Eigen::VectorXd nonlinearity = MeasureNonlinearity(fit_, covariance_);
+    const double quantile = StudentTQuantile(0.5 + 0.5 * result_.confidence,
+                                             covariance_.degrees_of_freedom);
+    std::string bent;
+    for (int k = 0; k < covariance_.size(); ++k) {
+      ParameterUncertainty one;
+      one.name = NameOf(k);
+      one.std = deviations[k];
+      one.nonlinearity = nonlinearity[k];
+      if (std::isfinite(prior_[k])) {
+        const double share = one.std / prior_[k];
+        one.prior_share = std::min(1.0, share * share);
+      }
+      const double value = fit_.values[covariance_.columns[k]];
+      one.interval.lower = value - quantile * one.std;
+      one.interval.upper = value + quantile * one.std;
+      if (one.nonlinearity > input_.options.nonlinearity_limit) {
+        bent += (bent.empty() ? "" : ", ") + one.name;
+      }
+      if (WantsProfile(one.nonlinearity)) {
+        one.interval = ProfileInterval(fit_, covariance_, k, quantile,
+                                       input_.fit_cost, input_.resolve);
+      }
+      result_.parameters.push_back(std::move(one));
+    }
+    if (!bent.empty()) WarnOfBending(bent);
+  }
+
+  void WarnOfBending(const std::string& names) {
+    const bool has_profiles =
+        input_.resolve && input_.options.intervals != IntervalMethod::kLinear;
+    result_.warnings.push_back(
+        "the model bends within the uncertainty of " + names +
+        (has_profiles
+             ? ": their intervals are those of the profile likelihood, and "
+               "standard deviations alone say too little"
+             : ": their linear intervals hold less often than they say; ask "
+               "for `uncertainty: {intervals: profile}`"));
+  }
+
+  void ListPairs() {
+    const Eigen::MatrixXd& covariance = result_.covariance;
+    for (int a = 0; a < covariance_.size(); ++a) {
+      for (int b = a + 1; b < covariance_.size(); ++b) {
+        const double correlation =
+            covariance(a, b) / std::sqrt(covariance(a, a) * covariance(b, b));
+        if (!(std::abs(correlation) >= kStrongCorrelation)) continue;
+        result_.correlated.push_back({NameOf(a), NameOf(b), correlation});
+      }
+    }
+    std::stable_sort(result_.correlated.begin(), result_.correlated.end(),
+                     [](const CorrelatedPair& a, const CorrelatedPair& b) {
+                       return std::abs(a.correlation) > std::abs(b.correlation);
+                     });
+    if (result_.correlated.size() > kMostPairs) {
+      result_.correlated.resize(kMostPairs);
+    }
+  }
+
+  void Predict() {
+    if (input_.options.map_configurations > 0) {
+      result_.workspace =
+          MapPrediction(fit_.model, fit_.values, covariance_,
+                        input_.options.map_configurations, input_.options.seed,
+                        input_.true_values);
+    }
+    if (input_.heldout == nullptr) return;
+    result_.heldout = CheckPrediction(fit_.model, fit_.values, covariance_,
+                                      *input_.heldout, result_.confidence);
+    if (result_.heldout->verdict == "larger") {
+      result_.warnings.push_back(
+          "held-out errors are larger than predicted: sigma is stated too "
+          "small, or the arm has errors that its parameters do not describe");
+    }
+  }
+
+  void DoubtResiduals() {
+    const ResidualDiagnostics& residuals = result_.residuals;
+    if (residuals.normality.p_value < kUnlikely && fit_.losses.empty()) {
+      result_.warnings.push_back(
+          "the residuals are not Gaussian: look for outliers (`solver: "
+          "{loss: huber}`) and for errors that the parameters do not "
+          "describe");
+    }
+    if (residuals.whiteness.p_value < kUnlikely) {
+      result_.warnings.push_back(
+          "residuals of consecutive poses resemble each other: something "
+          "drifts (temperature, instrument), or the poses are in an order "
+          "along which the arm bends; intervals are then too narrow");
+    }
+  }
+
+  const AssessmentInput& input_;
+  const FinishedProblem& fit_;
+  ParameterCovariance covariance_;
+  const Eigen::VectorXd prior_;
+  UncertaintyResult result_;
+};
+
+}  // namespace
+
+UncertaintyResult AssessUncertainty(const AssessmentInput& input) {
+  return Assessment(input).Run();
+}
+
+}  // namespace alidade

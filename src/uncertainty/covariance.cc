@@ -1,0 +1,188 @@
+#include "alidade/uncertainty/covariance.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "alidade/base/svd.h"
+#include "alidade/measurement/compression.h"
+#include "alidade/measurement/observation_rows.h"
+
+namespace alidade {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Up to this condition a triangle's inverse is good to ten digits.
+constexpr double kGoodCondition = 1e6;
+constexpr double kUntold = 1e-12;
+// Rounding leaves this much of a direction in parameters it has no part in.
+constexpr double kNoPart = 1e-6;
+
+// Data and priors, one below the other, columns divided by `norms`.
+Eigen::MatrixXd Stack(const Eigen::MatrixXd& factor,
+                      const Eigen::VectorXd& prior, Eigen::VectorXd* norms) {
+  const Eigen::Index p = factor.cols();
+  Eigen::MatrixXd stacked(factor.rows() + p, p);
+  stacked.topRows(factor.rows()) = factor;
+  stacked.bottomRows(p) = prior.cwiseInverse().asDiagonal();
+  *norms = stacked.colwise().norm();
+  for (double& norm : *norms) norm = norm > 0.0 ? norm : 1.0;
+  stacked *= norms->cwiseInverse().asDiagonal();
+  return stacked;
+}
+
+// False where the triangle is too ill-conditioned.
+bool InvertTriangle(const Eigen::MatrixXd& stacked, Eigen::MatrixXd* inverse) {
+  const Eigen::Index p = stacked.cols();
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(stacked);
+  const Eigen::MatrixXd triangle =
+      qr.matrixQR().topRows(p).triangularView<Eigen::Upper>();
+  inverse->setIdentity(p, p);
+  triangle.triangularView<Eigen::Upper>().solveInPlace(*inverse);
+  return triangle.norm() * inverse->norm() <= kGoodCondition;
+}
+
+void InvertBySvd(const Eigen::MatrixXd& stacked, const Eigen::VectorXd& norms,
+                 ParameterCovariance* covariance) {
+  const Svd svd = ComputeSvd(stacked);
+  const auto told = static_cast<Eigen::Index>(
+      (svd.values.array() > kUntold * svd.values[0]).count());
+  const Eigen::Index p = stacked.cols();
+  covariance->root = Eigen::MatrixXd::Zero(p, p);
+  covariance->root.leftCols(told) =
+      norms.cwiseInverse().asDiagonal() * svd.v.leftCols(told) *
+      svd.values.head(told).cwiseInverse().asDiagonal();
+  covariance->untold = svd.v.rightCols(p - told);
+}
+
+// Means over all observations of what a robust loss makes of their residuals.
+struct LossMoments {
+  double weight_sum = 0.0;      // of d w + 2 w' s
+  double weight_squares = 0.0;  // of the squares of (d w + 2 w' s) / d
+  double influence = 0.0;       // of w^2 s
+  double rows = 0.0;            // of d
+  double observations = 0.0;
+};
+
+LossMoments MomentsOf(const FinishedProblem& fit) {
+  const Eigen::VectorXd squared =
+      SquaredNorms(fit.model.Errors(fit.values, fit.data), fit.data);
+  const Eigen::VectorXi dimensions = Dimensions(fit.data);
+  LossMoments moments;
+  for (Eigen::Index i = 0; i < squared.size(); ++i) {
+    const int d = dimensions[i];
+    if (d == 0) continue;
+    std::array<double, 3> rho{};
+    fit.losses[d - 1].Evaluate(squared[i], rho.data());
+    const double pull = d * rho[1] + 2.0 * rho[2] * squared[i];
+    moments.weight_sum += pull;
+    moments.weight_squares += pull * pull / (d * d);
+    moments.influence += rho[1] * rho[1] * squared[i];
+    moments.rows += d;
+    moments.observations += 1.0;
+  }
+  return moments;
+}
+
+// A^-1 B^(1/2) from R and the factors a and K^2 b.
+Eigen::MatrixXd SandwichRoot(const Eigen::MatrixXd& factor,
+                             const Eigen::VectorXd& prior, double a, double b) {
+  const ParameterCovariance bread =
+      InverseInformation(std::sqrt(a) * factor, {}, prior);
+  const Eigen::Index p = factor.cols();
+  Eigen::MatrixXd filling(factor.rows() + p, p);
+  filling.topRows(factor.rows()) = std::sqrt(b) * factor;
+  filling.bottomRows(p) = prior.cwiseInverse().asDiagonal();
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(filling);
+  const Eigen::MatrixXd triangle =
+      qr.matrixQR().topRows(p).triangularView<Eigen::Upper>();
+  return bread.root * (bread.root.transpose() * triangle.transpose());
+}
+
+}  // namespace
+
+bool ParameterCovariance::IsTold(int index) const {
+  return untold.cols() == 0 || untold.row(index).norm() <= kNoPart;
+}
+
+Eigen::MatrixXd ParameterCovariance::Matrix() const {
+  Eigen::MatrixXd matrix = root * root.transpose();
+  for (int k = 0; k < size(); ++k) {
+    if (IsTold(k)) continue;
+    matrix.row(k).setConstant(std::numeric_limits<double>::quiet_NaN());
+    matrix.col(k).setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
+  for (int k = 0; k < size(); ++k) {
+    if (!IsTold(k)) matrix(k, k) = kInfinity;
+  }
+  return matrix;
+}
+
+Eigen::VectorXd ParameterCovariance::Deviations() const {
+  Eigen::VectorXd deviations = root.rowwise().norm();
+  for (int k = 0; k < size(); ++k) {
+    if (!IsTold(k)) deviations[k] = kInfinity;
+  }
+  return deviations;
+}
+
+ParameterCovariance InverseInformation(const Eigen::MatrixXd& whitened_factor,
+                                       const std::vector<int>& columns,
+                                       const Eigen::VectorXd& prior) {
+  ParameterCovariance covariance;
+  covariance.columns = columns;
+  if (whitened_factor.cols() == 0) return covariance;
+  Eigen::VectorXd norms;
+  const Eigen::MatrixXd stacked = Stack(whitened_factor, prior, &norms);
+  if (InvertTriangle(stacked, &covariance.root)) {
+    covariance.root = norms.cwiseInverse().asDiagonal() * covariance.root;
+  } else {
+    InvertBySvd(stacked, norms, &covariance);
+  }
+  return covariance;
+}
+
+ParameterCovariance CovarianceOf(const FinishedProblem& fit) {
+  const Eigen::MatrixXd factor =
+      JacobianFactor(fit.model, fit.values, fit.data, fit.free_columns);
+  const Eigen::VectorXd prior = FreePriors(fit);
+  ParameterCovariance covariance =
+      InverseInformation(factor, fit.free_columns, prior);
+  if (fit.losses.empty() || covariance.size() == 0) return covariance;
+  const LossMoments moments = MomentsOf(fit);
+  const double p = EffectiveParameters(covariance, prior);
+  const double freedom = std::max(1.0, moments.rows - p);
+  const double a = moments.weight_sum / moments.rows;
+  const double variance =
+      std::max(0.0, moments.weight_squares / moments.observations - a * a);
+  const double k = 1.0 + p / moments.rows * variance / (a * a);
+  if (!(a > 0.0)) return covariance;
+  covariance.root =
+      SandwichRoot(factor, prior, a, k * k * moments.influence / freedom);
+  return covariance;
+}
+
+Eigen::VectorXd FreePriors(const FinishedProblem& fit) {
+  Eigen::VectorXd prior = Eigen::VectorXd::Constant(
+      static_cast<Eigen::Index>(fit.free_columns.size()), kInfinity);
+  if (fit.priors.size() == 0) return prior;
+  for (Eigen::Index k = 0; k < prior.size(); ++k) {
+    const double value = fit.priors[fit.free_columns[k]];
+    if (std::isfinite(value)) prior[k] = value;
+  }
+  return prior;
+}
+
+double EffectiveParameters(const ParameterCovariance& covariance,
+                           const Eigen::VectorXd& prior) {
+  const Eigen::VectorXd deviations = covariance.Deviations();
+  double effective = 0.0;
+  for (int k = 0; k < covariance.size(); ++k) {
+    const double share = std::isfinite(prior[k]) ? deviations[k] / prior[k] : 0;
+    effective += 1.0 - share * share;
+  }
+  return effective;
+}
+
+}  // namespace alidade
