@@ -20,6 +20,7 @@
 #include "alidade/report/format.h"
 #include "alidade/solve/solver.h"
 #include "fit_report.h"
+#include "fit_uncertainty.h"
 #include "frame_fit.h"
 #include "input_doubt.h"
 #include "preparation.h"
@@ -298,6 +299,7 @@ class JobRunner {
     }
     result().outliers = ListOutliers(fit, &result().outlier_limit);
     DoubtResult(fit);
+    Assess(fit);
     result().acceptance = CheckAcceptance(config_.acceptance, result());
     outcome_.status = JobStatus::kDone;
     if (!result().accepted()) {
@@ -369,6 +371,17 @@ class JobRunner {
     if (const std::string names = AtBounds(fit); !names.empty()) {
       Warn("at a bound: " + names +
            "; the data ask for values beyond, which the bounds do not allow");
+    }
+  }
+
+  void Assess(const FinishedFit& fit) {
+    result().uncertainty =
+        AssessFit(fit, result().runs.front().summary.final_cost);
+    for (const ParameterUncertainty& one : result().uncertainty->parameters) {
+      result().parameters[*model_.layout().Find(one.name)].std = one.std;
+    }
+    for (const std::string& warning : result().uncertainty->warnings) {
+      Warn(warning);
     }
   }
 

@@ -92,6 +92,19 @@ std::vector<Command> JobCommands() {
        1,
        1,
        RunCompare},
+      {"montecarlo",
+       "JOB.yaml",
+       "calibrate simulated measurements many times: bias, spread, coverage",
+       "Simulates the job's poses with its sigmas, as the job's `montecarlo`\n"
+       "says, and calibrates each time: by default 1000 times, the real arm\n"
+       "being the job's `truth` or, without one, the arm that the job\n"
+       "identifies (a parametric bootstrap). Prints how far estimates stray,\n"
+       "how often their intervals hold the truth, and how accurate the arm\n"
+       "becomes over its workspace. With --out=DIR also as CSV and figures.",
+       {"out", "seed"},
+       1,
+       1,
+       RunMonteCarlo},
       {"validate",
        "ARM.yaml DATA.csv... | ARM.yaml REFERENCE.yaml",
        "accuracy of an arm on data, or against another arm",

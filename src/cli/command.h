@@ -49,6 +49,7 @@ ExitStatus RunSimulate(const CommandLine& line);
 ExitStatus RunIdentify(const CommandLine& line);
 ExitStatus RunCalibrate(const CommandLine& line);
 ExitStatus RunCompare(const CommandLine& line);
+ExitStatus RunMonteCarlo(const CommandLine& line);
 ExitStatus RunValidate(const CommandLine& line);
 
 /// Prints "alidade: MESSAGE" on standard error.

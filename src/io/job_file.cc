@@ -11,6 +11,7 @@
 #include "src/io/job_context.h"
 #include "src/io/names.h"
 #include "src/io/references_section.h"
+#include "src/io/uncertainty_section.h"
 #include "src/io/validation_section.h"
 #include "src/io/yaml_reader.h"
 
@@ -289,7 +290,7 @@ JobConfig Load(const std::string& path, bool with_validation, int num_threads) {
           .Map({"format", "title", "units", "arm", "data", "measurement",
                 "truth", "validation", "identifiability", "solver", "robust",
                 "compare_with", "acceptance", "published", "noise_study",
-                "references", "bounds"});
+                "references", "bounds", "uncertainty", "montecarlo"});
   JobContext context{file, Units(file), NamedFiles(path), num_threads};
   JobConfig job;
   job.path = path;
@@ -303,6 +304,8 @@ JobConfig Load(const std::string& path, bool with_validation, int num_threads) {
   ReadAcceptance(context, &job);
   ReadPublished(context, &job);
   ReadNoiseStudy(context, &job);
+  ReadUncertaintyOptions(context, &job);
+  ReadMonteCarlo(context, &job);
   job.input_files = context.files.paths();
   return job;
 }

@@ -2,33 +2,15 @@
 
 #include <nlohmann/json.hpp>
 
+#include "src/io/accuracy_json.h"
 #include "src/io/result_keys.h"
+#include "src/io/uncertainty_json.h"
 
 namespace alidade {
 namespace {
 
 // Keys stay in the order in which people look for them.
 using Json = nlohmann::ordered_json;
-
-Json ToJson(const Eigen::VectorXd& values) {
-  Json list = Json::array();
-  for (const double value : values) list.push_back(value);
-  return list;
-}
-
-template <typename Item>
-Json ToJsonList(const std::vector<Item>& items, Json (*convert)(const Item&)) {
-  Json list = Json::array();
-  for (const Item& item : items) list.push_back(convert(item));
-  return list;
-}
-
-Json ToJson(const Accuracy& accuracy) {
-  return {{"mean", accuracy.mean},     {"rms", accuracy.rms},
-          {"stddev", accuracy.stddev}, {"median", accuracy.median},
-          {"p95", accuracy.p95},       {"min", accuracy.min},
-          {"max", accuracy.max},       {"n", accuracy.n}};
-}
 
 Json ToJson(const EvaluatedSet& set) {
   Json units = Json::array();
@@ -286,6 +268,9 @@ std::string FormatResultJson(const JobResult& result) {
                  {"reduced_chi_square", result.reduced_chi_square},
                  {"outlier_limit", result.outlier_limit},
                  {"outliers", ToJsonList(result.outliers, ToJson)}};
+  if (result.uncertainty) {
+    json["uncertainty"] = UncertaintyToJson(*result.uncertainty);
+  }
   json["solver"] = result.runs.empty() ? ToJson(SolverSummary())
                                        : ToJson(result.runs.front().summary);
   json["runs"] = ToJsonList(result.runs, ToJson);

@@ -5,149 +5,15 @@
 #include "alidade/base/error.h"
 #include "alidade/io/files.h"
 #include "alidade/io/result_json.h"
-#include "src/io/names.h"
+#include "src/io/accuracy_json.h"
+#include "src/io/json_value.h"
 #include "src/io/result_keys.h"
+#include "src/io/uncertainty_json.h"
 
 namespace alidade {
 namespace {
 
 using Json = nlohmann::json;
-
-// A value that knows its dotted path, so that a damaged file is an error with
-// its place. Lists count from 1.
-class JsonValue {
- public:
-  JsonValue(const std::string& file, std::string path, const Json& json)
-      : file_(file), path_(std::move(path)), json_(json) {}
-
-  bool Has(const std::string& key) const { return Object().contains(key); }
-
-  JsonValue operator[](const std::string& key) const {
-    const std::string path = path_.empty() ? key : path_ + "." + key;
-    const auto found = Object().find(key);
-    if (found == json_.end()) Fail(path, "missing, expected this key");
-    return JsonValue(file_, path, *found);
-  }
-
-  std::vector<JsonValue> List() const {
-    if (!json_.is_array()) FailType("a list");
-    std::vector<JsonValue> values;
-    for (const Json& item : json_) {
-      const std::string index = "[" + std::to_string(values.size() + 1) + "]";
-      values.emplace_back(file_, path_ + index, item);
-    }
-    return values;
-  }
-
-  std::string Text() const {
-    if (!json_.is_string()) FailType("text");
-    return json_.get<std::string>();
-  }
-
-  bool Boolean() const {
-    if (!json_.is_boolean()) FailType("true or false");
-    return json_.get<bool>();
-  }
-
-  // null is what NaN and infinities are written as.
-  double Number(double null = std::numeric_limits<double>::quiet_NaN()) const {
-    if (json_.is_null()) return null;
-    if (!json_.is_number()) FailType("a number");
-    return json_.get<double>();
-  }
-
-  int Integer() const {
-    const std::int64_t value = LongInteger();
-    if (value < std::numeric_limits<int>::min() ||
-        value > std::numeric_limits<int>::max()) {
-      FailType("a smaller integer");
-    }
-    return static_cast<int>(value);
-  }
-
-  std::int64_t LongInteger() const {
-    if (!json_.is_number_integer()) FailType("an integer");
-    return json_.get<std::int64_t>();
-  }
-
-  std::uint64_t Seed() const {
-    if (!json_.is_number_unsigned()) FailType("an integer not below zero");
-    return json_.get<std::uint64_t>();
-  }
-
-  Eigen::VectorXd Vector() const {
-    const std::vector<JsonValue> items = List();
-    Eigen::VectorXd values(static_cast<Eigen::Index>(items.size()));
-    Eigen::Index i = 0;
-    for (const JsonValue& item : items) values[i++] = item.Number();
-    return values;
-  }
-
-  std::vector<std::string> Texts() const {
-    std::vector<std::string> texts;
-    for (const JsonValue& item : List()) texts.push_back(item.Text());
-    return texts;
-  }
-
-  // The value whose word in `table` this is.
-  template <typename Table>
-  auto Choice(const Table& table) const {
-    const std::string text = Text();
-    std::vector<std::string> keys;
-    for (const auto& [value, key] : table) {
-      if (text == key) return value;
-      keys.emplace_back(key);
-    }
-    Fail(path_, UnknownName("word", text, keys));
-  }
-
- private:
-  const Json& Object() const {
-    if (!json_.is_object()) FailType("an object");
-    return json_;
-  }
-
-  [[noreturn]] void FailType(const std::string& expected) const {
-    Fail(path_, "expected " + expected + ", found " + json_.type_name());
-  }
-
-  [[noreturn]] void Fail(const std::string& path,
-                         const std::string& message) const {
-    SourceLocation location;
-    location.file = file_;
-    location.key = path;
-    throw InputError(location, message);
-  }
-
-  const std::string& file_;
-  const std::string path_;
-  const Json& json_;
-};
-
-// Applies `read` to every item of a list.
-template <typename Read>
-auto ReadList(const JsonValue& list, const Read& read) {
-  std::vector<decltype(read(list))> items;
-  for (const JsonValue& item : list.List()) items.push_back(read(item));
-  return items;
-}
-
-Accuracy ReadAccuracy(const JsonValue& json) {
-  Accuracy accuracy;
-  accuracy.mean = json["mean"].Number();
-  accuracy.rms = json["rms"].Number();
-  accuracy.stddev = json["stddev"].Number();
-  accuracy.median = json["median"].Number();
-  accuracy.p95 = json["p95"].Number();
-  accuracy.min = json["min"].Number();
-  accuracy.max = json["max"].Number();
-  accuracy.n = json["n"].LongInteger();
-  return accuracy;
-}
-
-Accuracy ReadAccuracyIfThere(const JsonValue& json, const char* key) {
-  return json.Has(key) ? ReadAccuracy(json[key]) : Accuracy();
-}
 
 EvaluatedSet ReadEvaluatedSet(const JsonValue& json) {
   EvaluatedSet set;
@@ -486,6 +352,9 @@ JobResult LoadResultJson(const std::string& path) {
     result.reduced_chi_square = fit["reduced_chi_square"].Number();
     result.outlier_limit = fit["outlier_limit"].Number();
     result.outliers = ReadList(fit["outliers"], ReadOutlier);
+  }
+  if (json.Has("uncertainty")) {
+    result.uncertainty = ReadUncertainty(json["uncertainty"]);
   }
   ReadMeasurements(json, &result);
   result.runs = ReadList(json["runs"], ReadRun);

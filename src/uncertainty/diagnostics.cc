@@ -9,6 +9,7 @@
 
 #include "alidade/base/chi_square.h"
 #include "alidade/base/distributions.h"
+#include "alidade/identifiability/generic_data.h"
 #include "alidade/measurement/observation_rows.h"
 
 namespace alidade {
@@ -20,6 +21,9 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr Eigen::Index kMostTested = 5000;
 constexpr Eigen::Index kFewestTested = 8;
 constexpr int kMostLags = 10;
+
+// More are looked at by an even sample.
+constexpr Eigen::Index kMostObservations = 100000;
 
 // What one observation says of itself.
 struct Observed {
@@ -36,11 +40,15 @@ class Diagnosis {
   Diagnosis(const FinishedProblem& fit, const ParameterCovariance& covariance)
       : fit_(fit),
         covariance_(covariance),
-        first_(FirstObservations(fit.data)),
-        observed_(fit.data.num_observations()) {}
+        is_sample_(fit.data.num_observations() > kMostObservations),
+        sample_(is_sample_ ? EvenSubset(fit.data, kMostObservations)
+                           : Dataset()),
+        data_(is_sample_ ? sample_ : fit.data),
+        first_(FirstObservations(data_)),
+        observed_(data_.num_observations()) {}
 
   ResidualDiagnostics Run(bool sigma_given) {
-    ForEachObservation(fit_.model, fit_.values, fit_.data, covariance_.columns,
+    ForEachObservation(fit_.model, fit_.values, data_, covariance_.columns,
                        [this](int, Eigen::Index i,
                               const Eigen::Ref<const Eigen::MatrixXd>& rows) {
                          Visit(i, rows);
@@ -49,6 +57,7 @@ class Diagnosis {
     SumUp(sigma_given, &out);
     ListPoses(&out);
     ListStudentised(&out);
+    out.histogram = CountStandardised(out.studentised);
     out.normality = TestNormality(Thinned(out.studentised));
     TestWhiteness(&out);
     return out;
@@ -60,7 +69,7 @@ class Diagnosis {
     const auto b =
         std::upper_bound(first_.begin(), first_.end(), i) - first_.begin() - 1;
     *in_block = i - first_[b];
-    return fit_.data.blocks[b];
+    return data_.blocks[b];
   }
 
   void Visit(Eigen::Index i, const Eigen::Ref<const Eigen::MatrixXd>& rows) {
@@ -100,7 +109,8 @@ class Diagnosis {
   }
 
   void SumUp(bool sigma_given, ResidualDiagnostics* out) const {
-    for (const Observed& one : observed_) out->chi_square += one.squared_norm;
+    out->chi_square =
+        ChiSquare(fit_.model.Errors(fit_.values, fit_.data), fit_.data);
     out->degrees_of_freedom =
         static_cast<double>(fit_.data.num_equations()) -
         EffectiveParameters(covariance_, FreePriors(fit_));
@@ -115,10 +125,11 @@ class Diagnosis {
   }
 
   void ListPoses(ResidualDiagnostics* out) const {
-    out->poses.resize(fit_.data.num_poses());
+    if (is_sample_) return;
+    out->poses.resize(data_.num_poses());
     for (std::size_t k = 0; k < out->poses.size(); ++k) {
       out->poses[k].pose = static_cast<int>(k);
-      out->poses[k].where = SourceOf(fit_.data, static_cast<int>(k));
+      out->poses[k].where = SourceOf(data_, static_cast<int>(k));
     }
     for (const Observed& one : observed_) {
       if (one.pose < 0) continue;
@@ -155,7 +166,7 @@ class Diagnosis {
     double statistic = 0.0;
     int freedom = 0;
     for (std::size_t b = 0; b + 1 < first_.size(); ++b) {
-      for (int row = 0; row < fit_.data.blocks[b].rows_each(); ++row) {
+      for (int row = 0; row < data_.blocks[b].rows_each(); ++row) {
         std::vector<double> series;
         for (Eigen::Index i = first_[b]; i < first_[b + 1]; ++i) {
           const double value = observed_[i].studentised[row];
@@ -195,6 +206,9 @@ class Diagnosis {
 
   const FinishedProblem& fit_;
   const ParameterCovariance& covariance_;
+  const bool is_sample_;
+  const Dataset sample_;  // where the data are many
+  const Dataset& data_;
   const std::vector<Eigen::Index> first_;
   std::vector<Observed> observed_;
 };

@@ -144,6 +144,7 @@ PredictedMap MapPrediction(const MeasurementModel& model,
         (model.Predict(true_values, map.joint_values) - map.positions)
             .colwise()
             .norm();
+    map.true_summary = SummarizeErrors(map.true_error);
   }
   return map;
 }
@@ -207,6 +208,7 @@ PredictionCheck CheckPrediction(const MeasurementModel& model,
     check.rms_z = std::sqrt(check.z_scores.squaredNorm() /
                             static_cast<double>(check.axes.n));
   }
+  check.histogram = CountStandardised(check.z_scores);
   check.verdict = Verdict(check);
   return check;
 }

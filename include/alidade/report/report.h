@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "alidade/results/job_result.h"
+#include "alidade/results/montecarlo_result.h"
 #include "alidade/results/noise_study.h"
 
 namespace alidade {
@@ -32,6 +33,12 @@ std::string FormatNoiseStudy(const NoiseStudyResult& study);
 /// noise_study.svg: the error over the workspace by trial, sorted, of every
 /// method; noise_study.csv: both errors of every trial.
 std::vector<ReportFile> MakeNoiseFiles(const NoiseStudyResult& study);
+/// What simulated calibrations showed: a table of the parameters, and in words
+/// what is left over the workspace.
+std::string FormatMonteCarlo(const MonteCarloResult& result);
+/// montecarlo.csv (parameters, SI units), trials.csv, coverage.svg,
+/// workspace_error.svg, montecarlo.txt.
+std::vector<ReportFile> MakeMonteCarloFiles(const MonteCarloResult& result);
 /// singular_values.svg and, where there are relations, relations.svg: what
 /// stands for each parameter that is left out.
 std::vector<ReportFile> MakeIdentifiabilityFigures(

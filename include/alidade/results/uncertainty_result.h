@@ -58,6 +58,17 @@ struct Influence {
   double standardised = 0;  ///< norm of the whitened residual
 };
 
+/// Counts of values in bins of equal width: the first bin begins at `lower` and
+/// takes in all below it, the last all above.
+struct Histogram {
+  double lower = -4.0;
+  double width = 0.25;
+  std::vector<std::int64_t> counts = {};
+};
+
+/// Of standardised values, from -4 to 4 in steps of a quarter.
+Histogram CountStandardised(const Eigen::VectorXd& values);
+
 /// Of the residuals of a fit, whitened and freed of their own part in it.
 struct ResidualDiagnostics {
   double chi_square = 0.0;
@@ -68,9 +79,11 @@ struct ResidualDiagnostics {
   TestResult normality;  ///< Anderson and Darling
   TestResult whiteness;  ///< Ljung and Box, along the order of measurement
   int lags = 0;          ///< of the whiteness test
-  /// Studentised residuals, one per measured row in the order of observations.
+  /// Studentised residuals of measured rows in the order of observations; of
+  /// more than 100 000 observations an even sample.
   Eigen::VectorXd studentised;
-  /// One entry per pose, in the order of poses.
+  Histogram histogram;  ///< of these
+  /// One entry per pose, in the order of poses; none for more observations.
   std::vector<Influence> poses;
 };
 
@@ -87,6 +100,7 @@ struct PredictedMap {
   Accuracy rotation_summary;     ///< of rotation_std; n = 0 without
   /// Where the true arm is known: its error at these configurations (m).
   Eigen::VectorXd true_error;
+  Accuracy true_summary;  ///< of true_error; n = 0 without
 };
 
 /// How often something predicted held, with the interval of its true rate
@@ -108,7 +122,8 @@ struct PredictionCheck {
   Coverage ellipsoids;  ///< each position within its ellipsoid
   /// Deviations over predicted standard deviations, one per coordinate.
   Eigen::VectorXd z_scores;
-  double rms_z = 0.0;  ///< 1 where predicted and observed agree
+  Histogram histogram;  ///< of these
+  double rms_z = 0.0;   ///< 1 where predicted and observed agree
   /// "agree", "larger" or "smaller" than predicted, and why so.
   std::string verdict;
 };

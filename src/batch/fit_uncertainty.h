@@ -1,0 +1,21 @@
+#ifndef ALIDADE_SRC_BATCH_FIT_UNCERTAINTY_H_
+#define ALIDADE_SRC_BATCH_FIT_UNCERTAINTY_H_
+
+#include "alidade/results/uncertainty_result.h"
+#include "alidade/uncertainty/assessment.h"
+#include "fit_report.h"
+
+namespace alidade {
+
+/// How far a finished fit of a job can be trusted, by the job's options.
+/// `final_cost`: of the solve.
+UncertaintyResult AssessFit(const FinishedFit& fit, double final_cost);
+
+/// Fits with one parameter held, for profiles: Ceres over the other free
+/// columns of `problem`, which must outlive it.
+Resolve ResolveByCeres(const CalibrationProblem& problem,
+                       const SolverOptions& options);
+
+}  // namespace alidade
+
+#endif  // ALIDADE_SRC_BATCH_FIT_UNCERTAINTY_H_

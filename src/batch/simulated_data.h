@@ -1,0 +1,33 @@
+#ifndef ALIDADE_SRC_BATCH_SIMULATED_DATA_H_
+#define ALIDADE_SRC_BATCH_SIMULATED_DATA_H_
+
+#include <Eigen/Core>
+
+#include "alidade/base/random.h"
+#include "alidade/io/job_config.h"
+#include "alidade/measurement/dataset.h"
+#include "alidade/measurement/measurement_model.h"
+
+namespace alidade {
+
+/// Sets what `data` says was measured to what the arm with these values would
+/// show at `joint_values`, without noise. @pre no contacts (kFixedPoint,
+/// kPlane), whose measured values are zero by definition.
+void MeasureExactly(const MeasurementModel& model,
+                    const Eigen::VectorXd& values,
+                    const Eigen::MatrixXd& joint_values, Dataset* data);
+
+/// Adds Gaussian noise of the data's own sigmas (or covariances) to every
+/// measured row, and gross errors to some observations.
+void AddNoise(const MonteCarloConfig& config, double reach, Random* random,
+              Dataset* data);
+
+/// Joint values that the arm really takes: off by its repeatability.
+Eigen::MatrixXd MissedJointValues(const MonteCarloConfig& config,
+                                  const Arm& arm,
+                                  const Eigen::MatrixXd& joint_values,
+                                  Random* random);
+
+}  // namespace alidade
+
+#endif  // ALIDADE_SRC_BATCH_SIMULATED_DATA_H_

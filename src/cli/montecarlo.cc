@@ -1,0 +1,61 @@
+#include "alidade/batch/montecarlo.h"
+
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+#include <string>
+
+#include "alidade/batch/result_directory.h"
+#include "alidade/io/job_file.h"
+#include "alidade/report/report.h"
+#include "command.h"
+#include "progress_line.h"
+
+namespace alidade {
+namespace {
+
+// "trial 2560 of 10000, 3120 a second, 2.4 s left".
+TrialProgress ShowTrials(ProgressLine* progress) {
+  const auto start = std::chrono::steady_clock::now();
+  return [progress, start](int done, int wanted) {
+    const double seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
+            .count();
+    const double rate = done / seconds;
+    char text[120];
+    std::snprintf(text, sizeof text,
+                  "trial %d of %d, %.0f a second, %.1f s left", done, wanted,
+                  rate, (wanted - done) / rate);
+    progress->Show(text);
+  };
+}
+
+}  // namespace
+
+ExitStatus RunMonteCarlo(const CommandLine& line) {
+  const std::string& path = line.files.front();
+  ProgressLine progress;
+  progress.Show("reading " + path);
+  JobConfig config = LoadJob(path, line.threads);
+  if (line.seed) config.montecarlo.seed = *line.seed;
+  const MonteCarloResult result =
+      RunMonteCarlo(config, line.threads, ShowTrials(&progress));
+  progress.Clear();
+  std::cout << result.title << "\n\n" << FormatMonteCarlo(result);
+  if (!line.out.empty()) {
+    std::cout << "\nResults\n";
+    for (const std::string& written :
+         WriteResultDirectory(line.out, MakeMonteCarloFiles(result))) {
+      std::cout << "  " << written << "\n";
+    }
+  }
+  if (2 * result.failed > static_cast<int>(result.trials.size())) {
+    PrintError(path +
+               ": more than half of the simulated calibrations found "
+               "no usable solution; `alidade calibrate` tells why");
+    return kExitNumerical;
+  }
+  return kExitDone;
+}
+
+}  // namespace alidade
