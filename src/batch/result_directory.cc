@@ -25,6 +25,7 @@ std::vector<ReportFile> RenderResult(const JobOutcome& outcome) {
   files.push_back({"report.txt", FormatReport(result)});
   Append(MakeCsvFiles(result), &files);
   Append(MakeFigures(result), &files);
+  Append(MakeUncertaintyFiles(result), &files);
   Append(MakeIdentifiabilityFigures(result.identifiability), &files);
   files.push_back({"result.json", FormatResultJson(result)});
   return files;

@@ -11,6 +11,7 @@
 #include "src/report/accuracy_report.h"
 #include "src/report/solver_names.h"
 #include "src/report/text.h"
+#include "src/report/uncertainty_report.h"
 
 namespace alidade {
 namespace {
@@ -208,6 +209,7 @@ std::string FormatReport(const JobResult& result) {
   text += Section("What can be identified",
                   FormatIdentifiability(result.identifiability));
   text += Section("Parameters", FormatParameters(result) + Aliases(result));
+  text += Section("How far to trust it", UncertaintySection(result));
   if (!result.runs.empty()) {
     text += Section(result.runs.size() == 1 ? "Solver" : "Solvers",
                     FormatComparison(result) + SolverMessages(result));

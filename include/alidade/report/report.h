@@ -33,6 +33,10 @@ std::string FormatNoiseStudy(const NoiseStudyResult& study);
 /// noise_study.svg: the error over the workspace by trial, sorted, of every
 /// method; noise_study.csv: both errors of every trial.
 std::vector<ReportFile> MakeNoiseFiles(const NoiseStudyResult& study);
+/// influence.csv (leverage and Cook's distance by pose), predicted_map.csv and
+/// .svg, residual_histogram.svg, heldout_z_scores.svg; those that there is
+/// something for.
+std::vector<ReportFile> MakeUncertaintyFiles(const JobResult& result);
 /// What simulated calibrations showed: a table of the parameters, and in words
 /// what is left over the workspace.
 std::string FormatMonteCarlo(const MonteCarloResult& result);

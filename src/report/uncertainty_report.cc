@@ -1,0 +1,315 @@
+#include "src/report/uncertainty_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "alidade/report/format.h"
+#include "alidade/report/report.h"
+#include "alidade/report/svg_chart.h"
+#include "alidade/report/text_table.h"
+#include "src/report/text.h"
+
+namespace alidade {
+namespace {
+
+using Align = TextTable::Align;
+
+constexpr std::size_t kPosesListed = 5;
+
+// A pose that moves the estimate by as much as its own spread: Cook's usual
+// bound.
+constexpr double kDominates = 1.0;
+
+std::string Percent(double rate) { return FixedNumber(100.0 * rate, 1) + " %"; }
+
+const ParameterResult* Find(const JobResult& result, const std::string& name) {
+  for (const ParameterResult& parameter : result.parameters) {
+    if (parameter.name == name) return &parameter;
+  }
+  return nullptr;
+}
+
+std::string InUnit(double value, Dimension dimension, int digits) {
+  const double unit = dimension == Dimension::kLength ? kMillimetre : kDegree;
+  return FormatSignificant(value / unit, digits);
+}
+
+std::string IntervalTable(const JobResult& result) {
+  TextTable table({{"name"},
+                   {"unit"},
+                   {"deviation", Align::kRight},
+                   {"std", Align::kRight},
+                   {"from", Align::kRight},
+                   {"to", Align::kRight},
+                   {"in std", Align::kRight},
+                   {"bends", Align::kRight},
+                   {"prior %", Align::kRight},
+                   {"interval"}});
+  for (const ParameterUncertainty& one : result.uncertainty->parameters) {
+    const ParameterResult* parameter = Find(result, one.name);
+    if (parameter == nullptr) continue;
+    const Dimension dimension = parameter->dimension;
+    const double nominal = parameter->nominal;
+    table.AddRow({one.name, UnitForPeople(dimension),
+                  InUnit(parameter->deviation(), dimension, 4),
+                  InUnit(one.std, dimension, 2),
+                  InUnit(one.interval.lower - nominal, dimension, 4),
+                  InUnit(one.interval.upper - nominal, dimension, 4),
+                  FormatSignificant(parameter->deviation() / one.std, 2),
+                  FormatSignificant(one.nonlinearity, 1),
+                  FixedNumber(100.0 * one.prior_share, 0),
+                  one.interval.is_profile ? "profile" : "linear"});
+  }
+  return table.ToString();
+}
+
+std::string Correlations(const UncertaintyResult& uncertainty) {
+  if (uncertainty.correlated.empty()) return "";
+  std::vector<std::string> pairs;
+  for (const CorrelatedPair& pair : uncertainty.correlated) {
+    pairs.push_back(pair.first + " and " + pair.second + " (" +
+                    FixedNumber(pair.correlation, 3) + ")");
+  }
+  return Paragraph("Hardly told apart (correlation): " + Join(pairs, ", ") +
+                   ".");
+}
+
+std::string PValue(double p) {
+  return std::isnan(p) ? "not tested" : "p = " + FormatSignificant(p, 2);
+}
+
+std::string Residuals(const ResidualDiagnostics& residuals) {
+  std::string text = "Residuals: chi-square " +
+                     FormatSignificant(residuals.chi_square, 4) + " for " +
+                     FormatSignificant(residuals.degrees_of_freedom, 4) +
+                     " degrees of freedom";
+  if (residuals.reduced_chi_square > 0.0) {
+    text += ", reduced " + FormatSignificant(residuals.reduced_chi_square, 3);
+  }
+  text += std::isnan(residuals.chi_square_p_value)
+              ? " (sigma is estimated from it)"
+              : " (" + PValue(residuals.chi_square_p_value) + ")";
+  text += "; normality " + PValue(residuals.normality.p_value) +
+          "; whiteness along the order of measurement " +
+          PValue(residuals.whiteness.p_value) +
+          ". A small p says that chance alone does so seldom.";
+  return Paragraph(text);
+}
+
+std::string Influences(const ResidualDiagnostics& residuals) {
+  std::vector<Influence> poses = residuals.poses;
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const Influence& a, const Influence& b) {
+                     return a.cooks_distance > b.cooks_distance;
+                   });
+  if (poses.size() > kPosesListed) poses.resize(kPosesListed);
+  if (poses.empty()) return "";
+  TextTable table({{"pose", Align::kRight},
+                   {"leverage", Align::kRight},
+                   {"Cook's distance", Align::kRight},
+                   {"residual [sigma]", Align::kRight},
+                   {"where"}});
+  for (const Influence& pose : poses) {
+    table.AddRow({std::to_string(pose.pose + 1),
+                  FormatSignificant(pose.leverage, 3),
+                  FormatSignificant(pose.cooks_distance, 3),
+                  FormatSignificant(pose.standardised, 3), pose.where});
+  }
+  std::string text = "\nPoses that the result depends on most:\n";
+  text += table.ToString();
+  if (poses.front().cooks_distance > kDominates) {
+    text += Paragraph(
+        "The first moves the result by more than its own uncertainty: measure "
+        "it again, or others like it.");
+  }
+  return text;
+}
+
+std::string Map(const PredictedMap& map) {
+  std::string text =
+      "Predicted standard deviation of the target's position over " +
+      Count(map.summary.n, "configuration") +
+      " drawn within the joint limits: median " +
+      FormatLength(map.summary.median, 3) + ", 95 % below " +
+      FormatLength(map.summary.p95, 3) + ", largest " +
+      FormatLength(map.summary.max, 3);
+  if (map.rotation_summary.n > 0) {
+    text += "; of its orientation: median " +
+            FormatSignificant(map.rotation_summary.median / kDegree, 3) +
+            " deg";
+  }
+  if (map.true_summary.n > 0) {
+    text += ". The true error there, of the arm that is known: median " +
+            FormatLength(map.true_summary.median, 3) + ", 95 % below " +
+            FormatLength(map.true_summary.p95, 3) + ", largest " +
+            FormatLength(map.true_summary.max, 3);
+  }
+  return Paragraph(text + ".");
+}
+
+std::string HeldOut(const PredictionCheck& check) {
+  if (check.axes.n == 0) return "";
+  std::string text = "Held-out poses: " + Percent(check.axes.rate()) +
+                     " of coordinates lie within their " +
+                     Percent(check.confidence) + " intervals (" +
+                     Percent(check.axes.lower) + " to " +
+                     Percent(check.axes.upper) + " by chance)";
+  if (check.ellipsoids.n > 0) {
+    text += ", " + Percent(check.ellipsoids.rate()) +
+            " of positions within their ellipsoids";
+  }
+  text += "; errors are " + FormatSignificant(check.rms_z, 3) +
+          " times the predicted ones (root mean square): " +
+          (check.verdict == "agree"
+               ? "predicted and observed agree."
+               : "observed errors are " + check.verdict + " than predicted.");
+  return Paragraph(text);
+}
+
+LineChart HistogramChart(const std::string& title, const Histogram& histogram) {
+  LineChart chart;
+  chart.title = title;
+  chart.x.label = "standard deviations";
+  chart.y.label = "share per bin [%]";
+  std::int64_t total = 0;
+  for (const std::int64_t count : histogram.counts) total += count;
+  chart.subtitle = Count(total, "value") + "; line: the normal distribution";
+  ChartSeries bars;
+  bars.line = false;
+  bars.marker = MarkerStyle::kStem;
+  bars.label = "observed";
+  ChartSeries normal;
+  normal.label = "expected";
+  for (std::size_t k = 0; k < histogram.counts.size(); ++k) {
+    const double left =
+        histogram.lower + histogram.width * static_cast<double>(k);
+    const double middle = left + 0.5 * histogram.width;
+    bars.x.push_back(middle);
+    bars.y.push_back(100.0 * static_cast<double>(histogram.counts[k]) /
+                     static_cast<double>(std::max<std::int64_t>(1, total)));
+    normal.x.push_back(middle);
+    normal.y.push_back(100.0 * 0.5 *
+                       (std::erf((left + histogram.width) / std::sqrt(2.0)) -
+                        std::erf(left / std::sqrt(2.0))));
+  }
+  chart.series = {bars, normal};
+  return chart;
+}
+
+MapChart SideView(const PredictedMap& map) {
+  MapChart chart;
+  chart.title = "Predicted standard deviation of the position";
+  chart.subtitle = Count(map.summary.n, "configuration") + ", median " +
+                   FormatLength(map.summary.median, 3) + ", 95 % below " +
+                   FormatLength(map.summary.p95, 3);
+  chart.x.label = "horizontal distance from the instrument's z axis [mm]";
+  chart.y.label = "height [mm]";
+  chart.colour.label = "standard deviation [mm]";
+  for (Eigen::Index i = 0; i < map.position_std.size(); ++i) {
+    if (!std::isfinite(map.position_std[i])) continue;
+    chart.px.push_back(map.positions.col(i).head<2>().norm() / kMillimetre);
+    chart.py.push_back(map.positions(2, i) / kMillimetre);
+    chart.value.push_back(map.position_std[i] / kMillimetre);
+  }
+  return chart;
+}
+
+std::string InfluenceCsv(const ResidualDiagnostics& residuals) {
+  std::string csv = "pose,leverage,cooks_distance,standardised_residual\n";
+  for (const Influence& pose : residuals.poses) {
+    csv += std::to_string(pose.pose + 1) + "," + ShortestNumber(pose.leverage) +
+           "," + ShortestNumber(pose.cooks_distance) + "," +
+           ShortestNumber(pose.standardised) + "\n";
+  }
+  return csv;
+}
+
+std::string MapCsv(const PredictedMap& map,
+                   const std::vector<Dimension>& joints) {
+  std::string csv;
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    csv += "q" + std::to_string(j + 1) +
+           (joints[j] == Dimension::kAngle ? "_deg," : "_mm,");
+  }
+  csv +=
+      "x_mm,y_mm,z_mm,position_std_mm,axis1_mm,axis2_mm,axis3_mm,"
+      "rotation_std_deg";
+  const bool has_truth = map.true_error.size() > 0;
+  csv += has_truth ? ",true_error_mm\n" : "\n";
+  for (Eigen::Index i = 0; i < map.position_std.size(); ++i) {
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      const double unit =
+          joints[j] == Dimension::kAngle ? kDegree : kMillimetre;
+      csv += ShortestNumber(map.joint_values(static_cast<Eigen::Index>(j), i) /
+                            unit) +
+             ",";
+    }
+    for (const double value : map.positions.col(i)) {
+      csv += ShortestNumber(value / kMillimetre) + ",";
+    }
+    csv += ShortestNumber(map.position_std[i] / kMillimetre);
+    for (const double value : map.semi_axes.col(i)) {
+      csv += "," + ShortestNumber(value / kMillimetre);
+    }
+    csv += "," + ShortestNumber(map.rotation_std[i] / kDegree);
+    if (has_truth) csv += "," + ShortestNumber(map.true_error[i] / kMillimetre);
+    csv += "\n";
+  }
+  return csv;
+}
+
+}  // namespace
+
+std::string UncertaintySection(const JobResult& result) {
+  if (!result.uncertainty) return "";
+  const UncertaintyResult& uncertainty = *result.uncertainty;
+  std::string text = Paragraph(
+      "Deviations from nominal with their " + Percent(uncertainty.confidence) +
+      " intervals" +
+      (std::isfinite(uncertainty.degrees_of_freedom)
+           ? ", Student's t with " +
+                 FormatSignificant(uncertainty.degrees_of_freedom, 4) +
+                 " degrees of freedom"
+           : ", sigma as stated") +
+      (uncertainty.estimator == "sandwich" ? ", sandwich estimator" : "") +
+      ". \"bends\": the second-order part of an estimate in standard "
+      "deviations; \"prior\": the part of it that is known beforehand.");
+  text += "\n" + IntervalTable(result) + "\n";
+  text += Correlations(uncertainty);
+  text += Residuals(uncertainty.residuals);
+  text += Influences(uncertainty.residuals);
+  if (uncertainty.workspace) text += "\n" + Map(*uncertainty.workspace);
+  if (uncertainty.heldout) text += HeldOut(*uncertainty.heldout);
+  return text;
+}
+
+std::vector<ReportFile> MakeUncertaintyFiles(const JobResult& result) {
+  std::vector<ReportFile> files;
+  if (!result.uncertainty) return files;
+  const UncertaintyResult& uncertainty = *result.uncertainty;
+  if (!uncertainty.residuals.poses.empty()) {
+    files.push_back({"influence.csv", InfluenceCsv(uncertainty.residuals)});
+  }
+  files.push_back({"residual_histogram.svg",
+                   RenderSvg(HistogramChart("Residuals over their own sigmas",
+                                            uncertainty.residuals.histogram))});
+  if (uncertainty.workspace) {
+    files.push_back(
+        {"predicted_map.csv",
+         MapCsv(*uncertainty.workspace, result.train.joint_dimensions)});
+    files.push_back(
+        {"predicted_map.svg", RenderSvg(SideView(*uncertainty.workspace))});
+  }
+  if (uncertainty.heldout) {
+    files.push_back(
+        {"heldout_z_scores.svg",
+         RenderSvg(HistogramChart(
+             "Held-out errors over their predicted standard deviations",
+             uncertainty.heldout->histogram))});
+  }
+  return files;
+}
+
+}  // namespace alidade

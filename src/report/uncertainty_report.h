@@ -1,0 +1,17 @@
+#ifndef ALIDADE_SRC_REPORT_UNCERTAINTY_REPORT_H_
+#define ALIDADE_SRC_REPORT_UNCERTAINTY_REPORT_H_
+
+#include <string>
+
+#include "alidade/results/job_result.h"
+
+namespace alidade {
+
+/// The section of report.txt: intervals, what can only be told together, the
+/// residuals, what is predicted over the workspace and at held-out poses.
+/// Empty where it was not assessed.
+std::string UncertaintySection(const JobResult& result);
+
+}  // namespace alidade
+
+#endif  // ALIDADE_SRC_REPORT_UNCERTAINTY_REPORT_H_
