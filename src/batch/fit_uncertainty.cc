@@ -1,6 +1,7 @@
 #include "fit_uncertainty.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "alidade/measurement/robust_loss.h"
 
@@ -10,6 +11,17 @@ namespace {
 // Profiles ask for a dozen solves of each parameter: more observations than
 // this make the model straight anyway.
 constexpr Eigen::Index kMostForProfiles = 100000;
+
+// What the prior of a held parameter adds: the solver counts those of free ones
+// alone.
+double PriorCost(const CalibrationProblem& problem, int column,
+                 const Eigen::VectorXd& values) {
+  if (column < 0 || problem.priors.size() == 0) return 0.0;
+  if (!std::isfinite(problem.priors[column])) return 0.0;
+  const double nominal = problem.model.NominalValues()[column];
+  const double deviation = (values[column] - nominal) / problem.priors[column];
+  return deviation * deviation;
+}
 
 }  // namespace
 
@@ -25,7 +37,7 @@ Resolve ResolveByCeres(const CalibrationProblem& problem,
     rest.start_rank = {};
     const SolverSummary summary = SolveCeres(rest, quiet, values);
     if (!summary.IsSolutionUsable()) return std::nullopt;
-    return summary.final_cost;
+    return summary.final_cost + PriorCost(problem, fixed_column, *values);
   };
 }
 

@@ -41,7 +41,8 @@ Eigen::VectorXd DrawNoise(const ObservationBlock& block, Eigen::Index i,
   }
   const Eigen::MatrixXd whitener = block.whiteners[i](measured, measured);
   const Eigen::VectorXd white = noise(measured);
-  noise(measured) = whitener.partialPivLu().solve(white);
+  const Eigen::VectorXd coloured = whitener.partialPivLu().solve(white);
+  noise(measured) = coloured;
   return noise;
 }
 

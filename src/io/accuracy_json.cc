@@ -9,7 +9,7 @@ nlohmann::ordered_json ToJson(const Accuracy& accuracy) {
           {"max", accuracy.max},       {"n", accuracy.n}};
 }
 
-nlohmann::ordered_json ToJson(const Eigen::VectorXd& values) {
+nlohmann::ordered_json VectorToJson(const Eigen::VectorXd& values) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const double value : values) list.push_back(value);
   return list;

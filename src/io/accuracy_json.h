@@ -13,7 +13,7 @@ namespace alidade {
 // What several parts of result.json are made of.
 
 nlohmann::ordered_json ToJson(const Accuracy& accuracy);
-nlohmann::ordered_json ToJson(const Eigen::VectorXd& values);
+nlohmann::ordered_json VectorToJson(const Eigen::VectorXd& values);
 
 template <typename Item>
 nlohmann::ordered_json ToJsonList(

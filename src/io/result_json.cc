@@ -99,7 +99,7 @@ Json ToJson(const ParameterResult& parameter) {
 Json ToJson(const RankReport& report) {
   return {{"rank", report.rank},
           {"gap", report.gap},
-          {"singular_values", ToJson(report.singular_values)}};
+          {"singular_values", VectorToJson(report.singular_values)}};
 }
 
 Json ToJson(const Relation& relation) {
@@ -181,7 +181,7 @@ Json ToJson(const SolverSummary& summary) {
 Json ToJson(const SolverRun& run) {
   Json json = ToJson(run.summary);
   json["train"] = ToJson(run.train);
-  json["values"] = ToJson(run.values);
+  json["values"] = VectorToJson(run.values);
   json["history"] = ToJsonList(run.summary.iterations, ToJson);
   return json;
 }

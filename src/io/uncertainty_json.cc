@@ -161,7 +161,7 @@ nlohmann::ordered_json UncertaintyToJson(const UncertaintyResult& result) {
   Json covariance = Json::array();
   for (Eigen::Index row = 0; row < result.covariance.rows(); ++row) {
     covariance.push_back(
-        alidade::ToJson(Eigen::VectorXd(result.covariance.row(row))));
+        VectorToJson(Eigen::VectorXd(result.covariance.row(row))));
   }
   Json json = {{"confidence", result.confidence},
                {"degrees_of_freedom", result.degrees_of_freedom},

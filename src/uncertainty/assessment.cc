@@ -146,6 +146,9 @@ class Assessment {
 
   void DoubtResiduals() {
     const ResidualDiagnostics& residuals = result_.residuals;
+    // Far below their sigmas, as in data without noise, they say nothing.
+    constexpr double kMuchSmaller = 0.1;
+    if (residuals.reduced_chi_square < kMuchSmaller) return;
     if (residuals.normality.p_value < kUnlikely && fit_.losses.empty()) {
       result_.warnings.push_back(
           "the residuals are not Gaussian: look for outliers (`solver: "
