@@ -106,12 +106,17 @@ std::vector<Command> JobCommands() {
        1,
        RunMonteCarlo},
       {"validate",
-       "ARM.yaml DATA.csv... | ARM.yaml REFERENCE.yaml",
+       "ARM.yaml | RESULT  DATA.csv... | REFERENCE.yaml",
        "accuracy of an arm on data, or against another arm",
        "With data sets: errors of the arm's predictions at their poses.\n"
        "With a second arm: distance between the two over 10 000 joint\n"
-       "values drawn within the limits of the first (--seed).",
-       {"seed"},
+       "values drawn within the limits of the first (--seed).\n"
+       "With a result directory of `calibrate` instead of an arm: also "
+       "whether\n"
+       "errors are as large as predicted, by the share that lies within its\n"
+       "intervals, and the predicted accuracy over the workspace; --out=DIR\n"
+       "writes the map and a histogram of errors over their predictions.",
+       {"seed", "out"},
        2,
        kAnyNumber,
        RunValidate},
