@@ -33,6 +33,7 @@ ExitStatus RunCalibrate(const CommandLine& line) {
   JobConfig config = LoadJob(path, line.threads);
   ShowIterations(config.data.num_poses(), &progress, &config.solver_options);
   if (line.seed) config.identifiability.seed = *line.seed;
+  progress.Clear();
   const JobOutcome outcome = RunJob(config, line.text, line.threads);
   progress.Clear();
   if (outcome.status == JobStatus::kRefused ||

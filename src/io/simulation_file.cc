@@ -79,8 +79,10 @@ RandomPoses ReadRandom(const YamlValue& value, const Arm& arm) {
   const YamlMap map = value.Map({"count"});
   for (int j = 0; j < arm.num_joints(); ++j) {
     const Joint& joint = arm.joints[j];
+    // A revolute joint without limits draws from a full turn.
+    if (joint.type == JointType::kRevolute) continue;
     if (std::isfinite(joint.lower) && std::isfinite(joint.upper)) continue;
-    value.Fail("expected limits for every joint, joint " +
+    value.Fail("expected limits for every prismatic joint, joint " +
                std::to_string(j + 1) + " of arm \"" + arm.name +
                "\" has none: add them to the arm file");
   }
