@@ -66,7 +66,7 @@ enum class ComparisonKind {
   kWays,   ///< the same measurements, calibrated in several ways
 };
 
-/// One page of several results. About 1 kB of page a result; it holds what it
+/// One page of several results. 1 to 2 kB of page a result; it holds what it
 /// needs of each, not the results.
 class ComparisonPage {
  public:
