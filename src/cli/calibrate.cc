@@ -2,6 +2,7 @@
 #include <iostream>
 
 #include "alidade/batch/job.h"
+#include "alidade/batch/report_page.h"
 #include "alidade/batch/result_directory.h"
 #include "alidade/io/job_file.h"
 #include "alidade/report/report.h"
@@ -43,8 +44,14 @@ ExitStatus RunCalibrate(const CommandLine& line) {
   }
   const std::string directory =
       line.out.empty() ? DefaultDirectory(path) : line.out;
-  PrintSummary(outcome.result,
-               WriteResultDirectory(directory, RenderResult(outcome)));
+  std::vector<ReportFile> files = RenderResult(outcome);
+  if (line.report) {
+    // Before result.json, which comes last.
+    const std::string label =
+        std::filesystem::absolute(directory).lexically_normal().filename();
+    files.insert(files.end() - 1, MakeResultPage(outcome, files, label));
+  }
+  PrintSummary(outcome.result, WriteResultDirectory(directory, files));
   if (outcome.status == JobStatus::kMissedLimits) {
     PrintError(path + ": " + outcome.message + "; " + directory +
                "/report.txt tells which");

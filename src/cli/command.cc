@@ -75,9 +75,10 @@ std::vector<Command> JobCommands() {
        "run a whole calibration job and write its results",
        "Identifies, solves, validates, and writes the result directory\n"
        "--out=DIR (default: results/ and the job's name): arm.yaml,\n"
-       "result.json, report.txt, CSV files and SVG figures.\n"
+       "result.json, report.txt, CSV files and SVG figures, and with --report\n"
+       "report.html, a page that holds all of it.\n"
        "Exit status 1: an acceptance limit of the job is missed.",
-       {"out", "seed"},
+       {"out", "seed", "report"},
        1,
        1,
        RunCalibrate},
@@ -120,6 +121,17 @@ std::vector<Command> JobCommands() {
        2,
        kAnyNumber,
        RunValidate},
+      {"report",
+       "RESULT...",
+       "make an HTML page of a result, or one that compares several",
+       "RESULT is a result directory or its result.json. One makes its\n"
+       "report.html, several make comparison.html, or what --out names: a\n"
+       "page (.html) or a folder. A page needs no network and no server. It\n"
+       "prints its path.",
+       {"out", "read-as"},
+       1,
+       kAnyNumber,
+       RunReport},
   };
 }
 

@@ -19,8 +19,10 @@ enum ExitStatus {
 /// What the user wrote behind the command's name.
 struct CommandLine {
   std::vector<std::string> files;
-  std::string out;  ///< --out; empty = not given
-  std::string arm;  ///< --arm; empty = not given
+  std::string out;      ///< --out; empty = not given
+  std::string arm;      ///< --arm; empty = not given
+  std::string read_as;  ///< --read-as; empty = not given
+  bool report = false;  ///< --report
   int threads = 1;
   std::optional<std::uint64_t> seed;
   std::string text;  ///< the whole command line, for the result
@@ -51,6 +53,7 @@ ExitStatus RunCalibrate(const CommandLine& line);
 ExitStatus RunCompare(const CommandLine& line);
 ExitStatus RunMonteCarlo(const CommandLine& line);
 ExitStatus RunValidate(const CommandLine& line);
+ExitStatus RunReport(const CommandLine& line);
 
 /// Prints "alidade: MESSAGE" on standard error.
 void PrintError(const std::string& message);

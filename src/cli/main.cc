@@ -14,6 +14,8 @@
 
 DEFINE_string(out, "", "where results are written");
 DEFINE_string(arm, "", "the arm that data are of");
+DEFINE_string(read_as, "", "what the results of a comparison are");
+DEFINE_bool(report, false, "also write report.html");
 DEFINE_int32(threads, 1, "threads to work with; results do not depend on it");
 DEFINE_uint64(seed, 0, "seed of everything random, instead of the file's");
 DEFINE_int32(verbosity, 0, "0: warnings, 1: what is done, 2: details");
@@ -30,6 +32,10 @@ const std::vector<FlagHelp>& FlagHelps() {
   static const std::vector<FlagHelp> kFlagHelps = {
       {"arm", "--arm=ARM.yaml   the arm that the data are of"},
       {"out", "--out=PATH       where results are written"},
+      {"read-as",
+       "--read-as=WHAT   fleet (arms), time (one arm, in order) or ways (of "
+       "one\n                   calibration); told from the data otherwise"},
+      {"report", "--report         also write report.html"},
       {"seed",
        "--seed=N         seed of all that is drawn, instead of the "
        "file's"},
@@ -120,15 +126,21 @@ class ArgumentParser {
     if (!Accepts(command_, name)) {
       ThrowUsage(command_, "unknown flag " + argument);
     }
-    const std::string value = equals == std::string::npos
-                                  ? NextArgument(argument)
-                                  : argument.substr(equals + 1);
-    if (gflags::SetCommandLineOption(name.c_str(), value.c_str()).empty()) {
+    const std::string value = equals != std::string::npos
+                                  ? argument.substr(equals + 1)
+                              : IsSwitch(name) ? "true"
+                                               : NextArgument(argument);
+    std::string flag = name;  // as C++ spells it
+    std::replace(flag.begin(), flag.end(), '-', '_');
+    if (gflags::SetCommandLineOption(flag.c_str(), value.c_str()).empty()) {
       ThrowUsage(command_, "--" + name + " = \"" + value +
                                "\" is not a value of this flag");
     }
     if (name == "seed") line_.seed = FLAGS_seed;
   }
+
+  // A flag that is on when it is there.
+  static bool IsSwitch(const std::string& name) { return name == "report"; }
 
   std::string NextArgument(const std::string& flag) {
     if (next_ == arguments_.size()) {
@@ -186,6 +198,8 @@ ExitStatus RunCommand(const std::string& name,
   SetVerbosity();
   line.out = FLAGS_out;
   line.arm = FLAGS_arm;
+  line.read_as = FLAGS_read_as;
+  line.report = FLAGS_report;
   line.threads = FLAGS_threads;
   return command.run(line);
 }
