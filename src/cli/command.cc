@@ -76,11 +76,14 @@ std::vector<Command> JobCommands() {
        "Identifies, solves, validates, and writes the result directory\n"
        "--out=DIR (default: results/ and the job's name): arm.yaml,\n"
        "result.json, report.txt, CSV files and SVG figures.\n"
-       "Exit status 1: an acceptance limit of the job is missed.",
+       "Exit status 1: an acceptance limit of the job is missed.\n"
+       "Under 'mpirun -n K' every process reads some of the data's files, and\n"
+       "the result has the same bits (docs/cluster.md).",
        {"out", "seed"},
        1,
        1,
-       RunCalibrate},
+       RunCalibrate,
+       true},
       {"compare",
        "JOB.yaml",
        "run the same job by every solver, side by side",
