@@ -179,13 +179,6 @@ std::vector<InputFile> HashInputs(const JobConfig& config) {
   return files;
 }
 
-double ChiSquareOf(const FinishedFit& fit) {
-  const Dataset& data = fit.config.data;
-  const Eigen::VectorXd squared = EntriesInOrder(
-      data, SquaredNorms(fit.model().Errors(fit.values, data), data));
-  return ComputeOnFirst(data, [&] { return squared.sum(); });
-}
-
 class JobRunner {
  public:
   JobRunner(JobConfig config, int num_threads)
@@ -357,7 +350,9 @@ class JobRunner {
     }
     const double freedom = DegreesOfFreedom(*problem_, fit.values);
     if (freedom >= 1.0) {
-      result().reduced_chi_square = ChiSquareOf(fit) / freedom;
+      const Eigen::VectorXd squared =
+          SquaredNorms(model_.Errors(fit.values, config_.data), config_.data);
+      result().reduced_chi_square = SumInOrder(config_.data, squared) / freedom;
     }
     // Where the loss expects outliers, they are not held against the fit.
     const double ratio =

@@ -247,14 +247,16 @@ void AppendShared(const ObservationBlock& block, Dataset* data) {
   CountShare(data);
 }
 
-Eigen::Index AllEquations(const Dataset& data) {
-  const Eigen::Index mine = data.num_equations();
+std::int64_t SumOverMembers(const Dataset& data, std::int64_t mine) {
   return data.share.team == nullptr ? mine : data.share.team->Sum(mine);
 }
 
+Eigen::Index AllEquations(const Dataset& data) {
+  return SumOverMembers(data, data.num_equations());
+}
+
 bool OnAllMembers(const Dataset& data, bool mine) {
-  if (data.share.team == nullptr) return mine;
-  return data.share.team->Sum(mine ? 0 : 1) == 0;
+  return SumOverMembers(data, mine ? 0 : 1) == 0;
 }
 
 Dataset GatherData(const Dataset& data, Dataset mine) {
@@ -316,6 +318,11 @@ Eigen::VectorXd EntriesInOrder(const Dataset& data, Eigen::VectorXd mine) {
   if (data.share.team == nullptr) return mine;
   return ObservationsInOrder(data, Eigen::MatrixXd(mine.transpose()))
       .transpose();
+}
+
+double SumInOrder(const Dataset& data, Eigen::VectorXd mine) {
+  const Eigen::VectorXd all = EntriesInOrder(data, std::move(mine));
+  return ComputeOnFirst(data, [&] { return all.sum(); });
 }
 
 Eigen::Index ObservationInAll(const Dataset& data, std::size_t block,

@@ -39,8 +39,7 @@ double EffectiveEquations(const CalibrationProblem& problem,
     if (problem.losses.empty()) continue;
     equations[i] *= problem.losses[dimension - 1].Weight(squared[i]);
   }
-  const Eigen::VectorXd all = EntriesInOrder(problem.data, equations);
-  return ComputeOnFirst(problem.data, [&] { return all.sum(); });
+  return SumInOrder(problem.data, std::move(equations));
 }
 
 // Data of which no more than this part is left are given up.

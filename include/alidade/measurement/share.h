@@ -33,6 +33,9 @@ void CountShare(Dataset* data);
 /// every member: they go to the first shard of member 0.
 void AppendShared(const ObservationBlock& block, Dataset* data);
 
+/// The sum of the members' numbers, on every member.
+std::int64_t SumOverMembers(const Dataset& data, std::int64_t mine);
+
 /// The number of scalar measurements of all shares.
 Eigen::Index AllEquations(const Dataset& data);
 
@@ -95,7 +98,10 @@ std::vector<T> InOrder(const Dataset& data,
 Eigen::MatrixXd ObservationsInOrder(const Dataset& data, Eigen::MatrixXd mine);
 /// The same with an entry for each observation.
 Eigen::VectorXd EntriesInOrder(const Dataset& data, Eigen::VectorXd mine);
-/// The same with a column for each pose.
+/// The sum of entries, one for each observation, added up in the order of the
+/// whole; on every member.
+double SumInOrder(const Dataset& data, Eigen::VectorXd mine);
+/// The same as ObservationsInOrder with a column for each pose.
 Eigen::MatrixXd PosesInOrder(const Dataset& data, Eigen::MatrixXd mine);
 
 /// The number of the whole's observation that is observation i of a block here.
