@@ -100,7 +100,8 @@ void GatherColumns(const Eigen::MatrixXd& from,
 
 // Observation i stays that of pose i, unless it may go for its second pose.
 bool IsOfEachPose(const ObservationBlock& block) {
-  return block.poses.empty() && block.kind != MeasurementKind::kPointDistance &&
+  return block.size() > 0 && block.poses.empty() &&
+         block.kind != MeasurementKind::kPointDistance &&
          block.kind != MeasurementKind::kDifference;
 }
 
