@@ -200,17 +200,16 @@ LoadedData Merge(std::vector<LoadedData> parts, int num_joints) {
   return all;
 }
 
-// Where the file of a data set is named.
-YamlValue FileOf(const YamlValue& entry) {
-  return entry.IsMap() ? entry.AnyMap("a file").Required("file") : entry;
-}
-
-// The files of all entries, each as often as it is named.
+// The files of all entries, each as often as it is named. What is wrong with an
+// entry is told where it is read.
 std::vector<std::string> PathsOf(const std::vector<YamlValue>& entries,
                                  const NamedFiles& files) {
   std::vector<std::string> paths;
   for (const YamlValue& entry : entries) {
-    for (std::string& path : files.PathsOf(FileOf(entry))) {
+    std::optional<YamlValue> file = entry;
+    if (entry.IsMap()) file = entry.Find("file");
+    if (!file) continue;
+    for (std::string& path : files.PathsOf(*file)) {
       paths.push_back(std::move(path));
     }
   }
@@ -266,7 +265,10 @@ LoadedData ReadData(const YamlValue& value, const MeasurementSigmas& sigmas,
   std::vector<YamlValue> entries = {value};
   if (value.IsList()) entries = value.List();
   if (entries.empty()) value.Fail("the list is empty, expected data sets");
-  FileShare share(context->team, value, PathsOf(entries, context->files));
+  FileShare share;
+  if (context->team != nullptr) {
+    share = FileShare(context->team, value, PathsOf(entries, context->files));
+  }
   const References known = job->references;
   std::vector<LoadedData> parts;
   for (const YamlValue& entry : entries) {

@@ -59,10 +59,9 @@ void ShareSets(const Dataset& data, std::vector<std::string>* sets) {
 
 FileShare::FileShare(Team* team, const YamlValue& value,
                      const std::vector<std::string>& paths)
-    : count_(static_cast<std::int64_t>(paths.size())) {
-  if (team == nullptr) return;
-  rank_ = team->rank();
-  size_ = team->size();
+    : rank_(team->rank()),
+      size_(team->size()),
+      count_(static_cast<std::int64_t>(paths.size())) {
   ByteWriter writer;
   writer.PutTexts(paths);
   const std::vector<std::string> all = team->Gather(writer.Take());
@@ -77,7 +76,7 @@ FileShare::FileShare(Team* team, const YamlValue& value,
 }
 
 int FileShare::NextReader() {
-  return static_cast<int>(next_++ * size_ / std::max<std::int64_t>(1, count_));
+  return size_ == 1 ? 0 : static_cast<int>(next_++ * size_ / count_);
 }
 
 void ShareLoaded(Team* team, const References& known, LoadedData* loaded,

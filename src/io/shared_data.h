@@ -17,8 +17,9 @@ namespace alidade {
 /// nothing to do.
 class FileShare {
  public:
-  /// `paths` are those of all data sets that `value` names; `team` may be null:
-  /// all is read here. Collective.
+  /// All is read here.
+  FileShare() = default;
+  /// `paths` are those of all data sets that `value` names. Collective.
   /// @throws InputError where members see different files.
   FileShare(Team* team, const YamlValue& value,
             const std::vector<std::string>& paths);
