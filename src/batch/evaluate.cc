@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 #include <map>
 #include <string>
@@ -10,8 +12,10 @@
 
 #include "alidade/base/error.h"
 #include "alidade/measurement/holdout.h"
+#include "alidade/measurement/share.h"
 #include "alidade/model/joint_draw.h"
 #include "alidade/model/rotation.h"
+#include "label_bytes.h"
 
 namespace alidade {
 namespace {
@@ -92,9 +96,99 @@ Eigen::Matrix3Xd Rotations(const Dataset& data, const Eigen::VectorXd& errors) {
   return turns;
 }
 
+using Lists = std::vector<std::vector<double>>;  // one for each block
+
 Eigen::VectorXd ToVector(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(
       values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+Accuracy Summarize(const Dataset& data, Lists mine) {
+  const std::vector<double> norms = InOrder(data, std::move(mine));
+  return ComputeOnFirst(data, [&] { return SummarizeErrors(ToVector(norms)); });
+}
+
+// There is one block of poses at most.
+Lists RotationLists(const Eigen::VectorXd& errors, const Dataset& data) {
+  Lists lists(data.blocks.size());
+  for (std::size_t k = 0; k < lists.size(); ++k) {
+    if (data.blocks[k].kind != MeasurementKind::kPose) continue;
+    const Eigen::VectorXd norms = RotationErrors(errors, data);
+    lists[k].assign(norms.data(), norms.data() + norms.size());
+  }
+  return lists;
+}
+
+// The labels of the whole data set, on member 0.
+std::vector<ObservationLabel> LabelsInOrder(
+    const Dataset& data, std::vector<ObservationLabel> mine) {
+  if (data.share.team == nullptr) return mine;
+  std::vector<ObservationLabel> all;
+  auto label = mine.begin();
+  for (const ObservationBlock& block : data.blocks) {
+    ByteWriter writer;
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      PutLabel(*label++, &writer);
+    }
+    for (const std::string& bytes :
+         data.share.team->GatherToFirst(writer.Take())) {
+      ByteReader reader(bytes);
+      while (!reader.is_at_end()) all.push_back(GetLabel(&reader));
+    }
+  }
+  return all;
+}
+
+// A number that poses of the same joint values have in common, and hardly any
+// others.
+std::uint64_t Fingerprint(const Eigen::Ref<const Eigen::VectorXd>& joints) {
+  std::uint64_t print = 0;
+  for (const double joint : joints) {
+    const double value = joint + 0.0;  // -0 is 0
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &value, sizeof(bits));
+    // The finisher of MurmurHash3 (Appleby), which spreads every bit.
+    print ^= bits + 0x9e3779b97f4a7c15U + (print << 6U) + (print >> 2U);
+    print = (print ^ (print >> 33U)) * 0xff51afd7ed558ccdU;
+    print = (print ^ (print >> 33U)) * 0xc4ceb9fe1a85ec53U;
+    print ^= print >> 33U;
+  }
+  return print;
+}
+
+// Poses of a share that others, here or at other members, repeat; with few that
+// only seem to.
+std::vector<Eigen::Index> RepeatedPoses(const Dataset& data) {
+  std::vector<std::uint64_t> mine;
+  for (Eigen::Index i = 0; i < data.num_poses(); ++i) {
+    mine.push_back(Fingerprint(data.joint_values.col(i)));
+  }
+  Team* const team = data.share.team;
+  ByteWriter writer;
+  writer.PutList(mine);
+  std::vector<std::uint64_t> all;
+  for (const std::string& bytes : team->GatherToFirst(writer.Take())) {
+    for (const std::uint64_t print :
+         ByteReader(bytes).GetList<std::uint64_t>()) {
+      all.push_back(print);
+    }
+  }
+  std::sort(all.begin(), all.end());
+  std::vector<std::uint64_t> repeated;
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    if (all[i] == all[i - 1]) repeated.push_back(all[i]);
+  }
+  ByteWriter answer;
+  answer.PutList(repeated);
+  const std::string bytes = team->Broadcast(answer.Take());
+  repeated = ByteReader(bytes).GetList<std::uint64_t>();
+  std::vector<Eigen::Index> poses;
+  for (std::size_t i = 0; i < mine.size(); ++i) {
+    if (std::binary_search(repeated.begin(), repeated.end(), mine[i])) {
+      poses.push_back(static_cast<Eigen::Index>(i));
+    }
+  }
+  return poses;
 }
 
 // Adds the squares about the mean of repeated measurements.
@@ -137,9 +231,9 @@ std::vector<ObservationLabel> LabelsOf(const Arm& arm, const Dataset& data) {
     if (block.kind == MeasurementKind::kPointDistance) {
       label.pose = -1;
     } else {
-      label.pose = block.pose(i);
+      label.pose = static_cast<int>(data.share.first_pose) + block.pose(i);
       label.target = arm.targets[block.target(i)].name;
-      label.where = SourceOf(data, label.pose);
+      label.where = SourceOf(data, block.pose(i));
     }
     labels.push_back(std::move(label));
   });
@@ -156,16 +250,20 @@ EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
     set.joint_dimensions.push_back(revolute ? Dimension::kAngle
                                             : Dimension::kLength);
   }
-  set.joint_values = data.joint_values;
-  if (!IsPlain(data)) set.labels = LabelsOf(model.nominal(), data);
-  set.positions = MeasuredPositions(data);
+  set.joint_values = PosesInOrder(data, data.joint_values);
+  if (!IsPlain(data)) {
+    set.labels = LabelsInOrder(data, LabelsOf(model.nominal(), data));
+  }
+  set.positions = ObservationsInOrder(data, MeasuredPositions(data));
   const Eigen::VectorXd errors_before = model.Errors(before, data);
   const Eigen::VectorXd errors_after = model.Errors(after, data);
-  set.residual_before = Lengths(data, errors_before);
-  set.residual_after = Lengths(data, errors_after);
+  set.residual_before = ObservationsInOrder(data, Lengths(data, errors_before));
+  set.residual_after = ObservationsInOrder(data, Lengths(data, errors_after));
   if (data.Has(MeasurementKind::kPose)) {
-    set.rotation_residual_before = Rotations(data, errors_before);
-    set.rotation_residual_after = Rotations(data, errors_after);
+    set.rotation_residual_before =
+        ObservationsInOrder(data, Rotations(data, errors_before));
+    set.rotation_residual_after =
+        ObservationsInOrder(data, Rotations(data, errors_after));
   }
   set.before = EvaluateAccuracy(model, data, before);
   set.after = EvaluateAccuracy(model, data, after);
@@ -174,33 +272,39 @@ EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
   return set;
 }
 
-Eigen::VectorXd CountedLengths(const Eigen::VectorXd& errors,
-                               const Dataset& data) {
+Lists CountedLengths(const Eigen::VectorXd& errors, const Dataset& data) {
   const Eigen::VectorXd norms = LengthErrors(errors, data);
-  std::vector<double> counted;
-  ForEach(data, [&](const ObservationBlock& block, Eigen::Index i,
-                    Eigen::Index count, Eigen::Index) {
-    if (block.kind == MeasurementKind::kPointDistance) return;
+  Lists counted(data.blocks.size());
+  Eigen::Index count = 0;
+  for (std::size_t k = 0; k < counted.size(); ++k) {
+    const ObservationBlock& block = data.blocks[k];
     const Eigen::Index height = std::min(3, block.rows_each());
-    if (block.sigmas.col(i).head(height).array().isFinite().any()) {
-      counted.push_back(norms[count]);
+    for (Eigen::Index i = 0; i < block.size(); ++i, ++count) {
+      if (block.kind == MeasurementKind::kPointDistance) continue;
+      if (block.sigmas.col(i).head(height).array().isFinite().any()) {
+        counted[k].push_back(norms[count]);
+      }
     }
-  });
-  return ToVector(counted);
+  }
+  return counted;
 }
 
 Accuracy EvaluateAccuracy(const MeasurementModel& model, const Dataset& data,
                           const Eigen::VectorXd& values) {
-  return SummarizeErrors(CountedLengths(model.Errors(values, data), data));
+  return Summarize(data, CountedLengths(model.Errors(values, data), data));
 }
 
 Accuracy EvaluateRotations(const MeasurementModel& model, const Dataset& data,
                            const Eigen::VectorXd& values) {
   if (!data.Has(MeasurementKind::kPose)) return {};
-  return SummarizeErrors(RotationErrors(model.Errors(values, data), data));
+  return Summarize(data, RotationLists(model.Errors(values, data), data));
 }
 
 RepeatSpread MeasureRepeats(const Dataset& data) {
+  if (data.share.team != nullptr) {
+    return MeasureRepeats(
+        GatherData(data, SelectPoses(data, RepeatedPoses(data))));
+  }
   const std::vector<int> groups = GroupByJointValues(data);
   RepeatSpread spread;
   for (const ObservationBlock& block : data.blocks) {

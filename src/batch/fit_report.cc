@@ -12,8 +12,10 @@
 #include "alidade/identifiability/analysis.h"
 #include "alidade/measurement/holdout.h"
 #include "alidade/measurement/robust_loss.h"
+#include "alidade/measurement/share.h"
 #include "alidade/report/format.h"
 #include "frame_fit.h"
+#include "label_bytes.h"
 #include "preparation.h"
 
 namespace alidade {
@@ -73,6 +75,35 @@ bool CoversObjects(const HoldOut& split) {
                        heldout.end());
 }
 
+// Of a share, those of all members, on member 0.
+std::vector<Outlier> WithThoseOfOthers(const Dataset& data,
+                                       std::vector<Outlier> mine) {
+  if (data.share.team == nullptr) return mine;
+  ByteWriter writer;
+  for (const Outlier& outlier : mine) {
+    writer.Put(outlier.observation);
+    PutLabel(outlier.label, &writer);
+    writer.Put(outlier.error);
+    writer.Put(outlier.standardised);
+    writer.Put(outlier.weight);
+  }
+  std::vector<Outlier> all;
+  for (const std::string& bytes :
+       data.share.team->GatherToFirst(writer.Take())) {
+    ByteReader reader(bytes);
+    while (!reader.is_at_end()) {
+      Outlier outlier;
+      outlier.observation = reader.Get<std::int64_t>();
+      outlier.label = GetLabel(&reader);
+      outlier.error = reader.Get<double>();
+      outlier.standardised = reader.Get<double>();
+      outlier.weight = reader.Get<double>();
+      all.push_back(std::move(outlier));
+    }
+  }
+  return all;
+}
+
 }  // namespace
 
 std::vector<StageResult> ListStages(const FinishedFit& fit, int num_free) {
@@ -99,7 +130,7 @@ std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit) {
   const Eigen::VectorXd lengths = LengthErrors(errors, data);
   const double chance =
       kChanceOfOutlier /
-      static_cast<double>(std::max<Eigen::Index>(1, squared.size()));
+      static_cast<double>(std::max<Eigen::Index>(1, data.all_observations()));
   // Squared limits of observations of 0 to 6 rows.
   std::array<double, 7> limits{};
   for (std::size_t rows = 1; rows < limits.size(); ++rows) {
@@ -112,19 +143,24 @@ std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit) {
       LabelsOf(fit.model().nominal(), data);
   std::vector<Outlier> outliers;
   Eigen::Index count = 0;
-  for (const ObservationBlock& block : data.blocks) {
+  for (std::size_t k = 0; k < data.blocks.size(); ++k) {
+    const ObservationBlock& block = data.blocks[k];
     for (Eigen::Index i = 0; i < block.size(); ++i, ++count) {
       const int rows = block.Dimension(i);
       if (rows == 0 || squared[count] <= limits[rows]) continue;
       const double weight =
           losses.empty() ? 1.0 : losses[rows - 1].Weight(squared[count]);
-      outliers.push_back({count, labels[count], lengths[count],
-                          std::sqrt(squared[count]), weight});
+      outliers.push_back({ObservationInAll(data, k, i), labels[count],
+                          lengths[count], std::sqrt(squared[count]), weight});
     }
   }
+  outliers = WithThoseOfOthers(data, std::move(outliers));
   std::stable_sort(outliers.begin(), outliers.end(),
                    [](const Outlier& a, const Outlier& b) {
-                     return a.standardised > b.standardised;
+                     if (a.standardised != b.standardised) {
+                       return a.standardised > b.standardised;
+                     }
+                     return a.observation < b.observation;
                    });
   return outliers;
 }
@@ -151,7 +187,10 @@ std::optional<CrossValidation> CrossValidate(const JobConfig& config,
     const Fit fit = FitOnce(fold, model, fold.identifiability);
     if (!fit.summary.IsSolutionUsable()) return std::nullopt;
     const Eigen::VectorXd errors = model.Errors(fit.values, split.heldout);
-    AppendTo(CountedLengths(errors, split.heldout), &lengths);
+    for (const std::vector<double>& norms :
+         CountedLengths(errors, split.heldout)) {
+      lengths.insert(lengths.end(), norms.begin(), norms.end());
+    }
     AppendTo(RotationErrors(errors, split.heldout), &rotations);
   }
   return CrossValidation{config.folds->folds, Summarize(lengths),

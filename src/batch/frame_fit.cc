@@ -11,6 +11,7 @@
 #include "alidade/batch/evaluate.h"
 #include "alidade/identifiability/generic_data.h"
 #include "alidade/measurement/frame_start.h"
+#include "alidade/measurement/share.h"
 #include "alidade/model/chain_axes.h"
 #include "alidade/model/rotation.h"
 #include "preparation.h"
@@ -313,12 +314,15 @@ class FrameStarter {
 };
 
 double MedianError(const MeasurementModel& model, const Dataset& data) {
-  Eigen::VectorXd errors =
-      CountedLengths(model.Errors(model.NominalValues(), data), data);
-  if (errors.size() == 0) return std::numeric_limits<double>::infinity();
-  std::nth_element(errors.data(), errors.data() + errors.size() / 2,
-                   errors.data() + errors.size());
-  return errors[errors.size() / 2];
+  std::vector<double> errors = InOrder(
+      data, CountedLengths(model.Errors(model.NominalValues(), data), data));
+  return ComputeOnFirst(data, [&] {
+    if (errors.empty()) return std::numeric_limits<double>::infinity();
+    const auto middle =
+        errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
+    std::nth_element(errors.begin(), middle, errors.end());
+    return *middle;
+  });
 }
 
 }  // namespace

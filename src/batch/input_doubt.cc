@@ -2,14 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstdlib>
 #include <functional>
 #include <limits>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "alidade/base/units.h"
 #include "alidade/measurement/frame_start.h"
+#include "alidade/measurement/share.h"
 #include "alidade/model/chain_axes.h"
 #include "alidade/report/format.h"
 
@@ -27,43 +31,151 @@ struct Pairs {
   Eigen::Matrix3Xd points;
 };
 
-Pairs PositionsOf(const Dataset& data) {
-  std::vector<int> poses;
-  std::vector<Eigen::Vector3d> points;
-  for (const ObservationBlock& block : data.blocks) {
-    if (!HoldsPosition(block.kind)) continue;
-    for (Eigen::Index i = 0; i < block.size(); ++i) {
-      if (block.target(i) != 0) continue;
-      if (!block.sigmas.col(i).head<3>().allFinite()) continue;
-      poses.push_back(block.pose(i));
-      points.emplace_back(block.measured.col(i).head<3>());
+// Column k of `count` that are evenly taken from so many.
+Eigen::Index Thinned(Eigen::Index k, Eigen::Index count, Eigen::Index all) {
+  return k * all / count;
+}
+
+// The positions of the first target, numbered through the whole data set, and
+// those of them that are looked at, with their neighbours: of a share they come
+// from all members.
+class Positions {
+ public:
+  explicit Positions(const Dataset& data) {
+    for (const ObservationBlock& block : data.blocks) {
+      members_.emplace_back();
+      if (!HoldsPosition(block.kind)) continue;
+      for (Eigen::Index i = 0; i < block.size(); ++i) {
+        if (block.target(i) != 0) continue;
+        if (!block.sigmas.col(i).head<3>().allFinite()) continue;
+        members_.back().push_back(i);
+      }
+    }
+    CountAll(data);
+    Collect(data);
+  }
+
+  Eigen::Index count() const { return count_; }
+  bool are_finite() const { return are_finite_; }
+
+  // What is looked at, each measurement with the joint values `shift` rows
+  // before its own.
+  Pairs Paired(int shift) const {
+    const Eigen::Index rows = count_ - std::abs(shift);
+    const Eigen::Index taken = std::min(kEnough, rows);
+    Pairs pairs{Eigen::MatrixXd(joints_.rows(), taken),
+                Eigen::Matrix3Xd(3, taken)};
+    for (Eigen::Index k = 0; k < taken; ++k) {
+      const Eigen::Index i = Thinned(k, taken, rows);
+      pairs.joint_values.col(k) = joints_.col(IndexOf(i + (shift < 0)));
+      pairs.points.col(k) = points_.col(IndexOf(i + (shift > 0)));
+    }
+    return pairs;
+  }
+
+ private:
+  // Numbers of the first of each block here, and of all.
+  void CountAll(const Dataset& data) {
+    std::vector<std::int64_t> sizes;
+    for (const auto& list : members_) {
+      sizes.push_back(static_cast<std::int64_t>(list.size()));
+    }
+    std::vector<std::vector<std::int64_t>> all = {sizes};
+    std::size_t mine = 0;
+    if (Team* const team = data.share.team; team != nullptr) {
+      mine = static_cast<std::size_t>(team->rank());
+      ByteWriter writer;
+      writer.PutList(sizes);
+      all.clear();
+      for (const std::string& bytes : team->Gather(writer.Take())) {
+        all.push_back(ByteReader(bytes).GetList<std::int64_t>());
+      }
+    }
+    for (std::size_t block = 0; block < sizes.size(); ++block) {
+      for (std::size_t member = 0; member < all.size(); ++member) {
+        if (member == mine) first_.push_back(count_);
+        count_ += all[member][block];
+      }
     }
   }
-  const auto count = static_cast<Eigen::Index>(poses.size());
-  Pairs pairs{Eigen::MatrixXd(data.num_joints(), count),
-              Eigen::Matrix3Xd(3, count)};
-  for (Eigen::Index i = 0; i < count; ++i) {
-    pairs.joint_values.col(i) = data.joint_values.col(poses[i]);
-    pairs.points.col(i) = points[i];
-  }
-  return pairs;
-}
 
-Pairs Thinned(const Pairs& all) {
-  const Eigen::Index count = std::min(kEnough, all.points.cols());
-  Pairs some{Eigen::MatrixXd(all.joint_values.rows(), count),
-             Eigen::Matrix3Xd(3, count)};
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const Eigen::Index i = k * all.points.cols() / count;
-    some.joint_values.col(k) = all.joint_values.col(i);
-    some.points.col(k) = all.points.col(i);
+  std::vector<Eigen::Index> Wanted() const {
+    std::vector<Eigen::Index> wanted;
+    for (const Eigen::Index rows : {count_, count_ - 1}) {
+      const Eigen::Index taken = std::min(kEnough, rows);
+      for (Eigen::Index k = 0; k < taken; ++k) {
+        const Eigen::Index i = Thinned(k, taken, rows);
+        wanted.push_back(i);
+        if (i + 1 < count_) wanted.push_back(i + 1);
+      }
+    }
+    std::sort(wanted.begin(), wanted.end());
+    wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+    return wanted;
   }
-  return some;
-}
+
+  // Fills the columns that are wanted, with those of other members.
+  void Collect(const Dataset& data) {
+    wanted_ = Wanted();
+    const auto size = static_cast<Eigen::Index>(wanted_.size());
+    joints_.setZero(data.num_joints(), size);
+    points_.setZero(3, size);
+    bool are_finite = true;
+    std::vector<std::int64_t> mine;
+    for (std::size_t block = 0; block < members_.size(); ++block) {
+      const ObservationBlock& observations = data.blocks[block];
+      for (std::size_t k = 0; k < members_[block].size(); ++k) {
+        const Eigen::Index i = members_[block][k];
+        const Eigen::Vector3d point = observations.measured.col(i).head<3>();
+        are_finite = are_finite && point.allFinite();
+        const Eigen::Index number =
+            first_[block] + static_cast<Eigen::Index>(k);
+        if (!std::binary_search(wanted_.begin(), wanted_.end(), number)) {
+          continue;
+        }
+        joints_.col(IndexOf(number)) =
+            data.joint_values.col(observations.pose(i));
+        points_.col(IndexOf(number)) = point;
+        mine.push_back(IndexOf(number));
+      }
+    }
+    are_finite_ = OnAllMembers(data, are_finite);
+    if (data.share.team != nullptr) Exchange(data.share.team, mine);
+  }
+
+  void Exchange(Team* team, const std::vector<std::int64_t>& mine) {
+    ByteWriter writer;
+    for (const std::int64_t column : mine) {
+      writer.Put(column);
+      writer.PutMatrix(joints_.col(column));
+      writer.PutMatrix(points_.col(column));
+    }
+    for (const std::string& bytes : team->Gather(writer.Take())) {
+      ByteReader reader(bytes);
+      while (!reader.is_at_end()) {
+        const auto column = reader.Get<std::int64_t>();
+        joints_.col(column) = reader.GetMatrix();
+        points_.col(column) = reader.GetMatrix();
+      }
+    }
+  }
+
+  Eigen::Index IndexOf(Eigen::Index number) const {
+    return std::lower_bound(wanted_.begin(), wanted_.end(), number) -
+           wanted_.begin();
+  }
+
+  std::vector<std::vector<Eigen::Index>> members_;  // of each block here
+  std::vector<Eigen::Index> first_;  // the number of the first of them
+  Eigen::Index count_ = 0;
+  bool are_finite_ = false;
+  std::vector<Eigen::Index> wanted_;  // numbers, in ascending order
+  Eigen::MatrixXd joints_;            // a column for each of them
+  Eigen::Matrix3Xd points_;
+};
 
 // Median misfit of the nominal arm with any base and tool (m).
-double Misfit(const Arm& arm, const Pairs& all) {
-  const Pairs pairs = Thinned(all);
+double Misfit(const Arm& arm, const Pairs& pairs) {
   Arm in_base = arm;
   in_base.instrument_from_base.setIdentity();
   std::vector<Eigen::Isometry3d> frames;
@@ -80,6 +192,7 @@ double Misfit(const Arm& arm, const Pairs& all) {
 struct Slip {
   std::string text;  // what the user should do
   std::function<void(Pairs*)> mend;
+  int shift = 0;  // of Positions::Paired
 };
 
 std::string JointName(int j) { return "q" + std::to_string(j + 1); }
@@ -89,18 +202,6 @@ void ScaleAngles(const Arm& arm, double factor, Pairs* pairs) {
     if (arm.joints[j].type != JointType::kRevolute) continue;
     pairs->joint_values.row(j) *= factor;
   }
-}
-
-// Measurements moved by one row against the joint values.
-void Shift(int by, Pairs* pairs) {
-  const Eigen::Index count = pairs->points.cols() - 1;
-  const Eigen::MatrixXd joints =
-      by > 0 ? pairs->joint_values.leftCols(count).eval()
-             : pairs->joint_values.rightCols(count).eval();
-  const Eigen::Matrix3Xd points = by > 0 ? pairs->points.rightCols(count).eval()
-                                         : pairs->points.leftCols(count).eval();
-  pairs->joint_values = joints;
-  pairs->points = points;
 }
 
 std::vector<Slip> UnitSlips(const Arm& arm) {
@@ -120,10 +221,10 @@ std::vector<Slip> UnitSlips(const Arm& arm) {
        [](Pairs* pairs) { pairs->points.row(0).swap(pairs->points.row(1)); }},
       {"the measurements are one row late: row k holds what was measured "
        "at the joint values of row k - 1",
-       [](Pairs* pairs) { Shift(1, pairs); }},
+       [](Pairs*) {}, 1},
       {"the measurements are one row early: row k holds what was measured "
        "at the joint values of row k + 1",
-       [](Pairs* pairs) { Shift(-1, pairs); }}};
+       [](Pairs*) {}, -1}};
 }
 
 std::vector<Slip> JointSlips(const Arm& arm) {
@@ -149,9 +250,9 @@ std::vector<Slip> JointSlips(const Arm& arm) {
 }  // namespace
 
 InputDoubt DoubtInput(const Arm& arm, const Dataset& data) {
-  const Pairs pairs = PositionsOf(data);
-  if (pairs.points.cols() < kFewest || !pairs.points.allFinite()) return {};
-  const double misfit = Misfit(arm, pairs);
+  const Positions positions(data);
+  if (positions.count() < kFewest || !positions.are_finite()) return {};
+  const double misfit = Misfit(arm, positions.Paired(0));
   Arm at_origin = arm;
   at_origin.instrument_from_base.setIdentity();
   const double tolerated = kTolerated * Reach(at_origin);
@@ -161,7 +262,7 @@ InputDoubt DoubtInput(const Arm& arm, const Dataset& data) {
   const Slip* best = nullptr;
   double best_misfit = std::min(tolerated, misfit / kClearlyBetter);
   for (const Slip& slip : slips) {
-    Pairs mended = pairs;
+    Pairs mended = positions.Paired(slip.shift);
     slip.mend(&mended);
     const double mended_misfit = Misfit(arm, mended);
     if (mended_misfit >= best_misfit) continue;

@@ -17,6 +17,7 @@
 #include "alidade/identifiability/analysis.h"
 #include "alidade/identifiability/rules.h"
 #include "alidade/io/files.h"
+#include "alidade/measurement/share.h"
 #include "alidade/report/format.h"
 #include "alidade/solve/solver.h"
 #include "fit_report.h"
@@ -134,10 +135,11 @@ std::string Missed(const JobResult& result) {
 // Balls in sockets and contacts with planes whose places are all unknown: an
 // arm twice as large would touch points twice as far.
 bool LeavesSizeOpen(const JobConfig& config) {
-  for (const ObservationBlock& block : config.data.blocks) {
-    if (block.size() == 0) continue;
-    if (block.kind != MeasurementKind::kFixedPoint &&
-        block.kind != MeasurementKind::kPlane) {
+  for (std::size_t k = 0; k < config.data.blocks.size(); ++k) {
+    if (config.data.all_observations(k) == 0) continue;
+    const MeasurementKind kind = config.data.blocks[k].kind;
+    if (kind != MeasurementKind::kFixedPoint &&
+        kind != MeasurementKind::kPlane) {
       return false;
     }
   }
@@ -152,6 +154,31 @@ bool LeavesSizeOpen(const JobConfig& config) {
          2;
 }
 
+// Every file by a member that has read it.
+std::vector<InputFile> HashInputs(const JobConfig& config) {
+  Team* const team = config.data.share.team;
+  const int rank = team == nullptr ? 0 : team->rank();
+  std::vector<InputFile> files;
+  std::vector<std::string> mine;
+  for (std::size_t k = 0; k < config.input_files.size(); ++k) {
+    const bool is_mine =
+        (config.readers.empty() ? 0 : config.readers[k]) == rank;
+    files.push_back({config.input_files[k], ""});
+    if (is_mine) files.back().sha256 = Sha256OfFile(files.back().path);
+    mine.push_back(files.back().sha256);
+  }
+  if (team == nullptr) return files;
+  ByteWriter writer;
+  writer.PutTexts(mine);
+  for (const std::string& bytes : team->Gather(writer.Take())) {
+    const std::vector<std::string> hashes = ByteReader(bytes).GetTexts();
+    for (std::size_t k = 0; k < files.size(); ++k) {
+      if (!hashes[k].empty()) files[k].sha256 = hashes[k];
+    }
+  }
+  return files;
+}
+
 class JobRunner {
  public:
   JobRunner(JobConfig config, int num_threads)
@@ -163,8 +190,9 @@ class JobRunner {
     outcome_.calibrated = config_.arm;
   }
 
-  /// `as_read`: the job before frames were fitted, for what repeats all of it.
-  JobOutcome Run(const std::string& command, const JobConfig& as_read) {
+  /// `as_read`: the job before frames were fitted, for what repeats all of it;
+  /// may be null where there are no folds.
+  JobOutcome Run(const std::string& command, const JobConfig* as_read) {
     DescribeInputs(command);
     DescribeData();
     if (config_.estimate_sigma && !(sigmas_.length > 0.0)) {
@@ -198,9 +226,7 @@ class JobRunner {
     result().title = config_.title;
     result().arm = config_.arm.name;
     result().seed = config_.identifiability.seed;
-    for (const std::string& path : config_.input_files) {
-      result().inputs.push_back({path, Sha256(ReadFile(path))});
-    }
+    result().inputs = HashInputs(config_);
   }
 
   void DescribeData() {
@@ -265,7 +291,7 @@ class JobRunner {
     return true;
   }
 
-  void Evaluate(const JobConfig& as_read) {
+  void Evaluate(const JobConfig* as_read) {
     const Eigen::VectorXd nominal = model_.NominalValues();
     const Eigen::VectorXd& values = result().runs.front().values;
     outcome_.calibrated = model_.layout().WithValues(config_.arm, values);
@@ -289,7 +315,7 @@ class JobRunner {
       result().stages = ListStages(fit, result().identifiability.num_free);
     }
     if (config_.folds) {
-      result().cross_validation = CrossValidate(as_read, model_.num_threads());
+      result().cross_validation = CrossValidate(*as_read, model_.num_threads());
       if (!result().cross_validation) {
         Warn(
             "cross-validation found no usable fit of one of its folds, or one "
@@ -325,9 +351,9 @@ class JobRunner {
     }
     const double freedom = DegreesOfFreedom(*problem_, fit.values);
     if (freedom >= 1.0) {
-      result().reduced_chi_square =
-          ChiSquare(model_.Errors(fit.values, config_.data), config_.data) /
-          freedom;
+      const Eigen::VectorXd squared =
+          SquaredNorms(model_.Errors(fit.values, config_.data), config_.data);
+      result().reduced_chi_square = SumInOrder(config_.data, squared) / freedom;
     }
     // Where the loss expects outliers, they are not held against the fit.
     const double ratio =
@@ -478,10 +504,13 @@ class JobRunner {
 
 }  // namespace
 
-JobOutcome RunJob(const JobConfig& config, const std::string& command,
+JobOutcome RunJob(JobConfig config, const std::string& command,
                   int num_threads) {
   const std::string doubt = RefuseSlips(config);
-  JobOutcome outcome = JobRunner(config, num_threads).Run(command, config);
+  std::optional<JobConfig> as_read;
+  if (config.folds) as_read = config;
+  JobOutcome outcome = JobRunner(std::move(config), num_threads)
+                           .Run(command, as_read ? &*as_read : nullptr);
   if (!doubt.empty()) {
     outcome.result.warnings.push_back(doubt);
     LOG(WARNING) << "warning: " << doubt;

@@ -15,6 +15,7 @@
 #include "alidade/identifiability/rules.h"
 #include "alidade/measurement/compression.h"
 #include "alidade/measurement/robust_loss.h"
+#include "alidade/measurement/share.h"
 #include "frame_fit.h"
 
 namespace alidade {
@@ -109,20 +110,25 @@ void ChangeSigmas(RowClass which, const SigmaChange& change, Dataset* data) {
 }
 
 double MedianSigma(RowClass which, const Dataset& data) {
-  std::vector<double> sigmas;
-  for (const ObservationBlock& block : data.blocks) {
+  std::vector<std::vector<double>> lists(data.blocks.size());
+  for (std::size_t k = 0; k < lists.size(); ++k) {
+    const ObservationBlock& block = data.blocks[k];
     if (!IsEstimated(block)) continue;
     for (int row = 0; row < block.rows_each(); ++row) {
       if (!IsOf(which, row)) continue;
       for (const double sigma : block.sigmas.row(row)) {
-        if (std::isfinite(sigma)) sigmas.push_back(sigma);
+        if (std::isfinite(sigma)) lists[k].push_back(sigma);
       }
     }
   }
-  if (sigmas.empty()) return 0.0;
-  const auto middle = sigmas.begin() + sigmas.size() / 2;
-  std::nth_element(sigmas.begin(), middle, sigmas.end());
-  return *middle;
+  std::vector<double> sigmas = InOrder(data, std::move(lists));
+  return ComputeOnFirst(data, [&] {
+    if (sigmas.empty()) return 0.0;
+    const auto middle =
+        sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
+    std::nth_element(sigmas.begin(), middle, sigmas.end());
+    return *middle;
+  });
 }
 
 Eigen::VectorXd PriorsOfFree(const CalibrationProblem& problem) {
@@ -146,7 +152,7 @@ double FreedomOfRows(const CalibrationProblem& problem,
   const Eigen::MatrixXd part =
       JacobianFactor(problem.model, values, rows, free);
   const double used = PredictTotal(all, PriorsOfFree(problem), part);
-  const auto equations = static_cast<double>(rows.num_equations());
+  const auto equations = static_cast<double>(AllEquations(rows));
   // What no row and no prior tells uses up nothing.
   return equations -
          (std::isfinite(used) ? used * used : static_cast<double>(free.size()));
@@ -158,7 +164,7 @@ void ScaleAll(double factor, Dataset* data) {
 }
 
 // What the sigmas of a class are compared with: squared errors and variances of
-// its rows, observation after observation.
+// its rows, observation after observation, of the whole data set; on member 0.
 struct ErrorsOfClass {
   struct Row {
     double squared_error;
@@ -168,21 +174,26 @@ struct ErrorsOfClass {
   std::vector<int> dimensions;  // rows of each observation
 
   ErrorsOfClass(const Eigen::VectorXd& errors, const Dataset& data) {
+    std::vector<std::vector<Row>> rows_of(data.blocks.size());
+    std::vector<std::vector<int>> dimensions_of(data.blocks.size());
     Eigen::Index first = 0;
-    for (const ObservationBlock& block : data.blocks) {
+    for (std::size_t k = 0; k < data.blocks.size(); ++k) {
+      const ObservationBlock& block = data.blocks[k];
       for (Eigen::Index i = 0; i < block.size(); ++i) {
-        const std::size_t before = rows.size();
+        const std::size_t before = rows_of[k].size();
         for (int row = 0; row < block.rows_each(); ++row) {
           const double sigma = block.sigmas(row, i);
           if (std::isinf(sigma)) continue;
           const double error = errors[first + row];
-          rows.push_back({error * error, sigma * sigma});
+          rows_of[k].push_back({error * error, sigma * sigma});
         }
         first += block.rows_each();
-        const auto count = static_cast<int>(rows.size() - before);
-        if (count > 0) dimensions.push_back(count);
+        const auto count = static_cast<int>(rows_of[k].size() - before);
+        if (count > 0) dimensions_of[k].push_back(count);
       }
     }
+    rows = InOrder(data, std::move(rows_of));
+    dimensions = InOrder(data, std::move(dimensions_of));
   }
 
   // By what factor the sigmas are too small with a variance added to each.
@@ -239,13 +250,18 @@ double TypicalResidual(const MeasurementModel& model, const Dataset& data,
                        const Eigen::VectorXd& values) {
   const Eigen::VectorXd squared =
       SquaredNorms(model.Errors(values, data), data);
-  const Eigen::VectorXi dimensions = Dimensions(data);
-  std::vector<double> norms;
-  for (Eigen::Index i = 0; i < squared.size(); ++i) {
-    if (dimensions[i] == 0) continue;
-    norms.push_back(std::sqrt(squared[i]) / MedianOfChi(dimensions[i]));
+  std::vector<std::vector<double>> lists(data.blocks.size());
+  Eigen::Index count = 0;
+  for (std::size_t k = 0; k < lists.size(); ++k) {
+    for (Eigen::Index i = 0; i < data.blocks[k].size(); ++i, ++count) {
+      const int dimension = data.blocks[k].Dimension(i);
+      if (dimension == 0) continue;
+      lists[k].push_back(std::sqrt(squared[count]) / MedianOfChi(dimension));
+    }
   }
-  return RobustScale(std::move(norms), 1) * MedianOfChi(1);
+  std::vector<double> norms = InOrder(data, std::move(lists));
+  return ComputeOnFirst(
+      data, [&] { return RobustScale(std::move(norms), 1) * MedianOfChi(1); });
 }
 
 CalibrationProblem ProblemOf(const JobConfig& config,
@@ -327,7 +343,7 @@ namespace {
 bool TellsSigma(double freedom, const Dataset& rows) {
   constexpr double kFewest = 3.0;
   constexpr double kSmallestPart = 0.1;
-  const auto equations = static_cast<double>(rows.num_equations());
+  const auto equations = static_cast<double>(AllEquations(rows));
   return freedom >= std::max(kFewest, kSmallestPart * equations);
 }
 
@@ -363,16 +379,16 @@ EstimatedSigmas EstimateSigmas(JobConfig* config, int num_threads) {
     std::optional<Dataset> next_validation = stated_validation;
     for (const RowClass which : {RowClass::kLength, RowClass::kRotation}) {
       const Dataset current = RowsOfClass(config->data, which);
-      if (current.num_equations() == 0) continue;
+      if (AllEquations(current) == 0) continue;
       const double freedom = FreedomOfRows(problem, fit.values, current);
       if (!TellsSigma(freedom, current)) {
         config->validation = stated_validation;
         return UseNominalResiduals(model, stated, config);
       }
       const Dataset rows = RowsOfClass(stated, which);
-      const SigmaChange change = FindChange(
-          config->loss, ErrorsOfClass(model.Errors(fit.values, rows), rows),
-          freedom);
+      const ErrorsOfClass errors(model.Errors(fit.values, rows), rows);
+      const SigmaChange change = ComputeOnFirst(
+          rows, [&] { return FindChange(config->loss, errors, freedom); });
       ChangeSigmas(which, change, &next);
       if (!(MedianSigma(which, next) > kSmallestSigma)) return {};
       if (next_validation) ChangeSigmas(which, change, &*next_validation);

@@ -1,12 +1,23 @@
+#include <glog/logging.h>
+
 #include <filesystem>
 #include <iostream>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "alidade/base/error.h"
 #include "alidade/batch/job.h"
 #include "alidade/batch/report_page.h"
 #include "alidade/batch/result_directory.h"
 #include "alidade/io/job_file.h"
+#include "alidade/measurement/compression.h"
 #include "alidade/report/report.h"
 #include "command.h"
+#include "launch.h"
+#include "mpi_team.h"
 #include "progress_line.h"
 
 namespace alidade {
@@ -25,18 +36,45 @@ void PrintSummary(const JobResult& result,
   for (const std::string& path : paths) std::cout << "  " << path << "\n";
 }
 
-}  // namespace
+// Vector code adds up in another order where vectors have another length.
+void RequireSameMachines(Team* team) {
+  const std::string mine = VectorInstructions();
+  const std::vector<std::string> all = team->Gather(mine);
+  for (const std::string& each : all) {
+    if (each == all.front()) continue;
+    throw InputError(
+        {}, "the processes run on machines of different vector instructions (" +
+                all.front() + ", " + each +
+                "), and their bits would not agree: run them on machines of "
+                "one kind");
+  }
+}
 
-ExitStatus RunCalibrate(const CommandLine& line) {
+// More processes than files are no error: those without one go along.
+void WarnOfIdle(const JobConfig& config, const Team& team) {
+  std::set<int> busy(config.readers.begin(), config.readers.end());
+  busy.insert(0);
+  if (static_cast<int>(busy.size()) == team.size()) return;
+  LOG(WARNING) << "warning: only " << busy.size() << " of " << team.size()
+               << " processes have a file of data to read: cut the data into "
+                  "as many files as there are processes, or more";
+}
+
+// `team` may be null. What is printed and written is so by member 0.
+ExitStatus Calibrate(const CommandLine& line, Team* team) {
+  const bool is_first = team == nullptr || team->is_first();
   const std::string& path = line.files.front();
   ProgressLine progress;
   progress.Show("reading " + path);
-  JobConfig config = LoadJob(path, line.threads);
-  ShowIterations(config.data.num_poses(), &progress, &config.solver_options);
+  if (team != nullptr) RequireSameMachines(team);
+  JobConfig config = LoadJob(path, line.threads, team);
+  if (team != nullptr) WarnOfIdle(config, *team);
+  ShowIterations(config.data.all_poses(), &progress, &config.solver_options);
   if (line.seed) config.identifiability.seed = *line.seed;
   progress.Clear();
-  const JobOutcome outcome = RunJob(config, line.text, line.threads);
+  const JobOutcome outcome = RunJob(std::move(config), line.text, line.threads);
   progress.Clear();
+  if (!is_first) return kExitDone;
   if (outcome.status == JobStatus::kRefused ||
       outcome.status == JobStatus::kFailed) {
     PrintError(path + ": " + outcome.message);
@@ -58,6 +96,17 @@ ExitStatus RunCalibrate(const CommandLine& line) {
     return kExitMissedLimits;
   }
   return kExitDone;
+}
+
+}  // namespace
+
+ExitStatus RunCalibrate(const CommandLine& line) {
+  const Launch launch = FindLaunch();
+  if (!launch.is_team()) return Calibrate(line, nullptr);
+  const std::unique_ptr<Team> team = JoinTeam(launch);
+  ExitStatus status = kExitDone;
+  team->RunTogether([&] { status = Calibrate(line, team.get()); });
+  return status;
 }
 
 }  // namespace alidade

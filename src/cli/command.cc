@@ -77,11 +77,14 @@ std::vector<Command> JobCommands() {
        "--out=DIR (default: results/ and the job's name): arm.yaml,\n"
        "result.json, report.txt, CSV files and SVG figures, and with --report\n"
        "report.html, a page that holds all of it.\n"
-       "Exit status 1: an acceptance limit of the job is missed.",
+       "Exit status 1: an acceptance limit of the job is missed.\n"
+       "Under 'mpirun -n K' every process reads some of the data's files, and\n"
+       "the result has the same bits (docs/cluster.md).",
        {"out", "seed", "report"},
        1,
        1,
-       RunCalibrate},
+       RunCalibrate,
+       true},
       {"compare",
        "JOB.yaml",
        "run the same job by every solver, side by side",

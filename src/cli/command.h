@@ -39,6 +39,8 @@ struct Command {
   int min_files;
   int max_files;
   ExitStatus (*run)(const CommandLine& line);
+  /// Whether mpirun may start several processes of it.
+  bool runs_as_team = false;
 };
 
 const std::vector<Command>& Commands();

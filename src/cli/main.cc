@@ -11,6 +11,7 @@
 #include "alidade/base/error.h"
 #include "alidade/base/version.h"
 #include "command.h"
+#include "launch.h"
 
 DEFINE_string(out, "", "where results are written");
 DEFINE_string(arm, "", "the arm that data are of");
@@ -180,6 +181,7 @@ const Command& FindCommand(const std::string& name) {
 }
 
 void SetVerbosity() {
+  if (FindLaunch().rank != 0) return;
   FLAGS_minloglevel =
       FLAGS_verbosity > 0 ? google::GLOG_INFO : google::GLOG_WARNING;
   FLAGS_v = FLAGS_verbosity > 1 ? 1 : 0;
@@ -195,6 +197,12 @@ ExitStatus RunCommand(const std::string& name,
     return kExitDone;
   }
   CheckLine(command, line);
+  if (const Launch launch = FindLaunch();
+      launch.is_team() && !command.runs_as_team) {
+    ThrowUsage(command, "runs as one process, and " +
+                            std::to_string(launch.size) +
+                            " were started together");
+  }
   SetVerbosity();
   line.out = FLAGS_out;
   line.arm = FLAGS_arm;
@@ -224,12 +232,12 @@ ExitStatus Main(const std::vector<std::string>& arguments) {
 }  // namespace
 }  // namespace alidade
 
-int main(int argc, char** argv) {
-  FLAGS_logtostderr = true;
-  FLAGS_log_prefix = false;
-  google::InitGoogleLogging(argv[0]);
+namespace {
+
+// What every way out of the program comes to.
+alidade::ExitStatus Run(const std::vector<std::string>& arguments) {
   try {
-    const alidade::ExitStatus status = alidade::Main({argv + 1, argv + argc});
+    const alidade::ExitStatus status = alidade::Main(arguments);
     std::cout.flush();
     if (!std::cout) {
       alidade::PrintError("standard output cannot be written");
@@ -246,4 +254,19 @@ int main(int argc, char** argv) {
     alidade::PrintError(std::string("internal error: ") + error.what());
     return alidade::kExitNumerical;
   }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  FLAGS_logtostderr = true;
+  FLAGS_log_prefix = false;
+  google::InitGoogleLogging(argv[0]);
+  const bool is_first = alidade::FindLaunch().rank == 0;
+  if (!is_first) alidade::Mute();
+  const alidade::ExitStatus status = Run({argv + 1, argv + argc});
+  // Processes that were started together end with the status of the first:
+  // another one's, if it came earlier, would have the first killed before it
+  // has said why.
+  return is_first ? status : alidade::kExitDone;
 }

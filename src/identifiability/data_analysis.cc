@@ -13,6 +13,7 @@
 #include "alidade/identifiability/observability.h"
 #include "alidade/identifiability/rank.h"
 #include "alidade/measurement/compression.h"
+#include "alidade/measurement/share.h"
 #include "alidade/model/joint_draw.h"
 #include "perturbation.h"
 
@@ -150,7 +151,7 @@ class DataAnalyzer {
     }
     const double share =
         std::sqrt(static_cast<double>(subset_.joint_values.cols()) /
-                  static_cast<double>(data_.num_poses()));
+                  static_cast<double>(data_.all_poses()));
     std::string list;
     for (std::size_t k = 0; k < all.size(); ++k) {
       Eigen::VectorXd row = draws.row(static_cast<Eigen::Index>(k));
@@ -182,19 +183,36 @@ bool HasClearGap(const RankReport& report) {
 }
 
 // One sigma for all positions lets the factor be unwhitened without another
-// pass.
-bool HasOneSigma(const Dataset& data) {
-  if (data.blocks.size() != 1) return false;
+// pass; 0 where they differ.
+double OneSigma(const Dataset& data) {
+  if (data.blocks.size() != 1) return 0.0;
   const ObservationBlock& block = data.blocks[0];
-  return block.kind == MeasurementKind::kPosition && block.whiteners.empty() &&
-         std::isfinite(block.sigmas(0, 0)) &&
-         (block.sigmas.array() == block.sigmas(0, 0)).all();
+  const bool has_any = block.size() > 0;
+  double mine = 0.0;
+  if (has_any && block.kind == MeasurementKind::kPosition &&
+      block.whiteners.empty() && std::isfinite(block.sigmas(0, 0)) &&
+      (block.sigmas.array() == block.sigmas(0, 0)).all()) {
+    mine = block.sigmas(0, 0);
+  }
+  Team* const team = data.share.team;
+  if (team == nullptr) return mine;
+  ByteWriter writer;
+  if (has_any) writer.Put(mine);
+  std::vector<double> sigmas;
+  for (const std::string& bytes : team->Gather(writer.Take())) {
+    if (!bytes.empty()) sigmas.push_back(ByteReader(bytes).Get<double>());
+  }
+  const bool are_one =
+      std::all_of(sigmas.begin(), sigmas.end(),
+                  [&](double sigma) { return sigma == sigmas.front(); });
+  return are_one && !sigmas.empty() ? sigmas.front() : 0.0;
 }
 
 Eigen::MatrixXd Unwhitened(const MeasurementModel& model, const Dataset& data,
                            const std::vector<int>& free,
                            const Eigen::MatrixXd& whitened) {
-  if (HasOneSigma(data)) return whitened * data.sigmas()(0, 0);
+  const double sigma = OneSigma(data);
+  if (sigma > 0.0) return whitened * sigma;
   return JacobianFactor(model, model.NominalValues(),
                         WithUnitSigmas(model, data), free);
 }
@@ -239,9 +257,9 @@ FreeAnalysis AnalyzeFree(const MeasurementModel& model, const Dataset& data,
                                         options.relative_tolerance);
   const Eigen::MatrixXd plain =
       Unwhitened(model, data, free, analysis.whitened_factor);
-  analysis.unscaled = ComputeObservability(plain, data.num_poses());
+  analysis.unscaled = ComputeObservability(plain, data.all_poses());
   analysis.scaled =
-      ComputeObservability(ScaleColumns(model, free, plain), data.num_poses());
+      ComputeObservability(ScaleColumns(model, free, plain), data.all_poses());
   return analysis;
 }
 
@@ -271,10 +289,11 @@ void WarnAboutFree(const MeasurementModel& model, const Dataset& data,
         "therefore moves no measured point: two parameters fewer can be "
         "identified than with a target off the axis");
   }
-  if (data.num_equations() < result->num_free) {
+  const Eigen::Index num_equations = AllEquations(data);
+  if (num_equations < result->num_free) {
     result->warnings.push_back(
-        std::to_string(data.num_poses()) + " poses give " +
-        std::to_string(data.num_equations()) + " equations for " +
+        std::to_string(data.all_poses()) + " poses give " +
+        std::to_string(num_equations) + " equations for " +
         std::to_string(result->num_free) + " parameters");
   }
 }

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "alidade/measurement/holdout.h"
+#include "alidade/measurement/share.h"
 #include "alidade/model/forward_kinematics.h"
 #include "alidade/model/joint_draw.h"
 
@@ -41,23 +43,69 @@ std::map<Pattern, std::vector<Eigen::Index>> ByPattern(
   return observations;
 }
 
+// How many observations of each pattern the whole data set has, and how many of
+// them other members have before this one's.
+struct PatternCount {
+  Eigen::Index before = 0;
+  Eigen::Index all = 0;
+};
+
+std::map<Pattern, PatternCount> CountPatterns(
+    const Dataset& data,
+    const std::map<Pattern, std::vector<Eigen::Index>>& mine) {
+  std::map<Pattern, PatternCount> counts;
+  Team* const team = data.share.team;
+  if (team == nullptr) {
+    for (const auto& [pattern, list] : mine) {
+      counts[pattern].all = static_cast<Eigen::Index>(list.size());
+    }
+    return counts;
+  }
+  ByteWriter writer;
+  for (const auto& [pattern, list] : mine) {
+    const auto& [target, reference, axes] = pattern;
+    writer.Put(target);
+    writer.Put(reference);
+    writer.Put(axes);
+    writer.Put(static_cast<std::int64_t>(list.size()));
+  }
+  int rank = 0;
+  for (const std::string& bytes : team->Gather(writer.Take())) {
+    const bool is_before = rank++ < team->rank();
+    ByteReader reader(bytes);
+    while (!reader.is_at_end()) {
+      const int target = reader.Get<int>();
+      const int reference = reader.Get<int>();
+      const auto axes = reader.Get<unsigned>();
+      const auto size = reader.Get<std::int64_t>();
+      PatternCount& count = counts[{target, reference, axes}];
+      count.all += size;
+      if (is_before) count.before += size;
+    }
+  }
+  return counts;
+}
+
 // About `count` observations of a block, evenly spaced among those of each
-// pattern, so that rare ones keep their say.
-std::vector<Eigen::Index> EvenlySpaced(const ObservationBlock& block,
+// pattern, so that rare ones keep their say. Of a share those that are here.
+std::vector<Eigen::Index> EvenlySpaced(const Dataset& data,
+                                       const ObservationBlock& block,
                                        Eigen::Index count) {
   constexpr Eigen::Index kFewestOfEach = 32;
-  const std::map<Pattern, std::vector<Eigen::Index>> patterns =
-      ByPattern(block);
+  const std::map<Pattern, std::vector<Eigen::Index>> mine = ByPattern(block);
+  const std::map<Pattern, PatternCount> patterns = CountPatterns(data, mine);
   const Eigen::Index share =
       std::max(kFewestOfEach,
                count / std::max<Eigen::Index>(
                            1, static_cast<Eigen::Index>(patterns.size())));
   std::vector<Eigen::Index> chosen;
-  for (const auto& [pattern, all] : patterns) {
-    const auto size = static_cast<Eigen::Index>(all.size());
+  for (const auto& [pattern, list] : mine) {
+    const auto& [before, size] = patterns.at(pattern);
+    const auto end = before + static_cast<Eigen::Index>(list.size());
     const Eigen::Index taken = std::min(share, size);
     for (Eigen::Index k = 0; k < taken; ++k) {
-      chosen.push_back(all[k * size / taken]);
+      const Eigen::Index i = k * size / taken;
+      if (i >= before && i < end) chosen.push_back(list[i - before]);
     }
   }
   std::sort(chosen.begin(), chosen.end());
@@ -112,6 +160,10 @@ void MeasureOrientations(const MeasurementModel& model, Dataset* data) {
 
 Dataset MakeGenericData(const MeasurementModel& model, const Dataset& data,
                         int num_poses, std::uint64_t seed) {
+  // A subset has every combination that its data set has.
+  if (data.share.team != nullptr) {
+    return MakeGenericData(model, EvenSubset(data, 1), num_poses, seed);
+  }
   Dataset generic;
   generic.joint_values = DrawJointValues(model.nominal(), num_poses, seed);
   for (const ObservationBlock& block : data.blocks) {
@@ -139,23 +191,32 @@ Dataset WithUnitSigmas(const MeasurementModel& model, Dataset data) {
 }
 
 Dataset EvenSubset(const Dataset& data, Eigen::Index count) {
-  if (data.num_poses() <= count) return data;
-  Dataset subset = data;
+  if (data.all_poses() <= count) return GatherData(data, data);
+  Dataset subset;
+  subset.name = data.name;
+  subset.files = data.files;
+  subset.joint_values = data.joint_values;
+  subset.sources = data.sources;
   std::vector<bool> is_needed(data.num_poses(), false);
-  for (ObservationBlock& block : subset.blocks) {
-    if (block.kind == MeasurementKind::kPointDistance) continue;
-    block = TakeObservations(block, EvenlySpaced(block, count));
-    for (Eigen::Index i = 0; i < block.size(); ++i) {
-      is_needed[block.pose(i)] = true;
+  for (const ObservationBlock& block : data.blocks) {
+    if (block.kind == MeasurementKind::kPointDistance) {
+      subset.blocks.push_back(block);
+      continue;
+    }
+    subset.blocks.push_back(
+        TakeObservations(block, EvenlySpaced(data, block, count)));
+    const ObservationBlock& taken = subset.blocks.back();
+    for (Eigen::Index i = 0; i < taken.size(); ++i) {
+      is_needed[taken.pose(i)] = true;
       if (block.kind != MeasurementKind::kDifference) continue;
-      is_needed[block.seconds[i]] = true;
+      is_needed[taken.seconds[i]] = true;
     }
   }
   std::vector<Eigen::Index> poses;
   for (std::size_t pose = 0; pose < is_needed.size(); ++pose) {
     if (is_needed[pose]) poses.push_back(static_cast<Eigen::Index>(pose));
   }
-  return SelectPoses(subset, poses);
+  return GatherData(data, SelectPoses(subset, poses));
 }
 
 }  // namespace alidade

@@ -52,6 +52,12 @@ class NamedFiles {
     }
   }
 
+  /// The paths of all files that `value` names, as ReadEach takes them.
+  /// @throws InputError where there is none.
+  std::vector<std::string> PathsOf(const YamlValue& value) const {
+    return Expand(value);
+  }
+
   /// load(path) of every file that `value` names: one, or all that the '*' in
   /// its name stands for, in the order of their names. @throws InputError, also
   /// where there is none.

@@ -9,6 +9,7 @@
 
 #include "src/io/dataset_builder.h"
 #include "src/io/names.h"
+#include "src/io/shared_data.h"
 
 namespace alidade {
 namespace {
@@ -175,8 +176,12 @@ DataFormat ReadFormat(const YamlMap& map, const Units& units, const Arm& arm,
 }
 
 // All parts as one. A pose of a part without sets is in the set "".
-LoadedData Merge(std::vector<LoadedData> parts) {
+LoadedData Merge(std::vector<LoadedData> parts, int num_joints) {
   LoadedData all;
+  if (parts.empty()) {
+    all.data.joint_values.resize(num_joints, 0);
+    return all;
+  }
   std::vector<Dataset> data;
   const bool has_sets =
       std::any_of(parts.begin(), parts.end(),
@@ -195,10 +200,26 @@ LoadedData Merge(std::vector<LoadedData> parts) {
   return all;
 }
 
+// The files of all entries, each as often as it is named. What is wrong with an
+// entry is told where it is read.
+std::vector<std::string> PathsOf(const std::vector<YamlValue>& entries,
+                                 const NamedFiles& files) {
+  std::vector<std::string> paths;
+  for (const YamlValue& entry : entries) {
+    std::optional<YamlValue> file = entry;
+    if (entry.IsMap()) file = entry.Find("file");
+    if (!file) continue;
+    for (std::string& path : files.PathsOf(*file)) {
+      paths.push_back(std::move(path));
+    }
+  }
+  return paths;
+}
+
 // A path, or a map where more is to be said of the file; or of the files, where
 // the path is a pattern.
 void ReadEntry(const YamlValue& value, const DataFormat& defaults,
-               JobContext* context, JobConfig* job,
+               JobContext* context, JobConfig* job, FileShare* share,
                std::vector<LoadedData>* parts) {
   DataFormat format = defaults;
   std::optional<YamlValue> file;
@@ -210,6 +231,9 @@ void ReadEntry(const YamlValue& value, const DataFormat& defaults,
     file = map.Required("file");
   }
   context->files.ReadEach(file.value_or(value), [&](const std::string& path) {
+    const int reader = share->NextReader();
+    context->readers.emplace(path, reader);
+    if (reader != share->rank()) return;
     parts->push_back(LoadData(path, job->arm, format, &job->references,
                               context->num_threads));
   });
@@ -241,11 +265,19 @@ LoadedData ReadData(const YamlValue& value, const MeasurementSigmas& sigmas,
   std::vector<YamlValue> entries = {value};
   if (value.IsList()) entries = value.List();
   if (entries.empty()) value.Fail("the list is empty, expected data sets");
+  FileShare share;
+  if (context->team != nullptr) {
+    share = FileShare(context->team, value, PathsOf(entries, context->files));
+  }
+  const References known = job->references;
   std::vector<LoadedData> parts;
   for (const YamlValue& entry : entries) {
-    ReadEntry(entry, defaults, context, job, &parts);
+    ReadEntry(entry, defaults, context, job, &share, &parts);
   }
-  LoadedData all = Merge(std::move(parts));
+  LoadedData all = Merge(std::move(parts), job->arm.num_joints());
+  if (context->team != nullptr) {
+    ShareLoaded(context->team, known, &all, &job->references);
+  }
   job->rejected.insert(job->rejected.end(), all.rejected.begin(),
                        all.rejected.end());
   return all;

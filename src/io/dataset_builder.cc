@@ -54,10 +54,11 @@ ObservationBlock MakeBlock(const std::vector<const Observation*>& observations,
   return block;
 }
 
-// A block of a part, and the part's first pose among all.
+// A block of a part, and which part that is.
 struct PartBlock {
   const ObservationBlock* block = nullptr;
   int first_pose = 0;
+  std::size_t number = 0;  // of the part
 };
 
 void AppendShifted(const std::vector<int>& from, int shift,
@@ -145,6 +146,19 @@ ObservationBlock MergeBlocks(const std::vector<PartBlock>& parts,
   return all;
 }
 
+// Where each part's observations begin in the block that these are merged to.
+void AddToShards(const std::vector<PartBlock>& parts,
+                 std::vector<Shard>* shards) {
+  Eigen::Index first = 0;
+  auto part = parts.begin();
+  for (std::size_t number = 0; number < shards->size(); ++number) {
+    (*shards)[number].first_observations.push_back(first);
+    if (part == parts.end() || part->number != number) continue;
+    first += part->block->size();
+    ++part;
+  }
+}
+
 }  // namespace
 
 std::vector<ObservationBlock> MakeBlocks(
@@ -175,6 +189,7 @@ Dataset MergeDatasets(std::vector<Dataset> parts) {
   std::vector<std::vector<PartBlock>> by_kind;
   Eigen::Index first = 0;
   for (const Dataset& part : parts) {
+    all.shards.push_back({first, {}});
     all.name += (all.name.empty() ? "" : ", ") + part.name;
     all.joint_values.middleCols(first, part.num_poses()) = part.joint_values;
     const auto first_file = static_cast<int>(all.files.size());
@@ -184,12 +199,14 @@ Dataset MergeDatasets(std::vector<Dataset> parts) {
     all.files.insert(all.files.end(), part.files.begin(), part.files.end());
     for (const ObservationBlock& block : part.blocks) {
       if (block.size() == 0) continue;
-      AddToKind({&block, static_cast<int>(first)}, &by_kind);
+      AddToKind({&block, static_cast<int>(first), all.shards.size() - 1},
+                &by_kind);
     }
     first += part.num_poses();
   }
   for (const std::vector<PartBlock>& blocks : by_kind) {
     all.blocks.push_back(MergeBlocks(blocks, num_poses));
+    AddToShards(blocks, &all.shards);
   }
   return all;
 }

@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <glog/logging.h>
 #include <openssl/evp.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
@@ -11,6 +10,7 @@
 #include <cerrno>
 #include <filesystem>
 #include <system_error>
+#include <vector>
 
 #include "alidade/base/error.h"
 
@@ -101,23 +101,28 @@ bool LeavesSymbolicLink(const fs::path& path) {
   return false;
 }
 
+// take(data, size) of the file's consecutive pieces.
+template <typename Take>
+void ReadPieces(const std::string& path, const Take& take) {
+  const FileDescriptor file(path, O_RDONLY);
+  if (file.get() < 0) Fail(path, "cannot be read", errno);
+  std::vector<char> buffer(std::size_t{1} << 18);
+  while (true) {
+    const ssize_t count = read(file.get(), buffer.data(), buffer.size());
+    if (count == 0) return;
+    if (count < 0 && errno != EINTR) Fail(path, "cannot be read", errno);
+    if (count > 0) take(buffer.data(), static_cast<std::size_t>(count));
+  }
+}
+
 }  // namespace
 
 std::string ReadFile(const std::string& path) {
-  const FileDescriptor file(path, O_RDONLY);
-  if (file.get() < 0) Fail(path, "cannot be read", errno);
-  struct stat status = {};
   std::string content;
-  if (fstat(file.get(), &status) == 0 && status.st_size > 0) {
-    content.reserve(static_cast<std::size_t>(status.st_size));
-  }
-  std::array<char, 65536> buffer;
-  while (true) {
-    const ssize_t count = read(file.get(), buffer.data(), buffer.size());
-    if (count == 0) return content;
-    if (count < 0 && errno != EINTR) Fail(path, "cannot be read", errno);
-    if (count > 0) content.append(buffer.data(), static_cast<size_t>(count));
-  }
+  ReadPieces(path, [&](const char* data, std::size_t count) {
+    content.append(data, count);
+  });
+  return content;
 }
 
 void WriteFileAtomically(const std::string& given, const std::string& content) {
@@ -151,19 +156,53 @@ void MakeDirectories(const std::string& path) {
   if (error) Fail(path, "directory cannot be made", error.value());
 }
 
-std::string Sha256(const std::string& content) {
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest;
-  unsigned int size = 0;
-  CHECK_EQ(EVP_Digest(content.data(), content.size(), digest.data(), &size,
-                      EVP_sha256(), nullptr),
-           1);
-  constexpr char kDigits[] = "0123456789abcdef";
-  std::string text;
-  for (unsigned int i = 0; i < size; ++i) {
-    text += kDigits[digest[i] >> 4];
-    text += kDigits[digest[i] & 15];
+namespace {
+
+// SHA-256 of what it is given piece by piece.
+class Hasher {
+ public:
+  Hasher() : context_(EVP_MD_CTX_new()) {
+    CHECK(context_ != nullptr);
+    CHECK_EQ(EVP_DigestInit_ex(context_, EVP_sha256(), nullptr), 1);
   }
-  return text;
+  ~Hasher() { EVP_MD_CTX_free(context_); }
+  Hasher(const Hasher&) = delete;
+  Hasher& operator=(const Hasher&) = delete;
+
+  void Add(const char* data, std::size_t size) {
+    CHECK_EQ(EVP_DigestUpdate(context_, data, size), 1);
+  }
+  std::string Finish() {
+    std::array<unsigned char, EVP_MAX_MD_SIZE> digest;
+    unsigned int size = 0;
+    CHECK_EQ(EVP_DigestFinal_ex(context_, digest.data(), &size), 1);
+    constexpr char kDigits[] = "0123456789abcdef";
+    std::string text;
+    for (unsigned int i = 0; i < size; ++i) {
+      text += kDigits[digest[i] >> 4];
+      text += kDigits[digest[i] & 15];
+    }
+    return text;
+  }
+
+ private:
+  EVP_MD_CTX* const context_;
+};
+
+}  // namespace
+
+std::string Sha256(const std::string& content) {
+  Hasher hasher;
+  hasher.Add(content.data(), content.size());
+  return hasher.Finish();
+}
+
+std::string Sha256OfFile(const std::string& path) {
+  Hasher hasher;
+  ReadPieces(path, [&](const char* data, std::size_t size) {
+    hasher.Add(data, size);
+  });
+  return hasher.Finish();
 }
 
 std::string ResolvePath(const std::string& from_file, const std::string& path) {

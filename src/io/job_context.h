@@ -1,8 +1,10 @@
 #ifndef ALIDADE_SRC_IO_JOB_CONTEXT_H_
 #define ALIDADE_SRC_IO_JOB_CONTEXT_H_
 
+#include <map>
 #include <string>
 
+#include "alidade/base/team.h"
 #include "src/io/config_file.h"
 #include "src/io/yaml_reader.h"
 
@@ -14,6 +16,10 @@ struct JobContext {
   Units units;
   NamedFiles files;
   int num_threads = 1;  ///< to read data sets with
+  /// Members that read a share of the data each; null: all is read here.
+  Team* team = nullptr;
+  /// The member that reads each data set's file.
+  std::map<std::string, int> readers = {};
 };
 
 /// @throws InputError at the map where the options are not valid.

@@ -284,14 +284,48 @@ void ReadNoiseStudy(const JobContext& context, JobConfig* job) {
   job->noise_study = study;
 }
 
-JobConfig Load(const std::string& path, bool with_validation, int num_threads) {
+// What asks for all data in one place.
+void RefuseForTeam(const JobContext& context, const JobConfig& job) {
+  if (context.team == nullptr) return;
+  const auto refuse = [&](const YamlValue& value, const std::string& what) {
+    value.Fail(what + " needs all data in one process, and this job runs in " +
+               std::to_string(context.team->size()) +
+               ": leave it out, or run without mpirun");
+  };
+  for (const char* key : {"compare_with", "published"}) {
+    if (const auto value = context.file.Optional(key)) refuse(*value, key);
+  }
+  if (job.solver == SolverName::kPseudoInverse) {
+    refuse(context.file.Required("solver"), "the pseudo-inverse");
+  }
+  if (job.solver_options.evaluation == Evaluation::kAutodiff) {
+    refuse(context.file.Required("solver"), "evaluation: autodiff");
+  }
+  if (const auto validation = context.file.Optional("validation")) {
+    if (validation->Find("folds")) refuse(*validation, "cross-validation");
+  }
+}
+
+std::vector<int> ReadersOf(const JobContext& context) {
+  std::vector<int> readers;
+  if (context.team == nullptr) return readers;
+  for (const std::string& path : context.files.paths()) {
+    const auto found = context.readers.find(path);
+    readers.push_back(found == context.readers.end() ? 0 : found->second);
+  }
+  return readers;
+}
+
+JobConfig Load(const std::string& path, bool with_validation, int num_threads,
+               Team* team) {
   const YamlMap file =
       ReadConfigFile(path, FileFormat::kJob)
           .Map({"format", "title", "units", "arm", "data", "measurement",
                 "truth", "validation", "identifiability", "solver", "robust",
                 "compare_with", "acceptance", "published", "noise_study",
                 "references", "bounds", "uncertainty", "montecarlo"});
-  JobContext context{file, Units(file), NamedFiles(path), num_threads};
+  JobContext context{file, Units(file), NamedFiles(path), num_threads,
+                     team != nullptr && team->size() > 1 ? team : nullptr};
   JobConfig job;
   job.path = path;
   job.title = file.Required("title").Text();
@@ -299,6 +333,7 @@ JobConfig Load(const std::string& path, bool with_validation, int num_threads) {
   ReadSolver(context, &job);
   ReadRobust(context, &job);
   ReadCompareWith(context, &job);
+  RefuseForTeam(context, job);
   ReadMeasurements(with_validation, &context, &job);
   ReadTruth(&context, &job);
   ReadAcceptance(context, &job);
@@ -307,6 +342,7 @@ JobConfig Load(const std::string& path, bool with_validation, int num_threads) {
   ReadUncertaintyOptions(context, &job);
   ReadMonteCarlo(context, &job);
   job.input_files = context.files.paths();
+  job.readers = ReadersOf(context);
   return job;
 }
 
@@ -320,10 +356,12 @@ const std::vector<std::string>& PublishedQuantityNames() {
   return *names;
 }
 
-JobConfig LoadJob(const std::string& path, int num_threads) {
-  return Load(path, true, num_threads);
+JobConfig LoadJob(const std::string& path, int num_threads, Team* team) {
+  return Load(path, true, num_threads, team);
 }
 
-JobConfig LoadWholeJob(const std::string& path) { return Load(path, false, 1); }
+JobConfig LoadWholeJob(const std::string& path) {
+  return Load(path, false, 1, nullptr);
+}
 
 }  // namespace alidade

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "alidade/measurement/share.h"
 #include "src/io/dataset_builder.h"
 #include "src/io/names.h"
 
@@ -143,9 +144,9 @@ void ReadPointDistances(const JobContext& context, double default_sigma,
     observations.push_back(
         ReadPointDistance(item, context.units, default_sigma, job->references));
   }
-  for (ObservationBlock& block :
+  for (const ObservationBlock& block :
        MakeBlocks(observations, job->data.num_poses())) {
-    job->data.blocks.push_back(std::move(block));
+    AppendShared(block, &job->data);
   }
 }
 

@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "alidade/measurement/holdout.h"
+#include "alidade/measurement/share.h"
 #include "src/io/names.h"
+#include "src/io/shared_data.h"
 
 namespace alidade {
 namespace {
@@ -29,7 +31,7 @@ void ReadFraction(const YamlMap& map, JobConfig* job) {
   }
   map.ReadSeed("seed", &config.seed);
   HoldOut split = HoldOutFraction(job->data, config.fraction, config.seed);
-  if (split.train.num_poses() == 0 || split.heldout.num_poses() == 0) {
+  if (split.train.all_poses() == 0 || split.heldout.all_poses() == 0) {
     fraction.Fail(
         "leaves no configuration on one side: the data set has too few "
         "different ones for it");
@@ -56,42 +58,63 @@ void ReadFolds(const YamlMap& map, JobConfig* job) {
 // neither side.
 void RejectStraddling(const std::vector<bool>& is_heldout, JobConfig* job) {
   const Dataset& data = job->data;
+  std::vector<RejectedRow> rejected;
   for (const ObservationBlock& block : data.blocks) {
     if (block.kind != MeasurementKind::kDifference) continue;
     for (Eigen::Index i = 0; i < block.size(); ++i) {
       const int pose = block.pose(i);
       if (is_heldout[pose] == is_heldout[block.seconds[i]]) continue;
       const PoseSource& source = data.sources[pose];
-      job->rejected.push_back(
+      rejected.push_back(
           {data.files[source.file], source.line,
            "a difference between a pose that is held out and one that is not"});
     }
   }
+  if (data.share.team != nullptr) {
+    rejected = OfAllMembers(data.share.team, rejected);
+  }
+  job->rejected.insert(job->rejected.end(), rejected.begin(), rejected.end());
 }
 
 // Holds out the poses, unless that leaves nothing to fit.
 void HoldOutChosen(const std::vector<bool>& is_heldout, const YamlValue& key,
                    JobConfig* job) {
-  if (std::all_of(is_heldout.begin(), is_heldout.end(),
-                  [](bool chosen) { return chosen; })) {
+  if (OnAllMembers(job->data, std::all_of(is_heldout.begin(), is_heldout.end(),
+                                          [](bool held) { return held; }))) {
     key.Fail("holds out all poses, expected some to be left for the fit");
   }
   RejectStraddling(is_heldout, job);
   Take(HoldOutPoses(job->data, is_heldout), job);
 }
 
-void ReadSets(const YamlValue& value, const std::vector<std::string>& sets,
-              JobConfig* job) {
-  if (sets.empty()) {
-    value.Fail("no data set has a column \"set\", expected one");
-  }
+// In the order that they first come in.
+std::vector<std::string> NamesOfSets(const std::vector<std::string>& sets,
+                                     Team* team) {
   std::vector<std::string> names;
-  for (const std::string& set : sets) {
-    if (set.empty()) continue;
+  const auto add = [&](const std::string& set) {
+    if (set.empty()) return;
     if (std::find(names.begin(), names.end(), set) == names.end()) {
       names.push_back(set);
     }
+  };
+  for (const std::string& set : sets) add(set);
+  if (team == nullptr) return names;
+  ByteWriter writer;
+  writer.PutTexts(names);
+  names.clear();
+  for (const std::string& bytes : team->Gather(writer.Take())) {
+    for (const std::string& set : ByteReader(bytes).GetTexts()) add(set);
   }
+  return names;
+}
+
+void ReadSets(const YamlValue& value, const std::vector<std::string>& sets,
+              JobConfig* job) {
+  if (OnAllMembers(job->data, sets.empty())) {
+    value.Fail("no data set has a column \"set\", expected one");
+  }
+  const std::vector<std::string> names =
+      NamesOfSets(sets, job->data.share.team);
   std::vector<bool> is_heldout(sets.size(), false);
   std::vector<YamlValue> items = {value};
   if (value.IsList()) items = value.List();
@@ -133,8 +156,8 @@ void ReadFile(const YamlValue& value, const JobContext& context,
   for (const PoseSource& source : data.sources) {
     is_heldout.push_back(NamesFile(text, resolved, data, source.file));
   }
-  if (std::none_of(is_heldout.begin(), is_heldout.end(),
-                   [](bool chosen) { return chosen; })) {
+  if (OnAllMembers(data, std::none_of(is_heldout.begin(), is_heldout.end(),
+                                      [](bool held) { return held; }))) {
     value.Fail(
         "found " + Quote(text) + ", expected one of the files of " +
         "`data` or its place in that list, from 1: " + JoinNames(data.files));
@@ -142,30 +165,49 @@ void ReadFile(const YamlValue& value, const JobContext& context,
   HoldOutChosen(is_heldout, value, job);
 }
 
+// Which points and planes observations are of; of a share, those of all.
+struct Mentioned {
+  std::vector<bool> points;
+  std::vector<bool> planes;
+};
+
+void Mention(const Dataset& data, Mentioned* mentioned) {
+  for (const ObservationBlock& block : data.blocks) {
+    if (block.kind == MeasurementKind::kPointDistance) continue;
+    std::vector<bool>& list = block.kind == MeasurementKind::kPlane
+                                  ? mentioned->planes
+                                  : mentioned->points;
+    for (const int i : block.references) list[i] = true;
+  }
+  for (std::vector<bool>* list : {&mentioned->points, &mentioned->planes}) {
+    for (std::size_t i = 0; i < list->size(); ++i) {
+      (*list)[i] = !OnAllMembers(data, !(*list)[i]);
+    }
+  }
+}
+
 // What the fit does not identify tells nothing of held-out poses.
 void CheckReferences(const YamlValue& value, const JobConfig& job) {
   const References& references = job.references;
-  std::vector<bool> points;
-  std::vector<bool> planes;
-  for (const auto& point : references.points) points.push_back(point.is_known);
-  for (const auto& plane : references.planes) planes.push_back(plane.is_known);
-  const auto list_of = [&](MeasurementKind kind) {
-    return kind == MeasurementKind::kPlane ? &planes : &points;
+  const auto fail = [&](const std::string& name) {
+    value.Fail(Quote(name) +
+               " is measured against at held-out poses alone, expected it "
+               "among the poses of the fit too, or known in `references`");
   };
-  for (const ObservationBlock& block : job.data.blocks) {
-    if (block.kind == MeasurementKind::kPointDistance) continue;
-    for (const int i : block.references) (*list_of(block.kind))[i] = true;
+  Mentioned heldout{std::vector<bool>(references.points.size()),
+                    std::vector<bool>(references.planes.size())};
+  Mentioned fitted = heldout;
+  Mention(job.data, &fitted);
+  Mention(*job.validation, &heldout);
+  for (std::size_t i = 0; i < references.points.size(); ++i) {
+    const ReferencePoint& point = references.points[i];
+    if (!heldout.points[i] || fitted.points[i] || point.is_known) continue;
+    fail(point.name);
   }
-  for (const ObservationBlock& block : job.validation->blocks) {
-    for (const int i : block.references) {
-      if ((*list_of(block.kind))[i]) continue;
-      const std::string name = block.kind == MeasurementKind::kPlane
-                                   ? references.planes[i].name
-                                   : references.points[i].name;
-      value.Fail(Quote(name) +
-                 " is measured against at held-out poses alone, expected it "
-                 "among the poses of the fit too, or known in `references`");
-    }
+  for (std::size_t i = 0; i < references.planes.size(); ++i) {
+    const ReferencePlane& plane = references.planes[i];
+    if (!heldout.planes[i] || fitted.planes[i] || plane.is_known) continue;
+    fail(plane.name);
   }
 }
 

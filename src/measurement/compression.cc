@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "lane_factor.h"
 #include "parted_data.h"
 
 namespace alidade {
@@ -32,6 +33,8 @@ double ScaledCondition(const Eigen::MatrixXd& factor, Eigen::MatrixXd* scaled,
 }
 
 }  // namespace
+
+std::string VectorInstructions() { return kernel::TargetName(); }
 
 double RobustChiSquare(const Eigen::VectorXd& errors, const Dataset& data,
                        const std::vector<RobustLoss>& losses) {
@@ -74,7 +77,7 @@ class Compressor::Implementation {
         losses_(losses),
         factorization_(options.factorization),
         may_use_gram_(options.factorization == Factorization::kGram),
-        is_large_(data.num_observations() >= kFewestForGram) {}
+        is_large_(data.all_observations() >= kFewestForGram) {}
 
   void Compress(const Eigen::VectorXd& values, CompressedProblem* problem) {
     used_gram_ = may_use_gram_ && CompressByProducts(values, problem);
@@ -94,6 +97,7 @@ class Compressor::Implementation {
                           [this](Part* part, TileRows* rows) {
                             part->AddCost(losses_, false, rows);
                           });
+      parted_.MergeSums();
       Remember(values);
     }
     return summary_;
@@ -103,7 +107,7 @@ class Compressor::Implementation {
 
  private:
   void Remember(const Eigen::VectorXd& values) {
-    summary_ = parted_.Summary();
+    summary_ = parted_.summary();
     summarized_ = values;
   }
 

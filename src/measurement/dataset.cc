@@ -79,10 +79,36 @@ Eigen::Index Dataset::num_equations() const {
 }
 
 bool Dataset::Has(MeasurementKind kind) const {
-  return std::any_of(blocks.begin(), blocks.end(),
-                     [&](const ObservationBlock& block) {
-                       return block.kind == kind && block.size() > 0;
-                     });
+  for (std::size_t block = 0; block < blocks.size(); ++block) {
+    if (blocks[block].kind == kind && all_observations(block) > 0) return true;
+  }
+  return false;
+}
+
+Eigen::Index Dataset::all_poses() const {
+  return share.team == nullptr ? num_poses() : share.all_poses;
+}
+
+Eigen::Index Dataset::all_observations(std::size_t block) const {
+  return share.team == nullptr ? blocks[block].size()
+                               : share.all_observations[block];
+}
+
+Eigen::Index Dataset::all_observations() const {
+  Eigen::Index count = 0;
+  for (std::size_t block = 0; block < blocks.size(); ++block) {
+    count += all_observations(block);
+  }
+  return count;
+}
+
+std::pair<Eigen::Index, Eigen::Index> Dataset::ShardRange(
+    std::size_t shard, std::size_t block) const {
+  const Eigen::Index end = blocks[block].size();
+  if (shards.empty()) return {0, end};
+  const bool is_last = shard + 1 == shards.size();
+  return {shards[shard].first_observations[block],
+          is_last ? end : shards[shard + 1].first_observations[block]};
 }
 
 ObservationBlock& Dataset::PositionBlock() {

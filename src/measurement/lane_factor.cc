@@ -33,6 +33,8 @@ namespace {
 
 std::size_t LanesOfTarget() { return hn::Lanes(kTag); }
 
+std::int64_t TargetOfBuild() { return HWY_TARGET; }
+
 // H = I - w v v^T with v = (1, scale x) takes (alpha, x) to (beta, 0).
 struct Reflector {
   V scale;
@@ -361,12 +363,17 @@ HWY_AFTER_NAMESPACE();
 namespace alidade::kernel {
 
 HWY_EXPORT(LanesOfTarget);
+HWY_EXPORT(TargetOfBuild);
 HWY_EXPORT(AddRows);
 HWY_EXPORT(MergeTriangles);
 HWY_EXPORT(MergeAllLanes);
 HWY_EXPORT(AddProducts);
 
 std::size_t Lanes() { return HWY_DYNAMIC_DISPATCH(LanesOfTarget)(); }
+
+const char* TargetName() {
+  return hwy::TargetName(HWY_DYNAMIC_DISPATCH(TargetOfBuild)());
+}
 
 std::size_t TriangleSize(int columns) {
   // One vector more, since the last entry is read with its lanes moved.

@@ -16,6 +16,9 @@ namespace alidade::kernel {
 /// Lanes of a vector of doubles on this machine.
 std::size_t Lanes();
 
+/// What vector code uses on this machine: "AVX2".
+const char* TargetName();
+
 /// Doubles of an upper triangle of so many columns, one for each lane.
 std::size_t TriangleSize(int columns);
 

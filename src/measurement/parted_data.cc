@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "alidade/base/team.h"
 #include "lane_factor.h"
 
 namespace alidade {
@@ -86,13 +87,17 @@ PartedData::PartedData(const MeasurementModel& model, const Dataset& data,
     : model_(model),
       tiles_(model.nominal(), data, cache_bytes, model.num_threads()),
       width_(width),
+      team_(data.share.team),
+      all_observations_(data.all_observations()),
       work_(AllocateDoubles(kernel::MergeSize(width))) {
-  const std::int64_t tiles = tiles_.size();
-  const std::int64_t wanted =
-      std::clamp<std::int64_t>(tiles / kFewestTiles, 1, kMostParts);
-  part_size_ = std::max<std::int64_t>(1, (tiles + wanted - 1) / wanted);
-  const std::int64_t count =
-      std::max<std::int64_t>(1, (tiles + part_size_ - 1) / part_size_);
+  std::int64_t first_tile = 0;
+  for (const std::int64_t end : tiles_.shard_ends()) {
+    AddParts(first_tile, end);
+    first_tile = end;
+  }
+  // Somewhere the sum of nothing must be.
+  if (ranges_.empty()) ranges_.emplace_back();
+  const auto count = static_cast<std::int64_t>(ranges_.size());
   parts_.reserve(count);
   for (std::int64_t k = 0; k < count; ++k) parts_.emplace_back(width);
   const std::int64_t users =
@@ -102,6 +107,21 @@ PartedData::PartedData(const MeasurementModel& model, const Dataset& data,
         std::make_unique<TileRows>(tiles_, model.layout().num_joints(), width));
     free_rows_.push_back(all_rows_.back().get());
   }
+}
+
+void PartedData::AddParts(std::int64_t first_tile, std::int64_t end) {
+  const std::int64_t tiles = end - first_tile;
+  if (tiles == 0) return;
+  const std::int64_t wanted =
+      std::clamp<std::int64_t>(tiles / kFewestTiles, 1, kMostParts);
+  const std::int64_t size = (tiles + wanted - 1) / wanted;
+  Range parts;
+  parts.begin = static_cast<std::int64_t>(ranges_.size());
+  for (std::int64_t tile = first_tile; tile < end; tile += size) {
+    ranges_.push_back({tile, std::min(end, tile + size)});
+  }
+  parts.end = static_cast<std::int64_t>(ranges_.size());
+  shards_.push_back(parts);
 }
 
 PartedData::BorrowedRows::BorrowedRows(PartedData* owner) : owner_(owner) {
@@ -115,38 +135,93 @@ PartedData::BorrowedRows::~BorrowedRows() {
   owner_->free_rows_.push_back(rows_);
 }
 
-void PartedData::MergeTriangles(Eigen::MatrixXd* factor) {
-  double* const all = parts_.front().triangle();
-  for (std::size_t k = 1; k < parts_.size(); ++k) {
-    kernel::MergeTriangles(width_, parts_[k].triangle(), work_.get(), all);
+void PartedData::Combine(Content content, const double* other,
+                         double* triangle) {
+  if (content == Content::kTriangles) {
+    kernel::MergeTriangles(width_, other, work_.get(), triangle);
+  } else if (content == Content::kProducts) {
+    for (std::size_t i = 0; i < kernel::TriangleSize(width_); ++i) {
+      triangle[i] += other[i];
+    }
   }
-  kernel::MergeLanes(width_, all, work_.get(), factor);
+}
+
+void PartedData::Add(const Sums& more, Sums* sums) {
+  sums->cost += more.cost;
+  sums->squares += more.squares;
+  sums->largest = std::max(sums->largest, more.largest);
+}
+
+void PartedData::Merge(Content content) {
+  if (team_ != nullptr) {
+    MergeMembers(content);
+    return;
+  }
+  Sums all;
+  for (const Range& shard : shards_) {
+    Add(MergeShard(content, shard), &all);
+    if (shard.begin == 0) continue;
+    Combine(content, parts_[shard.begin].triangle(), parts_[0].triangle());
+  }
+  Summarize(all);
+}
+
+PartedData::Sums PartedData::MergeShard(Content content, const Range& shard) {
+  Sums sums;
+  for (std::int64_t k = shard.begin; k < shard.end; ++k) {
+    Add({parts_[k].cost(), parts_[k].largest_squared_length(),
+         parts_[k].sum_of_squared_lengths()},
+        &sums);
+    if (k == shard.begin) continue;
+    Combine(content, parts_[k].triangle(), parts_[shard.begin].triangle());
+  }
+  return sums;
+}
+
+// Every shard is one message, so that they are merged in the order of the
+// whole, whoever has them.
+void PartedData::MergeMembers(Content content) {
+  const std::size_t size =
+      content == Content::kSums ? 0 : kernel::TriangleSize(width_);
+  ByteWriter writer;
+  for (const Range& shard : shards_) {
+    writer.Put(MergeShard(content, shard));
+    writer.PutArray(parts_[shard.begin].triangle(), size);
+  }
+  const std::vector<std::string> members = team_->Gather(writer.Take());
+  const AlignedDoubles triangle = AllocateDoubles(size);
+  Sums all;
+  bool is_first = true;
+  for (const std::string& bytes : members) {
+    ByteReader reader(bytes);
+    while (!reader.is_at_end()) {
+      Add(reader.Get<Sums>(), &all);
+      double* const to = is_first ? parts_[0].triangle() : triangle.get();
+      reader.GetArray(size, to);
+      if (!is_first) Combine(content, to, parts_[0].triangle());
+      is_first = false;
+    }
+  }
+  Summarize(all);
+}
+
+void PartedData::MergeTriangles(Eigen::MatrixXd* factor) {
+  Merge(Content::kTriangles);
+  kernel::MergeLanes(width_, parts_[0].triangle(), work_.get(), factor);
 }
 
 void PartedData::SumProducts(Eigen::MatrixXd* sum) {
-  double* const all = parts_.front().triangle();
-  for (std::size_t k = 1; k < parts_.size(); ++k) {
-    const double* const triangle = parts_[k].triangle();
-    for (std::size_t i = 0; i < kernel::TriangleSize(width_); ++i) {
-      all[i] += triangle[i];
-    }
-  }
-  kernel::SumLanes(width_, all, sum);
+  Merge(Content::kProducts);
+  kernel::SumLanes(width_, parts_[0].triangle(), sum);
 }
 
-ResidualSummary PartedData::Summary() const {
-  ResidualSummary summary;
-  double squares = 0.0;
-  for (const Part& part : parts_) {
-    summary.cost += part.cost();
-    squares += part.sum_of_squared_lengths();
-    summary.max_error =
-        std::max(summary.max_error, part.largest_squared_length());
-  }
-  const auto count = static_cast<double>(tiles_.data().num_observations());
-  summary.max_error = std::sqrt(summary.max_error);
-  summary.rms_error = std::sqrt(squares / std::max(1.0, count));
-  return summary;
+void PartedData::MergeSums() { Merge(Content::kSums); }
+
+void PartedData::Summarize(const Sums& sums) {
+  const auto count = static_cast<double>(all_observations_);
+  summary_.cost = sums.cost;
+  summary_.max_error = std::sqrt(sums.largest);
+  summary_.rms_error = std::sqrt(sums.squares / std::max(1.0, count));
 }
 
 }  // namespace alidade

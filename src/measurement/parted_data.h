@@ -51,7 +51,9 @@ class Part {
 };
 
 /// A data set cut into parts, which do not depend on the number of threads, and
-/// neither does the order in which they are merged.
+/// neither does the order in which they are merged: the parts of each shard,
+/// then the shards. Of a share (dataset.h) the shards of all members are
+/// merged, on every member: what is marked collective is so then.
 class PartedData {
  public:
   /// `width` columns of the rows are factored: all derivatives, with or
@@ -64,27 +66,32 @@ class PartedData {
   void ForEachTile(const Eigen::VectorXd& values,
                    const kernel::Columns& columns, const Visit& visit) {
     kernel::ComputeConstants(model_, values, &constants_);
-    const auto work = [this, &columns, &visit](std::int64_t begin,
-                                               std::int64_t end) {
-      Part& part = parts_[begin / part_size_];
-      part.Reset();
+    const auto work = [this, &columns, &visit](std::int64_t part,
+                                               std::int64_t /*end*/) {
+      Part& mine = parts_[part];
+      mine.Reset();
       const BorrowedRows rows(this);
-      for (std::int64_t tile = begin; tile < end; ++tile) {
+      const Range& range = ranges_[part];
+      for (std::int64_t tile = range.begin; tile < range.end; ++tile) {
         tiles_.Prefetch(tile + 1);
         rows->Evaluate(constants_, columns, tile);
-        visit(&part, rows.get());
+        visit(&mine, rows.get());
       }
     };
     // By reference, so that std::function need not allocate.
-    ParallelFor(model_.num_threads(), tiles_.size(), part_size_,
-                std::ref(work));
+    ParallelFor(model_.num_threads(), static_cast<std::int64_t>(parts_.size()),
+                1, std::ref(work));
   }
 
-  /// R of all parts, width x width. What the parts held is lost.
+  /// Each of these is collective, and what the parts held is lost.
+  /// R of all parts, width x width.
   void MergeTriangles(Eigen::MatrixXd* factor);
   /// The sum of all parts' triangles; the upper one is filled.
   void SumProducts(Eigen::MatrixXd* sum);
-  ResidualSummary Summary() const;
+  /// Costs and lengths alone.
+  void MergeSums();
+  /// As of the last of them.
+  const ResidualSummary& summary() const { return summary_; }
 
   const Tiles& tiles() const { return tiles_; }
   int width() const { return width_; }
@@ -107,11 +114,38 @@ class PartedData {
     TileRows* rows_;
   };
 
+  // Of tiles, and of parts.
+  struct Range {
+    std::int64_t begin = 0;
+    std::int64_t end = 0;
+  };
+  struct Sums {
+    double cost = 0.0;
+    double largest = 0.0;  // squared length
+    double squares = 0.0;
+  };
+  enum class Content { kSums, kTriangles, kProducts };
+
+  void AddParts(std::int64_t first_tile, std::int64_t end);
+  // triangle <- both.
+  void Combine(Content content, const double* other, double* triangle);
+  // The shard's first part <- all of its parts.
+  Sums MergeShard(Content content, const Range& shard);
+  // The first part <- all shards, those of other members too.
+  void Merge(Content content);
+  void MergeMembers(Content content);
+  static void Add(const Sums& more, Sums* sums);
+  void Summarize(const Sums& sums);
+
   const MeasurementModel& model_;
   const Tiles tiles_;
   const int width_;
-  std::int64_t part_size_ = 1;
+  Team* const team_;
+  const Eigen::Index all_observations_;
+  std::vector<Range> ranges_;  // tiles of each part
+  std::vector<Range> shards_;  // parts of each shard that has some
   std::vector<Part> parts_;
+  ResidualSummary summary_;
   std::vector<std::unique_ptr<TileRows>> all_rows_;
   std::mutex free_rows_mutex_;
   std::vector<TileRows*> free_rows_;

@@ -65,8 +65,11 @@ Tiles::Tiles(const Arm& arm, const Dataset& data, std::size_t cache_bytes,
   for (const Joint& joint : arm.joints) {
     is_revolute_.push_back(joint.type == JointType::kRevolute);
   }
-  for (std::size_t block = 0; block < data.blocks.size(); ++block) {
-    AddGroups(static_cast<int>(block));
+  for (std::size_t shard = 0; shard < data.num_shards(); ++shard) {
+    for (std::size_t block = 0; block < data.blocks.size(); ++block) {
+      AddGroups(shard, block);
+    }
+    shard_ends_.push_back(num_tiles_);
   }
   FillCache(cache_bytes, num_threads);
 }
@@ -78,7 +81,7 @@ void Tiles::AppendGroup(const Group& group) {
   largest_ = std::max(largest_, SizeOf(group));
 }
 
-void Tiles::AddGroups(int block) {
+void Tiles::AddGroups(std::size_t shard, std::size_t block) {
   const ObservationBlock& observations = data_.blocks[block];
   const MeasurementKind kind = observations.kind;
   const auto key = [&](Eigen::Index i) {
@@ -87,25 +90,33 @@ void Tiles::AddGroups(int block) {
         HasReference(kind) ? observations.references[i] : -1,
         kind == MeasurementKind::kPointDistance ? observations.seconds[i] : -1};
   };
-  const Eigen::Index size = observations.size();
-  if (size == 0) return;
-  CHECK_LE(size, std::numeric_limits<std::int32_t>::max());
+  const auto [begin, end] = data_.ShardRange(shard, block);
+  if (begin == end) return;
+  CHECK_LE(end, std::numeric_limits<std::int32_t>::max());
+  // Without lists all are alike, and need not be looked at.
   bool uniform = true;
-  for (Eigen::Index i = 1; i < size && uniform; ++i) uniform = key(i) == key(0);
+  if (HasReference(kind) || !observations.targets.empty()) {
+    for (Eigen::Index i = begin; i < end && uniform; ++i) {
+      uniform = key(i) == key(begin);
+    }
+  }
   std::vector<std::int32_t>& order = orders_[block];
   if (!uniform) {
-    order.resize(size);
-    std::iota(order.begin(), order.end(), 0);
+    if (order.empty()) {
+      order.resize(observations.size());
+      std::iota(order.begin(), order.end(), 0);
+    }
     std::stable_sort(
-        order.begin(), order.end(),
+        order.begin() + begin, order.begin() + end,
         [&](std::int32_t a, std::int32_t b) { return key(a) < key(b); });
   }
   const auto at = [&](Eigen::Index i) { return order.empty() ? i : order[i]; };
-  for (Eigen::Index first = 0; first < size;) {
-    Eigen::Index last = uniform ? size : first + 1;
-    while (last < size && key(at(last)) == key(at(first))) ++last;
+  for (Eigen::Index first = begin; first < end;) {
+    Eigen::Index last = uniform ? end : first + 1;
+    while (last < end && key(at(last)) == key(at(first))) ++last;
     const auto [target, reference, second] = key(at(first));
-    AppendGroup({block, target, reference, second, first, last - first});
+    AppendGroup({static_cast<int>(block), target, reference, second, first,
+                 last - first});
     first = last;
   }
 }

@@ -51,6 +51,9 @@ class Tiles {
 
   const Dataset& data() const { return data_; }
   std::int64_t size() const { return num_tiles_; }
+  /// Where the tiles of each shard end; those of the first begin at 0. A tile
+  /// is of one shard.
+  const std::vector<std::int64_t>& shard_ends() const { return shard_ends_; }
   /// Doubles that Get needs where it cannot take them from the cache.
   std::size_t scratch_size() const { return largest_; }
 
@@ -76,7 +79,7 @@ class Tiles {
     std::int64_t first_tile = 0;
   };
 
-  void AddGroups(int block);
+  void AddGroups(std::size_t shard, std::size_t block);
   void AppendGroup(const Group& group);
   const Group& GroupOf(std::int64_t tile) const;
   std::size_t SizeOf(const Group& group) const;
@@ -98,6 +101,7 @@ class Tiles {
   // For each block its observations, sorted by group; empty: as they are.
   std::vector<std::vector<std::int32_t>> orders_;
   std::int64_t num_tiles_ = 0;
+  std::vector<std::int64_t> shard_ends_;
   std::size_t largest_ = 0;
 
   AlignedDoubles cache_;

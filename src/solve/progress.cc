@@ -27,10 +27,11 @@ Progress::Progress(const CalibrationProblem& problem,
                    const SolverOptions& options, const std::string& solver)
     : problem_(problem),
       options_(options),
-      nominal_(problem.model.NominalValues()) {
+      nominal_(problem.model.NominalValues()),
+      sigmas_(SumSigmas(problem.data, problem.model.num_threads())) {
   summary_.solver = solver;
-  summary_.num_poses = static_cast<int>(problem.data.num_poses());
-  summary_.num_residuals = static_cast<int>(problem.data.num_equations());
+  summary_.num_poses = static_cast<int>(problem.data.all_poses());
+  summary_.num_residuals = static_cast<int>(sigmas_.equations);
   summary_.num_parameters = problem.model.layout().size();
   summary_.num_free = static_cast<int>(problem.free_columns.size());
   summary_.threads_given = options.num_threads;
@@ -39,26 +40,13 @@ Progress::Progress(const CalibrationProblem& problem,
   summary_.rounding_floor = problem.model.RoundingError();
 }
 
-bool Progress::HasPositiveSigmas() const {
-  for (const ObservationBlock& block : problem_.data.blocks) {
-    if (!(block.sigmas.array() > 0.0).all()) return false;
-  }
-  return true;
-}
-
 // What the rounding of every row adds up to as a chi-square. An angle's
 // rounding is that of a length, seen from the end of the reach.
 double Progress::FloorCost() const {
   const double floor = options_.rounding_floor_factor * summary_.rounding_floor;
-  const double reach = Reach(problem_.model.nominal());
-  double cost = 0.0;
-  for (const ObservationBlock& block : problem_.data.blocks) {
-    for (int row = 0; row < block.rows_each(); ++row) {
-      const double size = row < 3 ? floor : floor / reach;
-      cost += (size / block.sigmas.row(row).array()).square().sum();
-    }
-  }
-  return cost;
+  const double angle = floor / Reach(problem_.model.nominal());
+  return floor * floor * sigmas_.length_information +
+         angle * angle * sigmas_.rotation_information;
 }
 
 bool Progress::CheckProblem(const Eigen::VectorXd& values) {
@@ -94,7 +82,7 @@ bool Progress::CheckProblem(const Eigen::VectorXd& values) {
              std::to_string(summary_.num_residuals) + " equations for " +
              std::to_string(summary_.num_free) +
              " parameters: measure more poses or fix parameters");
-  } else if (!HasPositiveSigmas()) {
+  } else if (!sigmas_.are_positive) {
     Stop(SolverStatus::kUnusable, "a sigma is not positive");
   }
   return !stopped();

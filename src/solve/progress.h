@@ -7,6 +7,7 @@
 #include <string>
 
 #include "alidade/measurement/compression.h"
+#include "alidade/measurement/sigma_totals.h"
 #include "alidade/results/solver_summary.h"
 #include "alidade/solve/options.h"
 #include "alidade/solve/solver.h"
@@ -60,7 +61,6 @@ class Progress {
   const Stopwatch& stopwatch() const { return stopwatch_; }
 
  private:
-  bool HasPositiveSigmas() const;
   double FloorCost() const;
   bool CheckProblem(const Eigen::VectorXd& values);
   IterationRecord Evaluate(const Eigen::VectorXd& values);
@@ -73,6 +73,7 @@ class Progress {
   const Eigen::VectorXd nominal_;
   SolverSummary summary_;
   Stopwatch stopwatch_;
+  const SigmaTotals sigmas_;
   double floor_cost_ = 0.0;
   std::optional<Compressor> compressor_;
 };

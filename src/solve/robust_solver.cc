@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "alidade/measurement/robust_loss.h"
+#include "alidade/measurement/share.h"
 #include "alidade/solve/solver.h"
 
 namespace alidade {
@@ -30,17 +31,15 @@ double EffectiveEquations(const CalibrationProblem& problem,
   const Eigen::VectorXd squared =
       SquaredNorms(problem.model.Errors(values, problem.data), problem.data);
   const Eigen::VectorXi dimensions = Dimensions(problem.data);
-  double sum = 0.0;
+  Eigen::VectorXd equations = Eigen::VectorXd::Zero(squared.size());
   for (Eigen::Index i = 0; i < squared.size(); ++i) {
     const int dimension = dimensions[i];
     if (dimension == 0) continue;
-    const double weight =
-        problem.losses.empty()
-            ? 1.0
-            : problem.losses[dimension - 1].Weight(squared[i]);
-    sum += dimension * weight;
+    equations[i] = dimension;
+    if (problem.losses.empty()) continue;
+    equations[i] *= problem.losses[dimension - 1].Weight(squared[i]);
   }
-  return sum;
+  return SumInOrder(problem.data, std::move(equations));
 }
 
 // Data of which no more than this part is left are given up.
@@ -55,7 +54,7 @@ void CheckWeights(const CalibrationProblem& problem,
       static_cast<double>(problem.ColumnsWithPrior().size());
   const double needed =
       std::max(free - with_prior,
-               kFewestLeft * static_cast<double>(problem.data.num_equations()));
+               kFewestLeft * static_cast<double>(AllEquations(problem.data)));
   if (equations >= needed) return;
   summary->status = SolverStatus::kFailed;
   summary->message =

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "alidade/base/distributions.h"
+#include "alidade/measurement/share.h"
 #include "alidade/uncertainty/diagnostics.h"
 #include "alidade/uncertainty/prediction.h"
 
@@ -34,7 +35,7 @@ class Assessment {
         fit_.losses.empty() ? "inverse information" : "sandwich";
     if (input_.sigma_estimated) {
       covariance_.degrees_of_freedom =
-          std::max(1.0, static_cast<double>(fit_.data.num_equations()) -
+          std::max(1.0, static_cast<double>(AllEquations(fit_.data)) -
                             EffectiveParameters(covariance_, prior_));
     }
     result_.degrees_of_freedom = covariance_.degrees_of_freedom;

@@ -8,6 +8,7 @@
 #include "alidade/base/svd.h"
 #include "alidade/measurement/compression.h"
 #include "alidade/measurement/observation_rows.h"
+#include "alidade/measurement/share.h"
 
 namespace alidade {
 namespace {
@@ -65,24 +66,38 @@ struct LossMoments {
   double observations = 0.0;
 };
 
+// Of the whole data set, whoever has it.
 LossMoments MomentsOf(const FinishedProblem& fit) {
+  struct Entry {
+    double squared_norm;
+    int dimension;
+  };
   const Eigen::VectorXd squared =
       SquaredNorms(fit.model.Errors(fit.values, fit.data), fit.data);
-  const Eigen::VectorXi dimensions = Dimensions(fit.data);
-  LossMoments moments;
-  for (Eigen::Index i = 0; i < squared.size(); ++i) {
-    const int d = dimensions[i];
-    if (d == 0) continue;
-    std::array<double, 3> rho{};
-    fit.losses[d - 1].Evaluate(squared[i], rho.data());
-    const double pull = d * rho[1] + 2.0 * rho[2] * squared[i];
-    moments.weight_sum += pull;
-    moments.weight_squares += pull * pull / (d * d);
-    moments.influence += rho[1] * rho[1] * squared[i];
-    moments.rows += d;
-    moments.observations += 1.0;
+  std::vector<std::vector<Entry>> entries(fit.data.blocks.size());
+  Eigen::Index count = 0;
+  for (std::size_t k = 0; k < entries.size(); ++k) {
+    const ObservationBlock& block = fit.data.blocks[k];
+    for (Eigen::Index i = 0; i < block.size(); ++i, ++count) {
+      const int d = block.Dimension(i);
+      if (d > 0) entries[k].push_back({squared[count], d});
+    }
   }
-  return moments;
+  const std::vector<Entry> all = InOrder(fit.data, std::move(entries));
+  return ComputeOnFirst(fit.data, [&] {
+    LossMoments moments;
+    for (const auto& [squared_norm, d] : all) {
+      std::array<double, 3> rho{};
+      fit.losses[d - 1].Evaluate(squared_norm, rho.data());
+      const double pull = d * rho[1] + 2.0 * rho[2] * squared_norm;
+      moments.weight_sum += pull;
+      moments.weight_squares += pull * pull / (d * d);
+      moments.influence += rho[1] * rho[1] * squared_norm;
+      moments.rows += d;
+      moments.observations += 1.0;
+    }
+    return moments;
+  });
 }
 
 // A^-1 B^(1/2) from R and the factors a and K^2 b.

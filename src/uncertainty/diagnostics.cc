@@ -5,12 +5,14 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "alidade/base/chi_square.h"
 #include "alidade/base/distributions.h"
 #include "alidade/identifiability/generic_data.h"
 #include "alidade/measurement/observation_rows.h"
+#include "alidade/measurement/share.h"
 
 namespace alidade {
 namespace {
@@ -35,15 +37,22 @@ struct Observed {
   std::array<double, 6> studentised{};  // NaN where not measured
 };
 
+// A sample of many data, or all of a few that several members have; nothing
+// where the data may be looked at as they are.
+std::optional<Dataset> Gathered(const Dataset& data, bool is_sample) {
+  if (is_sample) return EvenSubset(data, kMostObservations);
+  if (data.share.team == nullptr) return std::nullopt;
+  return GatherData(data, data);
+}
+
 class Diagnosis {
  public:
   Diagnosis(const FinishedProblem& fit, const ParameterCovariance& covariance)
       : fit_(fit),
         covariance_(covariance),
-        is_sample_(fit.data.num_observations() > kMostObservations),
-        sample_(is_sample_ ? EvenSubset(fit.data, kMostObservations)
-                           : Dataset()),
-        data_(is_sample_ ? sample_ : fit.data),
+        is_sample_(fit.data.all_observations() > kMostObservations),
+        gathered_(Gathered(fit.data, is_sample_)),
+        data_(gathered_ ? *gathered_ : fit.data),
         first_(FirstObservations(data_)),
         observed_(data_.num_observations()) {}
 
@@ -109,10 +118,11 @@ class Diagnosis {
   }
 
   void SumUp(bool sigma_given, ResidualDiagnostics* out) const {
-    out->chi_square =
-        ChiSquare(fit_.model.Errors(fit_.values, fit_.data), fit_.data);
+    out->chi_square = SumInOrder(
+        fit_.data,
+        SquaredNorms(fit_.model.Errors(fit_.values, fit_.data), fit_.data));
     out->degrees_of_freedom =
-        static_cast<double>(fit_.data.num_equations()) -
+        static_cast<double>(AllEquations(fit_.data)) -
         EffectiveParameters(covariance_, FreePriors(fit_));
     if (out->degrees_of_freedom < 1.0) return;
     out->reduced_chi_square = out->chi_square / out->degrees_of_freedom;
@@ -207,7 +217,7 @@ class Diagnosis {
   const FinishedProblem& fit_;
   const ParameterCovariance& covariance_;
   const bool is_sample_;
-  const Dataset sample_;  // where the data are many
+  const std::optional<Dataset> gathered_;
   const Dataset& data_;
   const std::vector<Eigen::Index> first_;
   std::vector<Observed> observed_;

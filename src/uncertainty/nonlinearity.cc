@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "alidade/identifiability/generic_data.h"
+#include "alidade/measurement/share.h"
 
 namespace alidade {
 namespace {
@@ -124,10 +125,10 @@ Eigen::VectorXd MeasureNonlinearity(const FinishedProblem& fit,
                                     const ParameterCovariance& covariance) {
   const Eigen::Index p = covariance.size();
   Eigen::VectorXd nonlinearity = Eigen::VectorXd::Zero(p);
-  if (p == 0 || fit.data.num_poses() == 0) return nonlinearity;
+  if (p == 0 || fit.data.all_poses() == 0) return nonlinearity;
   const Dataset sample = EvenSubset(fit.data, kMostPoses);
   // What of the data the sample stands for.
-  const double share = static_cast<double>(fit.data.num_equations()) /
+  const double share = static_cast<double>(AllEquations(fit.data)) /
                        static_cast<double>(sample.num_equations());
   const Eigen::MatrixXd directions = covariance.root.rowwise().normalized();
   Curvature curvature(fit, covariance, sample);

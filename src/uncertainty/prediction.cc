@@ -4,11 +4,13 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
 #include "alidade/base/distributions.h"
 #include "alidade/measurement/observation_rows.h"
+#include "alidade/measurement/share.h"
 #include "alidade/model/forward_kinematics.h"
 #include "alidade/model/joint_draw.h"
 #include "alidade/model/rotation.h"
@@ -190,12 +192,20 @@ PredictionCheck CheckPrediction(const MeasurementModel& model,
         scores[i].held =
             error.dot(of_position.llt().solve(error)) <= ellipsoid ? 1 : 0;
       });
-  std::vector<double> z;
-  for (const Scores& one : scores) {
-    z.insert(z.end(), one.z.begin(), one.z.end());
-    check.ellipsoids.n += one.held >= 0 ? 1 : 0;
-    check.ellipsoids.held += one.held > 0 ? 1 : 0;
+  std::vector<std::vector<double>> z_of(heldout.blocks.size());
+  std::int64_t mine_held = 0;
+  std::int64_t mine = 0;
+  for (std::size_t b = 0; b < z_of.size(); ++b) {
+    for (Eigen::Index i = first[b]; i < first[b + 1]; ++i) {
+      const Scores& one = scores[i];
+      z_of[b].insert(z_of[b].end(), one.z.begin(), one.z.end());
+      mine += one.held >= 0 ? 1 : 0;
+      mine_held += one.held > 0 ? 1 : 0;
+    }
   }
+  const std::vector<double> z = InOrder(heldout, std::move(z_of));
+  check.ellipsoids.n = SumOverMembers(heldout, mine);
+  check.ellipsoids.held = SumOverMembers(heldout, mine_held);
   check.z_scores = Eigen::Map<const Eigen::VectorXd>(
       z.data(), static_cast<Eigen::Index>(z.size()));
   check.axes.n = check.z_scores.size();

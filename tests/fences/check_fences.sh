@@ -34,6 +34,9 @@ declare -A allowed_in=(
   [gflags/]="cli"
 )
 
+# The one file that talks to MPI.
+mpi_file=src/cli/mpi_team.cc
+
 violations=0
 
 # violation FILE:LINE MESSAGE
@@ -81,6 +84,9 @@ check_outside() {
       violation "$1" "module $2 must not include $3"
     fi
   done
+  if [[ $3 == mpi.h && $1 != "$mpi_file":* ]]; then
+    violation "$1" "$3 may be included in $mpi_file alone"
+  fi
   if [[ $3 == glog/* && $1 == include/* ]]; then
     violation "$1" "public headers must not include $3"
   fi
@@ -103,6 +109,15 @@ check_cycles() {
   fi
 }
 
+# check_mpi_calls: names of MPI, which headers of ours might let through.
+check_mpi_calls() {
+  local where
+  while read -r where; do
+    violation "$where" "MPI is used in $mpi_file alone"
+  done < <(grep -rEno --include='*.h' --include='*.cc' '\bMPI_[A-Z][A-Za-z_]+' \
+    include src | grep -v "^$mpi_file:" | cut -d: -f1,2)
+}
+
 while read -r where header; do
   from=$(module_of "$where")
   if [[ ! -v may_include[$from] ]]; then
@@ -116,6 +131,7 @@ while read -r where header; do
   fi
 done < <(all_includes)
 check_cycles
+check_mpi_calls
 
 if ((violations > 0)); then
   echo "$violations violations of the include fences"

@@ -13,15 +13,19 @@ namespace alidade {
 /// What each observation of `data` is of. @pre the arm has its targets.
 std::vector<ObservationLabel> LabelsOf(const Arm& arm, const Dataset& data);
 
-/// Errors of two sets of values, before and after, at the poses of `data`.
+/// Errors of two sets of values, before and after, at the poses of `data`. Of a
+/// share (measurement/share.h) the whole is evaluated; what has an entry for
+/// each pose or observation is then on member 0 alone. This and all below that
+/// take a data set are collective.
 EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
                          const Eigen::VectorXd& before,
                          const Eigen::VectorXd& after);
 
-/// The norms of lengths that an accuracy is made of, from the stacked errors of
-/// a model: without point distances and observations of orientation alone.
-Eigen::VectorXd CountedLengths(const Eigen::VectorXd& errors,
-                               const Dataset& data);
+/// The norms of lengths that an accuracy is made of, block by block, from the
+/// stacked errors of a model: without point distances and observations of
+/// orientation alone. Of a share its own.
+std::vector<std::vector<double>> CountedLengths(const Eigen::VectorXd& errors,
+                                                const Dataset& data);
 
 /// Accuracy of one set of values over all observations of `data`, as lengths
 /// (m): of positions and differences their distance, of lengths to points and

@@ -28,11 +28,17 @@ struct JobOutcome {
 /// Identifies, solves by the job's solver and by those it is compared with,
 /// evaluates training and held-out poses before and after, sets the published
 /// study beside it, and checks the acceptance limits. Writes nothing.
-/// `command` goes into the result. Results do not depend on `num_threads`.
+/// `command` goes into the result. Data are not copied where `config` is moved
+/// in. Results do not depend on `num_threads`.
+///
+/// With a share of the data (LoadJob of a team) collective: every member takes
+/// the same steps and has the same outcome, but for what has an entry for each
+/// pose, observation or outlier, which member 0 alone has. It is what one
+/// process would find, to the bit.
 /// @throws InputError where an input file cannot be read again for its hash, or
 /// where the measured positions fit the nominal arm nowhere and one slip
 /// explains it (units, columns, signs), which the message names.
-JobOutcome RunJob(const JobConfig& config, const std::string& command,
+JobOutcome RunJob(JobConfig config, const std::string& command,
                   int num_threads);
 
 /// The identifiability part of a job alone.

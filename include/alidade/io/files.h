@@ -18,6 +18,10 @@ void MakeDirectories(const std::string& path);
 /// SHA-256 of a string, as 64 hexadecimal digits.
 std::string Sha256(const std::string& content);
 
+/// The same of a file, read piece by piece: memory does not grow with it.
+/// @throws InputError.
+std::string Sha256OfFile(const std::string& path);
+
 /// `path` as seen from the directory of `from_file`; absolute paths stay.
 std::string ResolvePath(const std::string& from_file, const std::string& path);
 

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "alidade/base/team.h"
 #include "alidade/io/job_config.h"
 
 namespace alidade {
@@ -15,8 +16,14 @@ FileFormat DetectFormat(const std::string& path);
 
 /// Reads a job and every file it names; paths are relative to the job file.
 /// Large data sets are read by `num_threads`; the result does not depend on it.
+///
+/// Members of a team read the same job and consecutive files of its data each:
+/// what they get is a share of the data (measurement/share.h). Collective
+/// (base/team.h); a team of one, or null, reads all. What needs all data in one
+/// place is refused: other solvers than Ceres, a published study, folds.
 /// @throws InputError with file, line, column and key.
-JobConfig LoadJob(const std::string& path, int num_threads = 1);
+JobConfig LoadJob(const std::string& path, int num_threads = 1,
+                  Team* team = nullptr);
 
 /// The same without `validation`: no pose is held out of `data`. For studies
 /// that hold out their own.

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "alidade/measurement/dataset.h"
@@ -24,6 +25,10 @@ Eigen::MatrixXd JacobianFactor(const MeasurementModel& model,
                                const Eigen::VectorXd& values,
                                const Dataset& data,
                                const std::vector<int>& columns);
+
+/// The instruction set that vector code uses on this machine ("AVX2"). Machines
+/// with the same one give the same bits.
+std::string VectorInstructions();
 
 /// The sum of rho(|r_i|^2) over the observations, from the stacked errors of a
 /// model; `losses` of 1, 2 ... rows, empty for chi-square.

@@ -2,10 +2,15 @@
 #define ALIDADE_MEASUREMENT_DATASET_H_
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace alidade {
+
+class Team;
 
 /// What is measured. With p the position of the target at the observation's
 /// pose, R its orientation, both in the instrument's frame, and "m" what was
@@ -82,6 +87,24 @@ struct PoseSource {
   int line = 0;  ///< from 1
 };
 
+/// Where what came from one file begins.
+struct Shard {
+  Eigen::Index first_pose = 0;
+  std::vector<Eigen::Index> first_observations = {};  ///< of each block
+};
+
+/// What a data set is a share of: other members of a team have the others. The
+/// whole is never in one place; its poses, and the observations of each of its
+/// blocks, are those of member 0, then those of member 1 and so on (share.h).
+struct DataShare {
+  Team* team = nullptr;         ///< null: the data set is whole
+  Eigen::Index first_pose = 0;  ///< of this share among all
+  Eigen::Index all_poses = 0;
+  /// The same for the observations of each block.
+  std::vector<Eigen::Index> first_observations = {};
+  std::vector<Eigen::Index> all_observations = {};
+};
+
 /// Measurements of an arm at known joint values. Observations are counted, and
 /// their residual rows stacked, block after block.
 struct Dataset {
@@ -92,15 +115,33 @@ struct Dataset {
   /// One entry per pose, or none where the data come from no file.
   std::vector<PoseSource> sources = {};
   std::vector<std::string> files = {};
+  /// One entry per file, in ascending order; empty: all is one. What is summed
+  /// or factored over all poses is so for each shard first, then over shards,
+  /// so that bits do not depend on who has which of them.
+  std::vector<Shard> shards = {};
+  /// Blocks are the same on every member, if empty on some.
+  DataShare share = {};
 
   int num_joints() const { return static_cast<int>(joint_values.rows()); }
   Eigen::Index num_poses() const { return joint_values.cols(); }
   Eigen::Index num_observations() const;
   /// Rows of the stacked residual, those not measured (always zero) included.
   Eigen::Index num_rows() const;
-  /// Number of scalar measurements.
+  /// Number of scalar measurements (of a share: its own).
   Eigen::Index num_equations() const;
+  /// Of a share: whether the whole has any.
   bool Has(MeasurementKind kind) const;
+
+  /// Of the whole that this is a share of; no collective call.
+  Eigen::Index all_poses() const;
+  Eigen::Index all_observations() const;
+  Eigen::Index all_observations(std::size_t block) const;
+  std::size_t num_shards() const {
+    return std::max<std::size_t>(1, shards.size());
+  }
+  /// The observations [first, second) of a block that belong to a shard.
+  std::pair<Eigen::Index, Eigen::Index> ShardRange(std::size_t shard,
+                                                   std::size_t block) const;
 
   /// The measured points and their sigmas (3 x poses, m) of a data set of one
   /// block of positions, as MakePositions returns it; an empty data set becomes

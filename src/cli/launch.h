@@ -1,0 +1,23 @@
+#ifndef ALIDADE_SRC_CLI_LAUNCH_H_
+#define ALIDADE_SRC_CLI_LAUNCH_H_
+
+namespace alidade {
+
+/// How this process was started, as Open MPI's mpirun and Slurm's srun tell it
+/// in the environment.
+struct Launch {
+  int rank = 0;
+  int size = 1;  ///< processes that were started together
+
+  bool is_team() const { return size > 1; }
+};
+
+Launch FindLaunch();
+
+/// Nothing that this process prints or logs is seen any more: process 0 speaks
+/// for all.
+void Mute();
+
+}  // namespace alidade
+
+#endif  // ALIDADE_SRC_CLI_LAUNCH_H_

@@ -1,0 +1,111 @@
+// All that the project has to do with MPI; tests/fences looks after it.
+#include "mpi_team.h"
+
+#include "alidade/base/error.h"
+
+#ifdef ALIDADE_WITH_MPI
+
+#define OMPI_SKIP_MPICXX 1
+#define MPICH_SKIP_MPICXX 1
+#include <mpi.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <iostream>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace alidade {
+namespace {
+
+// MPI counts in int: longer messages go in pieces.
+constexpr std::size_t kMostBytes = std::size_t{1} << 30;
+
+// Calls send(first byte, count) for pieces of `bytes`.
+template <typename Transfer>
+void InPieces(std::string* bytes, const Transfer& transfer) {
+  for (std::size_t first = 0; first < bytes->size(); first += kMostBytes) {
+    const std::size_t count = std::min(kMostBytes, bytes->size() - first);
+    transfer(bytes->data() + first, static_cast<int>(count));
+  }
+}
+
+// MPI's own error handler ends all processes, so that no call returns an error.
+class MpiTeam : public Team {
+ public:
+  MpiTeam(int rank, int size) : Team(rank, size) {}
+  ~MpiTeam() override { MPI_Finalize(); }
+
+ private:
+  std::vector<std::int64_t> Exchange(std::int64_t mine) override {
+    std::vector<std::int64_t> all(size());
+    MPI_Allgather(&mine, 1, MPI_INT64_T, all.data(), 1, MPI_INT64_T,
+                  MPI_COMM_WORLD);
+    return all;
+  }
+
+  std::vector<std::string> Collect(
+      std::string mine, const std::vector<std::int64_t>& sizes) override {
+    std::vector<std::string> all;
+    if (!is_first()) {
+      InPieces(&mine, [](char* data, int count) {
+        MPI_Send(data, count, MPI_BYTE, 0, 0, MPI_COMM_WORLD);
+      });
+      return all;
+    }
+    all.resize(size());
+    all[0] = std::move(mine);
+    for (int from = 1; from < size(); ++from) {
+      all[from].resize(static_cast<std::size_t>(sizes[from]));
+      InPieces(&all[from], [from](char* data, int count) {
+        MPI_Recv(data, count, MPI_BYTE, from, 0, MPI_COMM_WORLD,
+                 MPI_STATUS_IGNORE);
+      });
+    }
+    return all;
+  }
+
+  void Spread(int from, std::string* bytes) override {
+    InPieces(bytes, [from](char* data, int count) {
+      MPI_Bcast(data, count, MPI_BYTE, from, MPI_COMM_WORLD);
+    });
+  }
+
+  [[noreturn]] void Abandon(const std::string& why) override {
+    std::cerr << "alidade: " << why << std::endl;
+    MPI_Abort(MPI_COMM_WORLD, 3);
+    std::abort();
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Team> JoinTeam(const Launch& /*launch*/) {
+  int provided = 0;
+  MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
+  int rank = 0;
+  int size = 1;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &size);
+  return std::make_unique<MpiTeam>(rank, size);
+}
+
+}  // namespace alidade
+
+#else  // ALIDADE_WITH_MPI
+
+namespace alidade {
+
+std::unique_ptr<Team> JoinTeam(const Launch& launch) {
+  throw InputError(
+      {}, std::to_string(launch.size) +
+              " processes were started together, but this program was built "
+              "without MPI: run it without mpirun, or install Open MPI "
+              "(scripts/setup mpi) and build it again");
+}
+
+}  // namespace alidade
+
+#endif  // ALIDADE_WITH_MPI

@@ -1,0 +1,19 @@
+#ifndef ALIDADE_SRC_CLI_MPI_TEAM_H_
+#define ALIDADE_SRC_CLI_MPI_TEAM_H_
+
+#include <memory>
+
+#include "alidade/base/team.h"
+#include "launch.h"
+
+namespace alidade {
+
+/// The processes that were launched together as a team, over MPI, which starts
+/// now and ends when the object goes. To be called once, by the main thread,
+/// which makes all collective calls.
+/// @throws InputError where the program was built without MPI.
+std::unique_ptr<Team> JoinTeam(const Launch& launch);
+
+}  // namespace alidade
+
+#endif  // ALIDADE_SRC_CLI_MPI_TEAM_H_
