@@ -137,6 +137,11 @@ class Rv2ajStudy {
 
   void PrintRow(const std::string& name, double worst, double dense, double rms,
                 double bound) const {
+    if (worst > kUntold * bound) {
+      std::cout << "| " << name << " | tells less than all | | | | |"
+                << std::endl;
+      return;
+    }
     std::cout << "| " << name << " | " << Number(worst / kMillimetre, "%.4f")
               << " | " << Number(100.0 * (worst / bound - 1.0), "%.1f")
               << " % | " << Number(dense / kMillimetre, "%.4f") << " | "
@@ -205,6 +210,9 @@ class Rv2ajStudy {
                 << Number(1e6 * total / count, "%.0f") << " |" << std::endl;
     }
   }
+
+  // Times the bound: the poses leave directions to rounding.
+  static constexpr double kUntold = 1e4;
 
   const std::string root_;
   const PlanConfig config_;

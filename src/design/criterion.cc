@@ -37,15 +37,32 @@ double SpectralValue(DesignCriterion criterion,
   }
 }
 
+bool IsSpectral(DesignCriterion criterion) {
+  switch (criterion) {
+    case DesignCriterion::kE:
+    case DesignCriterion::kO2:
+    case DesignCriterion::kO3:
+    case DesignCriterion::kO4:
+    case DesignCriterion::kO5:
+      return true;
+    default:
+      return false;
+  }
+}
+
+// What the rows of each place add up to.
+Eigen::VectorXd SumsOfRows(const Eigen::VectorXd& rows, int rows_each) {
+  return Eigen::Map<const Eigen::MatrixXd>(rows.data(), rows_each,
+                                           rows.size() / rows_each)
+      .colwise()
+      .sum();
+}
+
 // trace W_x M^-1 W_x^T of every place, M = L L^T.
 Eigen::VectorXd RegionVariances(const Eigen::LLT<Eigen::MatrixXd>& cholesky,
                                 const PoseRows& region) {
   const Eigen::MatrixXd solved = cholesky.matrixL().solve(region.transposed);
-  const Eigen::VectorXd rows = solved.colwise().squaredNorm();
-  return Eigen::Map<const Eigen::MatrixXd>(rows.data(), region.rows_each,
-                                           region.size())
-      .colwise()
-      .sum();
+  return SumsOfRows(solved.colwise().squaredNorm(), region.rows_each);
 }
 
 // sum_x weights_x W_x^T W_x.
@@ -67,20 +84,6 @@ Eigen::MatrixXd RootOf(const Eigen::MatrixXd& matrix) {
   const Eigensystem eigen(matrix);
   return eigen.eigenvectors() *
          eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-}
-
-DesignSlope PredictionSlope(DesignCriterion criterion,
-                            const Eigen::MatrixXd& information,
-                            const PoseRows& region) {
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(information);
-  const Eigen::VectorXd variances = RegionVariances(cholesky, region);
-  Eigen::VectorXd weights = Eigen::VectorXd::Ones(region.size());
-  if (criterion == DesignCriterion::kG) {
-    weights = (variances / variances.maxCoeff()).array().pow(kVariancePower);
-  }
-  const Eigen::MatrixXd moment = WeightedMoment(region, weights);
-  return {cholesky.solve(RootOf(moment)),
-          Eigen::VectorXd::Ones(information.rows())};
 }
 
 // d log l_p, softly: the smaller an eigenvalue, the more.
@@ -114,38 +117,98 @@ Eigen::VectorXd SpectralSlope(DesignCriterion criterion,
 double CriterionValue(DesignCriterion criterion,
                       const Eigen::MatrixXd& information,
                       const PoseRows& region) {
-  if (criterion == DesignCriterion::kE || criterion == DesignCriterion::kO2 ||
-      criterion == DesignCriterion::kO3 || criterion == DesignCriterion::kO4 ||
-      criterion == DesignCriterion::kO5) {
-    const Eigensystem eigen(information, Eigen::EigenvaluesOnly);
-    return SpectralValue(criterion, eigen.eigenvalues());
-  }
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(information);
-  if (cholesky.info() != Eigen::Success) return -kInfinity;
-  const auto p = static_cast<double>(information.rows());
-  if (criterion == DesignCriterion::kD) {
-    return 2.0 / p * cholesky.matrixLLT().diagonal().array().log().sum();
-  }
-  if (criterion == DesignCriterion::kA) {
-    const Eigen::MatrixXd inverse_root = cholesky.matrixL().solve(
-        Eigen::MatrixXd::Identity(information.rows(), information.rows()));
-    return -std::log(inverse_root.squaredNorm());
-  }
-  const Eigen::VectorXd variances = RegionVariances(cholesky, region);
-  return -std::log(criterion == DesignCriterion::kG ? variances.maxCoeff()
-                                                    : variances.mean());
+  return CriterionEvaluator(criterion, region).Value(information);
 }
 
 DesignSlope SlopeOf(DesignCriterion criterion,
                     const Eigen::MatrixXd& information,
                     const PoseRows& region) {
-  if (NeedsRegion(criterion)) {
-    return PredictionSlope(criterion, information, region);
+  return CriterionEvaluator(criterion, region).Slope(information);
+}
+
+CriterionEvaluator::CriterionEvaluator(DesignCriterion criterion,
+                                       const PoseRows& region)
+    : criterion_(criterion), region_(region) {
+  if (criterion != DesignCriterion::kI) return;
+  moment_ = WeightedMoment(
+      region, Eigen::VectorXd::Constant(region.size(), 1.0 / region.size()));
+  moment_root_ = RootOf(moment_);
+}
+
+double CriterionEvaluator::Value(const Eigen::MatrixXd& information) const {
+  if (IsSpectral(criterion_)) {
+    const Eigensystem eigen(information, Eigen::EigenvaluesOnly);
+    return SpectralValue(criterion_, eigen.eigenvalues());
   }
-  const Eigensystem eigen(information);
-  const double floor = 1e-300;
-  return {eigen.eigenvectors(),
-          SpectralSlope(criterion, eigen.eigenvalues().array().max(floor))};
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(information);
+  if (cholesky.info() != Eigen::Success) return -kInfinity;
+  const Eigen::Index p = information.rows();
+  switch (criterion_) {
+    case DesignCriterion::kA:
+      return -std::log(Eigen::MatrixXd(cholesky.matrixL().solve(
+                                           Eigen::MatrixXd::Identity(p, p)))
+                           .squaredNorm());
+    case DesignCriterion::kI:
+      return -std::log(Eigen::MatrixXd(cholesky.matrixL().solve(moment_root_))
+                           .squaredNorm());
+    case DesignCriterion::kG:
+      return -std::log(RegionVariances(cholesky, region_).maxCoeff());
+    default:
+      return 2.0 / static_cast<double>(p) *
+             cholesky.matrixLLT().diagonal().array().log().sum();
+  }
+}
+
+DesignSlope CriterionEvaluator::Slope(
+    const Eigen::MatrixXd& information) const {
+  if (!NeedsRegion(criterion_)) {
+    const Eigensystem eigen(information);
+    constexpr double kFloor = 1e-300;
+    return {eigen.eigenvectors(),
+            SpectralSlope(criterion_, eigen.eigenvalues().array().max(kFloor))};
+  }
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(information);
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(information.rows());
+  if (criterion_ == DesignCriterion::kI) {
+    return {cholesky.solve(moment_root_), ones};
+  }
+  const Eigen::VectorXd variances = RegionVariances(cholesky, region_);
+  const Eigen::VectorXd weights =
+      (variances / variances.maxCoeff()).array().pow(kVariancePower);
+  return {cholesky.solve(RootOf(WeightedMoment(region_, weights))), ones};
+}
+
+void CriterionEvaluator::SetBase(const Eigen::MatrixXd& information) {
+  base_ = information;
+  if (criterion_ != DesignCriterion::kG) return;
+  const Eigen::Index p = information.rows();
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(information);
+  // Where a pose is needed to tell all parameters, an update would lose digits.
+  constexpr double kRegular = 1e-12;
+  base_is_regular_ =
+      cholesky.info() == Eigen::Success && cholesky.rcond() > kRegular;
+  if (!base_is_regular_) return;
+  base_inverse_ = cholesky.solve(Eigen::MatrixXd::Identity(p, p));
+  base_variances_ = RegionVariances(cholesky, region_);
+}
+
+double CriterionEvaluator::ValueWith(const Eigen::MatrixXd& pose) const {
+  if (criterion_ == DesignCriterion::kG && base_is_regular_) {
+    return -std::log(WorstWith(pose));
+  }
+  return Value(base_ + pose * pose.transpose());
+}
+
+// W (M + J^T J)^-1 W^T = W M^-1 W^T - (W U)(W U)^T, U as in exchange.h.
+double CriterionEvaluator::WorstWith(const Eigen::MatrixXd& pose) const {
+  const Eigen::MatrixXd solved = base_inverse_ * pose;
+  Eigen::MatrixXd middle = pose.transpose() * solved;
+  middle.diagonal().array() += 1.0;
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(middle);
+  const Eigen::MatrixXd update = cholesky.matrixL().solve(solved.transpose());
+  const Eigen::VectorXd rows =
+      (update * region_.transposed).colwise().squaredNorm();
+  return (base_variances_ - SumsOfRows(rows, region_.rows_each)).maxCoeff();
 }
 
 }  // namespace alidade

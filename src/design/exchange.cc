@@ -29,6 +29,10 @@ constexpr double kRidgeHolds = 1e3;
 constexpr int kActiveForEach = 16;
 constexpr int kFewestActive = 800;
 
+// Rounds of exchanges among the active candidates, which change with the plan,
+// before all are looked at.
+constexpr int kActiveRounds = 8;
+
 // The exchange over one set of candidates, from the poses that a state has.
 class Exchange {
  public:
@@ -64,21 +68,13 @@ class Exchange {
     return FillGreedily(&state, chosen);
   }
 
-  // All criteria but D go on from its plan, which tells all parameters.
-  void Improve(DesignResult* result) const {
+  // Other criteria than D go on from its plan, or where starts are to differ,
+  // from the poses that are there.
+  void Improve(bool from_determinant, DesignResult* result) const {
     PlanState state(problem_, options_, ridge_, result->chosen);
-    RunPasses(true, &state, result);
-    if (options_.criterion != DesignCriterion::kD) {
-      RunPasses(false, &state, result);
-    }
-    result->chosen = state.chosen();
-    Evaluate(result);
-  }
-
-  // Once more by the wanted criterion alone.
-  void Finish(DesignResult* result) const {
-    PlanState state(problem_, options_, ridge_, result->chosen);
-    RunPasses(options_.criterion == DesignCriterion::kD, &state, result);
+    const bool by_determinant = options_.criterion == DesignCriterion::kD;
+    if (by_determinant || from_determinant) RunPasses(true, &state, result);
+    if (!by_determinant) RunPasses(false, &state, result);
     result->chosen = state.chosen();
     Evaluate(result);
   }
@@ -97,12 +93,13 @@ class Exchange {
   void RunPasses(bool by_determinant, PlanState* state,
                  DesignResult* result) const {
     result->status = DesignStatus::kPassLimit;
+    CriterionEvaluator criterion(options_.criterion, problem_.region);
     for (int pass = 0; pass < options_.max_passes; ++pass) {
       ++result->passes;
       int exchanges = 0;
       for (int place = 0; place < options_.num_poses; ++place) {
         exchanges += by_determinant ? ImproveDeterminant(place, state)
-                                    : ImproveValue(place, state);
+                                    : ImproveValue(place, &criterion, state);
       }
       result->exchanges += exchanges;
       if (exchanges == 0) {
@@ -120,23 +117,18 @@ class Exchange {
     return 1;
   }
 
-  int ImproveValue(int place, PlanState* state) const {
+  int ImproveValue(int place, CriterionEvaluator* criterion,
+                   PlanState* state) const {
     const PoseRows& rows = problem_.candidates;
     const auto old_rows = rows.Pose(state->chosen()[place]);
-    const Eigen::MatrixXd without =
-        state->information() - old_rows * old_rows.transpose();
-    const double value = CriterionValue(options_.criterion,
-                                        state->information(), problem_.region);
+    criterion->SetBase(state->information() - old_rows * old_rows.transpose());
+    const double value = criterion->Value(state->information());
     const std::vector<int> shortlist = state->Shortlist(
-        SlopeOf(options_.criterion, state->information(), problem_.region),
-        place, options_.shortlist);
+        criterion->Slope(state->information()), place, options_.shortlist);
     std::vector<double> values(shortlist.size());
     const auto work = [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t i = begin; i < end; ++i) {
-        const auto new_rows = rows.Pose(shortlist[i]);
-        values[i] = CriterionValue(options_.criterion,
-                                   without + new_rows * new_rows.transpose(),
-                                   problem_.region);
+        values[i] = criterion->ValueWith(rows.Pose(shortlist[i]));
       }
     };
     ParallelFor(options_.num_threads,
@@ -190,12 +182,28 @@ DesignResult BestOfStarts(const Exchange& exchange,
     DesignResult result;
     result.chosen = greedy;
     if (start > 0 && !exchange.StartRandomly(start, &result.chosen)) continue;
-    exchange.Improve(&result);
+    exchange.Improve(start == 0, &result);
     values.push_back(result.value);
     if (start == 0 || result.value > best.value) best = std::move(result);
   }
   best.start_values = std::move(values);
   return best;
+}
+
+// Exchanges among the candidates that the plan tells worst, again and again.
+void ImproveAmongActive(const DesignProblem& problem,
+                        const DesignOptions& options, double ridge,
+                        DesignResult* result) {
+  for (int round = 0; round < kActiveRounds; ++round) {
+    const std::vector<int> active =
+        ActiveCandidates(problem, options, ridge, result->chosen);
+    const DesignProblem part = RestrictCandidates(problem, active);
+    const int exchanges = result->exchanges;
+    result->chosen = PlacesIn(active, result->chosen);
+    Exchange(part, options, ridge).Improve(false, result);
+    for (int& candidate : result->chosen) candidate = active[candidate];
+    if (result->exchanges == exchanges) return;
+  }
 }
 
 }  // namespace
@@ -236,7 +244,8 @@ DesignResult ChoosePoses(const DesignProblem& problem,
   DesignResult result = BestOfStarts(Exchange(part, options, ridge), options,
                                      PlacesIn(active, greedy.chosen));
   for (int& candidate : result.chosen) candidate = active[candidate];
-  exchange.Finish(&result);
+  ImproveAmongActive(problem, options, ridge, &result);
+  exchange.Improve(false, &result);
   result.greedy = std::move(greedy.chosen);
   result.greedy_value = greedy.value;
   if (std::isinf(result.value)) result.status = DesignStatus::kRankShort;

@@ -10,6 +10,7 @@ namespace alidade {
 namespace {
 
 constexpr std::int64_t kMaxCandidates = 1000000;
+constexpr std::int64_t kMaxRegion = 10000;
 constexpr int kMaxJointDecimals = 12;
 
 Eigen::Vector3d ReadPoint(const YamlValue& value, const Units& units) {
@@ -176,7 +177,7 @@ void ReadPlanRegion(const JobContext& context, PlanConfig* plan) {
   }
   plan->region.boxes = ReadBoxes(map, context.units);
   if (const auto count = map.Optional("count")) {
-    plan->region.count = static_cast<int>(count->Integer(1, kMaxCandidates));
+    plan->region.count = static_cast<int>(count->Integer(1, kMaxRegion));
   }
 }
 

@@ -141,7 +141,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         ConfigErrorCase{"UnknownKey",
                         {"speeds:", "speed:"},
-                        {25, 1, "speed", "did you mean \"speeds\""}},
+                        {24, 1, "speed", "did you mean \"speeds\""}},
         ConfigErrorCase{"ArmBesideJob",
                         {"arm: arm.yaml\n", "arm: arm.yaml\njob: job.yaml\n"},
                         {4, 6, "arm", "found beside \"job\""}},
@@ -153,15 +153,15 @@ INSTANTIATE_TEST_SUITE_P(
                         {10, 9, "poses.most", "goes with `accuracy`"}},
         ConfigErrorCase{"NoAxis",
                         {"[x, z]", "[]"},
-                        {6, 51, "measurement.axes", "the list is empty"}},
+                        {6, 50, "measurement.axes", "the list is empty"}},
         ConfigErrorCase{
             "RotationOfAPosition",
             {"axes: [x, z]", "sigma_rotation: 1"},
-            {6, 61, "measurement.sigma_rotation", "goes with `kind: pose`"}},
+            {6, 60, "measurement.sigma_rotation", "goes with `kind: pose`"}},
         ConfigErrorCase{
             "BoxUpsideDown",
             {"[10, 20]", "[20, 10]"},
-            {16, 45, "candidates.boxes[1].z", "lower not above upper"}},
+            {16, 42, "candidates.boxes[1].z", "lower not above upper"}},
         ConfigErrorCase{
             "NoDirection",
             {"[0, 2, 0]", "[0, 0, 0]"},
@@ -183,7 +183,7 @@ TEST(FormatPlanJsonTest, IsJsonWithNullForWhatIsInfinite) {
   result.joint_dimensions = {Dimension::kAngle, Dimension::kLength};
   result.joint_values = Eigen::Matrix2d::Identity();
   result.pose_std = Eigen::Vector2d(0.1, 0.2);
-  result.parameters.push_back({"r1", Dimension::kLength});
+  result.parameters.emplace_back();
   const nlohmann::json json = nlohmann::json::parse(FormatPlanJson(result));
   EXPECT_EQ(json["format"], "alidade-plan-result-1");
   EXPECT_EQ(json["poses"][1]["joints"], nlohmann::json({0.0, 1.0}));

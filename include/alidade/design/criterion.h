@@ -33,6 +33,35 @@ struct DesignSlope {
 DesignSlope SlopeOf(DesignCriterion criterion,
                     const Eigen::MatrixXd& information, const PoseRows& region);
 
+/// CriterionValue and SlopeOf of one criterion again and again. What does not
+/// change with M is kept. The region outlives the object.
+class CriterionEvaluator {
+ public:
+  CriterionEvaluator(DesignCriterion criterion, const PoseRows& region);
+
+  /// O(p^3); kG: O(places p^2).
+  double Value(const Eigen::MatrixXd& information) const;
+  DesignSlope Slope(const Eigen::MatrixXd& information) const;
+
+  /// Sets what a pose is to be added to: `information` without it.
+  void SetBase(const Eigen::MatrixXd& information);
+  /// The value with the pose J^T (p x rows) added to the base. O(p^3); kG:
+  /// O(places p) for each row. May be called from several threads.
+  double ValueWith(const Eigen::MatrixXd& pose) const;
+
+ private:
+  double WorstWith(const Eigen::MatrixXd& pose) const;
+
+  const DesignCriterion criterion_;
+  const PoseRows& region_;
+  Eigen::MatrixXd moment_;       ///< kI: mean of W_x^T W_x
+  Eigen::MatrixXd moment_root_;  ///< F F^T = moment_
+  Eigen::MatrixXd base_;
+  bool base_is_regular_ = false;  ///< kG: the next two are set
+  Eigen::MatrixXd base_inverse_;
+  Eigen::VectorXd base_variances_;  ///< of the places
+};
+
 }  // namespace alidade
 
 #endif  // ALIDADE_DESIGN_CRITERION_H_
