@@ -3,8 +3,9 @@
 // Usage: plan_study rv2aj SOURCE_DIRECTORY
 //          the reference case beside random poses and the study's plane, all
 //          criteria, and times by the number of candidates
-//        plan_study real SOURCE_DIRECTORY IMAGE_DIRECTORY
-//          calibrations of real arms from planned and from random poses;
+//        plan_study real SOURCE_DIRECTORY IMAGE_DIRECTORY ARM
+//          calibrations of a real arm from planned and from random poses, as
+//          rows of a table; ARM is a job of configs/real_arms and
 //          ALIDADE_DATA names the folder of the data
 
 #include <algorithm>
@@ -226,8 +227,8 @@ class Rv2ajStudy {
 // targets are.
 constexpr int kFirstPoses = 8;
 constexpr std::array<int, 3> kNumbers = {20, 30, 50};
-constexpr int kSplits = 10;
-constexpr int kDrawsEach = 5;
+constexpr int kSplits = 5;
+constexpr int kDrawsEach = 10;
 
 struct Errors {
   std::vector<double> means;  // of each calibration (mm)
@@ -237,10 +238,6 @@ struct Errors {
     std::sort(sorted.begin(), sorted.end());
     return sorted[static_cast<std::size_t>(
         std::lround(fraction * static_cast<double>(sorted.size() - 1)))];
-  }
-  double Mean() const {
-    return std::accumulate(means.begin(), means.end(), 0.0) /
-           static_cast<double>(means.size());
   }
 };
 
@@ -253,22 +250,19 @@ class RealArmStudy {
   // Half of the configurations are held out, and poses are taken from the
   // other half.
   void Run(LineChart* chart) {
-    std::array<ChartSeries, 4> series;
-    series[0].label = name_ + ", random";
-    series[1].label = name_ + ", planned";
-    series[2].label = name_ + ", random, p95";
-    series[3].label = name_ + ", planned, p95";
+    constexpr std::array<const char*, 3> kNames = {"random", "planned, D",
+                                                   "planned, I"};
+    std::array<ChartSeries, 6> series;
     for (const int number : kNumbers) {
       const std::array<Errors, 3> errors = ErrorsOf(number);
       PrintRow(number, errors);
-      const std::array<double, 4> values = {
-          errors[0].Quantile(0.5), errors[1].Quantile(0.5),
-          errors[0].Quantile(0.95), errors[1].Quantile(0.95)};
       for (std::size_t i = 0; i < series.size(); ++i) {
+        const bool is_median = i < 3;
+        series[i].label =
+            kNames[i % 3] + std::string(is_median ? ", median" : ", p95");
         series[i].x.push_back(number);
-        series[i].y.push_back(values[i]);
-        series[i].marker =
-            i % 2 == 0 ? MarkerStyle::kDot : MarkerStyle::kSquare;
+        series[i].y.push_back(errors[i % 3].Quantile(is_median ? 0.5 : 0.95));
+        series[i].marker = is_median ? MarkerStyle::kDot : MarkerStyle::kSquare;
       }
     }
     chart->series.insert(chart->series.end(), series.begin(), series.end());
@@ -372,23 +366,17 @@ class RealArmStudy {
   const JobConfig job_;
 };
 
-int RunReal(const std::string& root, const std::string& images) {
-  std::cout << "| set | poses | random, median [mm] | 5 to 95 % | planned "
-               "(D), median [mm] | 5 to 95 % | planned (I), median [mm] | 5 "
-               "to 95 % |\n|---|---|---|---|---|---|---|---|"
-            << std::endl;
-  for (const std::string name : {"irb120", "ur10_B"}) {
-    LineChart chart;
-    chart.title = "Held-out error of " + name + " from planned poses";
-    chart.subtitle =
-        "mean error on 50 % of the configurations, 10 splits; "
-        "random: 50 draws";
-    chart.x.label = "poses fitted";
-    chart.y.label = "mean error [mm]";
-    RealArmStudy(root, name).Run(&chart);
-    WriteFileAtomically(images + "/planning_" + name + ".svg",
-                        RenderSvg(chart));
-  }
+int RunReal(const std::string& root, const std::string& images,
+            const std::string& name) {
+  LineChart chart;
+  chart.title = "Held-out error of " + name + " by the number of poses";
+  chart.subtitle =
+      "mean error on half of the configurations: medians and 95th "
+      "percentiles";
+  chart.x.label = "poses fitted";
+  chart.y.label = "mean error [mm]";
+  RealArmStudy(root, name).Run(&chart);
+  WriteFileAtomically(images + "/planning_" + name + ".svg", RenderSvg(chart));
   return EXIT_SUCCESS;
 }
 
@@ -397,11 +385,12 @@ int Run(const std::vector<std::string>& arguments) {
     Rv2ajStudy(arguments[1]).Print();
     return EXIT_SUCCESS;
   }
-  if (arguments.size() == 3 && arguments[0] == "real") {
-    return RunReal(arguments[1], arguments[2]);
+  if (arguments.size() == 4 && arguments[0] == "real") {
+    return RunReal(arguments[1], arguments[2], arguments[3]);
   }
   std::cerr << "usage: plan_study rv2aj SOURCE_DIRECTORY\n"
-               "       plan_study real SOURCE_DIRECTORY IMAGE_DIRECTORY\n";
+               "       plan_study real SOURCE_DIRECTORY IMAGE_DIRECTORY "
+               "ARM\n";
   return 2;
 }
 

@@ -184,7 +184,7 @@ void CriterionEvaluator::SetBase(const Eigen::MatrixXd& information) {
   const Eigen::Index p = information.rows();
   const Eigen::LLT<Eigen::MatrixXd> cholesky(information);
   // Where a pose is needed to tell all parameters, an update would lose digits.
-  constexpr double kRegular = 1e-12;
+  constexpr double kRegular = 1e-6;
   base_is_regular_ =
       cholesky.info() == Eigen::Success && cholesky.rcond() > kRegular;
   if (!base_is_regular_) return;

@@ -51,7 +51,8 @@ INSTANTIATE_TEST_SUITE_P(All, BestPlanTest,
 
 // Small enough to try all plans: with and without repeats, with and without
 // something known, one and two rows a pose. The exchange finds the best of
-// all, or for criteria that are not smooth one nearly as good.
+// all, or for criteria that are not smooth one nearly as good; O2, which more
+// information may make worse, is the hardest.
 TEST_P(BestPlanTest, IsFound) {
   Random random(3);
   DesignOptions options;
@@ -59,7 +60,7 @@ TEST_P(BestPlanTest, IsFound) {
   options.num_poses = 4;
   options.starts = 8;
   const bool is_smooth = GetParam() == "D" || GetParam() == "A";
-  const double tolerance = is_smooth ? 1e-12 : 0.05;
+  const double tolerance = is_smooth ? 1e-12 : GetParam() == "O2" ? 0.15 : 0.05;
   for (int trial = 0; trial < 8; ++trial) {
     options.allow_repeats = trial % 2 == 0;
     const DesignProblem problem =
