@@ -6,6 +6,7 @@
 #include "alidade/io/arm_file.h"
 #include "alidade/io/dataset_csv.h"
 #include "alidade/io/job_file.h"
+#include "alidade/io/plan_config.h"
 #include "command.h"
 
 namespace alidade {
@@ -28,6 +29,9 @@ class Checker {
       case FileFormat::kSimulation:
         LoadSimulation(path);
         return "simulation";
+      case FileFormat::kPlan:
+        LoadPlan(path, num_threads_);
+        return "plan";
       case FileFormat::kJob:
         return "job, " +
                std::to_string(LoadJob(path, num_threads_).data.num_poses()) +

@@ -60,6 +60,20 @@ std::vector<Command> FileCommands() {
 
 std::vector<Command> JobCommands() {
   return {
+      {"plan",
+       "PLAN.yaml",
+       "choose the poses to measure next",
+       "Chooses the poses that tell most, of candidates drawn within joint\n"
+       "limits and the plan's constraints or read from a file, beside those\n"
+       "measured already. Prints the accuracy to expect by the number of "
+       "poses\n"
+       "and writes to --out=DIR (default: results/ and the plan's name):\n"
+       "poses.csv for the robot, `simulate` and what will be measured,\n"
+       "plan.txt, accuracy.svg, curve.csv, plan.json.",
+       {"out", "seed"},
+       1,
+       1,
+       RunPlanCommand},
       {"identify",
        "JOB.yaml | ARM.yaml DATA.csv",
        "tell which parameters these poses can identify, and why",

@@ -50,6 +50,7 @@ ExitStatus RunShow(const CommandLine& line);
 ExitStatus RunCheck(const CommandLine& line);
 ExitStatus RunConvert(const CommandLine& line);
 ExitStatus RunSimulate(const CommandLine& line);
+ExitStatus RunPlanCommand(const CommandLine& line);
 ExitStatus RunIdentify(const CommandLine& line);
 ExitStatus RunCalibrate(const CommandLine& line);
 ExitStatus RunCompare(const CommandLine& line);

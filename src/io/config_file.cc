@@ -13,11 +13,12 @@
 namespace alidade {
 namespace {
 
-constexpr std::array<std::pair<FileFormat, const char*>, 4> kFormats = {{
+constexpr std::array<std::pair<FileFormat, const char*>, 5> kFormats = {{
     {FileFormat::kArm, "alidade-arm-1"},
     {FileFormat::kDeviations, "alidade-deviations-1"},
     {FileFormat::kJob, "alidade-job-1"},
     {FileFormat::kSimulation, "alidade-simulation-1"},
+    {FileFormat::kPlan, "alidade-plan-1"},
 }};
 
 std::vector<std::string> FormatNames() {

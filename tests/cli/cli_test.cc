@@ -68,7 +68,7 @@ TEST(CliTest, HelpNamesEveryCommandOnStandardOutput) {
   const ProcessResult result = Alidade("--help");
   EXPECT_EQ(result.status, 0);
   EXPECT_THAT(result.err, IsEmpty());
-  for (const char* command : {"show", "check", "convert", "simulate",
+  for (const char* command : {"show", "check", "convert", "simulate", "plan",
                               "identify", "calibrate", "compare", "validate"}) {
     EXPECT_THAT(result.out, HasSubstr(command));
     const ProcessResult help = Alidade(std::string(command) + " --help");

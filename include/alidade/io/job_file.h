@@ -9,7 +9,7 @@
 namespace alidade {
 
 /// What a YAML file says it is in its `format` key.
-enum class FileFormat { kArm, kDeviations, kJob, kSimulation };
+enum class FileFormat { kArm, kDeviations, kJob, kSimulation, kPlan };
 
 /// @throws InputError where the file is no YAML map or its format is unknown.
 FileFormat DetectFormat(const std::string& path);
