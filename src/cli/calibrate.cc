@@ -3,6 +3,7 @@
 
 #include "alidade/batch/job.h"
 #include "alidade/batch/result_directory.h"
+#include "alidade/batch/simulate.h"
 #include "alidade/io/job_file.h"
 #include "alidade/report/report.h"
 #include "command.h"
@@ -30,7 +31,7 @@ ExitStatus RunCalibrate(const CommandLine& line) {
   const std::string& path = line.files.front();
   ProgressLine progress;
   progress.Show("reading " + path);
-  JobConfig config = LoadJob(path, line.threads);
+  JobConfig config = ReadJob(path, line.threads);
   ShowIterations(config.data.num_poses(), &progress, &config.solver_options);
   if (line.seed) config.identifiability.seed = *line.seed;
   const JobOutcome outcome = RunJob(config, line.text, line.threads);
@@ -42,8 +43,9 @@ ExitStatus RunCalibrate(const CommandLine& line) {
   }
   const std::string directory =
       line.out.empty() ? DefaultDirectory(path) : line.out;
-  PrintSummary(outcome.result,
-               WriteResultDirectory(directory, RenderResult(outcome)));
+  PrintSummary(
+      outcome.result,
+      WriteResultDirectory(directory, RenderResult(outcome, config.outputs)));
   if (outcome.status == JobStatus::kMissedLimits) {
     PrintError(path + ": " + outcome.message + "; " + directory +
                "/report.txt tells which");

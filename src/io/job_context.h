@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "alidade/io/job_file.h"
 #include "src/io/config_file.h"
 #include "src/io/yaml_reader.h"
 
@@ -14,6 +15,7 @@ struct JobContext {
   Units units;
   NamedFiles files;
   int num_threads = 1;  ///< to read data sets with
+  Simulator simulate;   ///< empty: no data are simulated
 };
 
 /// @throws InputError at the map where the options are not valid.

@@ -9,6 +9,7 @@
 #include "src/io/data_section.h"
 #include "src/io/identifiability_section.h"
 #include "src/io/job_context.h"
+#include "src/io/job_tree.h"
 #include "src/io/names.h"
 #include "src/io/references_section.h"
 #include "src/io/uncertainty_section.h"
@@ -284,16 +285,20 @@ void ReadNoiseStudy(const JobContext& context, JobConfig* job) {
   job->noise_study = study;
 }
 
-JobConfig Load(const std::string& path, bool with_validation, int num_threads) {
-  const YamlMap file =
-      ReadConfigFile(path, FileFormat::kJob)
-          .Map({"format", "title", "units", "arm", "data", "measurement",
-                "truth", "validation", "identifiability", "solver", "robust",
-                "compare_with", "acceptance", "published", "noise_study",
-                "references", "bounds", "uncertainty", "montecarlo"});
-  JobContext context{file, Units(file), NamedFiles(path), num_threads};
+void ReadOutputs(const JobContext& context, JobConfig* job) {
+  const std::optional<YamlValue> value = context.file.Optional("outputs");
+  if (!value) return;
+  const std::string name = value->Choice("outputs", {"full", "minimal"});
+  job->outputs = name == "full" ? JobOutputs::kFull : JobOutputs::kMinimal;
+}
+
+JobConfig Load(const YamlValue& root, bool with_validation,
+               const JobReading& reading) {
+  const YamlMap file = root.Map(JobKeys());
+  JobContext context{file, Units(file), NamedFiles(root.document()),
+                     reading.num_threads, reading.simulate};
   JobConfig job;
-  job.path = path;
+  job.path = root.document().files.front();
   job.title = file.Required("title").Text();
   job.arm = context.files.ReadArm(file.Required("arm"));
   ReadSolver(context, &job);
@@ -306,8 +311,19 @@ JobConfig Load(const std::string& path, bool with_validation, int num_threads) {
   ReadNoiseStudy(context, &job);
   ReadUncertaintyOptions(context, &job);
   ReadMonteCarlo(context, &job);
+  ReadOutputs(context, &job);
   job.input_files = context.files.paths();
   return job;
+}
+
+// One job, not the many of a matrix.
+YamlValue ReadOneJob(const std::string& path) {
+  YamlValue root = RootOf(ReadJobTree(path));
+  if (const auto matrix = root.Find("matrix")) {
+    matrix->Fail("a matrix is many jobs, expected one: `alidade batch " + path +
+                 "` runs them all");
+  }
+  return root;
 }
 
 }  // namespace
@@ -320,10 +336,20 @@ const std::vector<std::string>& PublishedQuantityNames() {
   return *names;
 }
 
-JobConfig LoadJob(const std::string& path, int num_threads) {
-  return Load(path, true, num_threads);
+JobConfig LoadJobTree(YamlDocument tree, const JobReading& reading) {
+  return Load(RootOf(std::move(tree)), true, reading);
 }
 
-JobConfig LoadWholeJob(const std::string& path) { return Load(path, false, 1); }
+JobConfig LoadJob(const std::string& path, const JobReading& reading) {
+  return Load(ReadOneJob(path), true, reading);
+}
+
+JobConfig LoadJob(const std::string& path, int num_threads) {
+  return LoadJob(path, {num_threads, {}});
+}
+
+JobConfig LoadWholeJob(const std::string& path) {
+  return Load(ReadOneJob(path), false, {});
+}
 
 }  // namespace alidade
