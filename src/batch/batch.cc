@@ -1,6 +1,10 @@
 #include "alidade/batch/batch.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <exception>
 #include <mutex>
 #include <new>
@@ -14,6 +18,7 @@
 #include "alidade/io/batch_json.h"
 #include "alidade/io/files.h"
 #include "alidade/report/batch_csv.h"
+#include "alidade/report/format.h"
 #include "journal.h"
 #include "result_store.h"
 #include "scheduler.h"
@@ -21,8 +26,9 @@
 namespace alidade {
 namespace {
 
-// Workers for each thread that computes: one computes, one waits for the disk.
-constexpr int kWorkersPerThread = 2;
+// Workers for each thread that computes: one computes, the others wait for the
+// disk, which takes about as long as a small job, and more where it is busy.
+constexpr int kWorkersPerThread = 4;
 
 std::string FingerprintOf(const BatchPlan& plan, const PlannedJob& job,
                           const BatchOptions& options) {
@@ -38,6 +44,19 @@ BatchEntry EntryOf(const PlannedJob& job) {
   entry.name = job.name;
   entry.job_file = job.file;
   return entry;
+}
+
+// What job files say of the job is in its fingerprint; what they say of others,
+// and comments, do not matter.
+std::vector<InputFile> WithoutJobFiles(std::vector<InputFile> inputs,
+                                       const JobMatrix& matrix) {
+  const std::vector<std::string>& files = matrix.files();
+  const auto is_job_file = [&files](const InputFile& input) {
+    return std::find(files.begin(), files.end(), input.path) != files.end();
+  };
+  inputs.erase(std::remove_if(inputs.begin(), inputs.end(), is_job_file),
+               inputs.end());
+  return inputs;
 }
 
 BatchStatus StatusOf(JobStatus status) {
@@ -73,6 +92,38 @@ void Describe(const JobOutcome& outcome, BatchEntry* entry) {
   entry->warnings = result.warnings;
 }
 
+// Seconds of a clock that a scope took, added to a sum when it ends.
+class Stopwatch {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  explicit Stopwatch(std::atomic<std::int64_t>* nanoseconds)
+      : nanoseconds_(nanoseconds) {}
+  ~Stopwatch() { *nanoseconds_ += (Clock::now() - start_).count(); }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+ private:
+  std::atomic<std::int64_t>* const nanoseconds_;
+  const Clock::time_point start_ = Clock::now();
+};
+
+/// Where the time of all workers goes, in nanoseconds.
+struct WorkTimes {
+  std::atomic<std::int64_t> reading{0};
+  std::atomic<std::int64_t> calibrating{0};
+  std::atomic<std::int64_t> writing{0};
+
+  std::string Format() const {
+    const auto seconds = [](std::int64_t nanoseconds) {
+      return FormatSignificant(1e-9 * static_cast<double>(nanoseconds), 3) +
+             " s";
+    };
+    return "reading " + seconds(reading) + ", calibrating " +
+           seconds(calibrating) + ", writing " + seconds(writing);
+  }
+};
+
 /// What came of a job: its record, and the files of its result, none where
 /// there is no usable one.
 struct Computed {
@@ -87,8 +138,9 @@ bool HasResult(const BatchEntry& entry) {
 
 class JobComputer {
  public:
-  JobComputer(const BatchPlan& plan, const BatchOptions& options)
-      : plan_(plan), options_(options) {
+  JobComputer(const BatchPlan& plan, const BatchOptions& options,
+              WorkTimes* times)
+      : plan_(plan), options_(options), times_(*times) {
     const auto num_jobs = static_cast<std::int64_t>(plan.jobs.size());
     reading_.num_threads = static_cast<int>(std::max<std::int64_t>(
         1, options.num_threads / std::max<std::int64_t>(num_jobs, 1)));
@@ -106,7 +158,6 @@ class JobComputer {
         record.entry.status = BatchStatus::kBadInput;
         record.entry.message = job.error;
       } else {
-        record.fingerprint = FingerprintOf(plan_, job, options_);
         Run(job, &computed);
       }
     } catch (const InputError& error) {
@@ -124,13 +175,26 @@ class JobComputer {
   }
 
  private:
-  void Run(const PlannedJob& job, Computed* computed) const {
+  JobConfig Read(const PlannedJob& job, BatchRecord* record) const {
+    const Stopwatch stopwatch(&times_.reading);
+    record->fingerprint = FingerprintOf(plan_, job, options_);
     JobConfig config = plan_.matrices[job.matrix].Load(job.number, reading_);
     if (options_.outputs) config.outputs = *options_.outputs;
-    const JobOutcome outcome =
-        RunJob(config, "alidade batch " + job.file, reading_.num_threads);
+    return config;
+  }
+
+  JobOutcome Calibrate(const JobConfig& config, const PlannedJob& job) const {
+    const Stopwatch stopwatch(&times_.calibrating);
+    return RunJob(config, "alidade batch " + job.file, reading_.num_threads);
+  }
+
+  void Run(const PlannedJob& job, Computed* computed) const {
     BatchRecord& record = computed->record;
-    record.inputs = outcome.result.inputs;
+    const JobConfig config = Read(job, &record);
+    const JobOutcome outcome = Calibrate(config, job);
+    const Stopwatch stopwatch(&times_.writing);
+    record.inputs =
+        WithoutJobFiles(outcome.result.inputs, plan_.matrices[job.matrix]);
     Describe(outcome, &record.entry);
     if (!HasResult(record.entry)) return;
     computed->files = RenderResult(outcome, config.outputs);
@@ -140,6 +204,7 @@ class JobComputer {
 
   const BatchPlan& plan_;
   const BatchOptions& options_;
+  WorkTimes& times_;
   JobReading reading_;
 };
 
@@ -149,7 +214,7 @@ class BatchRun {
       : plan_(plan),
         options_(options),
         store_(options.directory),
-        computer_(plan, options),
+        computer_(plan, options, &times_),
         permits_(options.num_threads),
         queue_(static_cast<std::int64_t>(plan.jobs.size())) {
     summary_.version = Version();
@@ -162,30 +227,48 @@ class BatchRun {
 
   BatchSummary Run() {
     RunWorkers(options_.num_threads * kWorkersPerThread, &queue_,
-               [this](std::int64_t job) { Work(job); });
+               [this] { return Work(); });
     WriteFileAtomically(options_.directory + "/summary.csv",
                         FormatBatchCsv(summary_));
     WriteFileAtomically(options_.directory + "/summary.json",
                         FormatBatchSummary(summary_));
+    LOG(INFO) << "time of all workers: " << times_.Format();
     return std::move(summary_);
   }
 
  private:
-  void Work(std::int64_t number) {
-    const PlannedJob& job = plan_.jobs[number];
+  // Takes a job and does it; false where none is left.
+  bool Work() {
+    std::optional<std::int64_t> number;
     std::optional<Computed> computed;
     {
       const Permits::Held permit(&permits_);
+      number = queue_.Take();
+      if (!number) return false;
+      const PlannedJob& job = plan_.jobs[*number];
       if (const BatchRecord* const done = FindDone(job)) {
-        Finish(number, done->entry, true);
-        return;
+        StopWhereAsked(done->entry);
+        Finish(*number, done->entry, true);
+        return true;
       }
       computed = computer_.Compute(job);
+      StopWhereAsked(computed->record.entry);
     }
+    Write(*computed);
+    Finish(*number, std::move(computed->record.entry), false);
+    return true;
+  }
+
+  // Before the next job is taken.
+  void StopWhereAsked(const BatchEntry& entry) {
+    if (options_.fail_fast && entry.status != BatchStatus::kDone) queue_.Stop();
+  }
+
+  void Write(const Computed& computed) {
+    const Stopwatch stopwatch(&times_.writing);
     std::string staged;
-    if (!computed->files.empty()) staged = store_.Stage(computed->files);
-    store_.Commit(computed->record, staged);
-    Finish(number, std::move(computed->record.entry), false);
+    if (!computed.files.empty()) staged = store_.Stage(computed.files);
+    store_.Commit(computed.record, staged);
   }
 
   const BatchRecord* FindDone(const PlannedJob& job) {
@@ -199,7 +282,6 @@ class BatchRun {
   }
 
   void Finish(std::int64_t number, BatchEntry entry, bool was_found) {
-    if (options_.fail_fast && entry.status != BatchStatus::kDone) queue_.Stop();
     const std::lock_guard<std::mutex> lock(mutex_);
     // The same file may be named otherwise now.
     entry.job_file = plan_.jobs[number].file;
@@ -213,6 +295,7 @@ class BatchRun {
 
   const BatchPlan& plan_;
   const BatchOptions& options_;
+  WorkTimes times_;
   ResultStore store_;
   JobComputer computer_;
   Permits permits_;

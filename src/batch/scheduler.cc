@@ -30,16 +30,15 @@ void Permits::Release() {
 }
 
 void RunWorkers(int num_workers, JobQueue* queue,
-                const std::function<void(std::int64_t)>& work) {
-  // One block a worker: each stays until the queue is empty.
+                const std::function<bool()>& work) {
+  // One block a worker: each stays until nothing is left.
   ParallelFor(num_workers, num_workers, 1, [&](std::int64_t, std::int64_t) {
-    while (const std::optional<std::int64_t> job = queue->Take()) {
-      try {
-        work(*job);
-      } catch (...) {
-        queue->Stop();
-        throw;
+    try {
+      while (work()) {
       }
+    } catch (...) {
+      queue->Stop();
+      throw;
     }
   });
 }

@@ -55,11 +55,11 @@ class Permits {
   int count_;
 };
 
-/// Lets `num_workers` threads take jobs and call work(job) until none is left.
+/// Lets `num_workers` threads call work() until it says that nothing is left.
 /// An exception of work stops the queue and is thrown again here, once every
 /// thread has ended.
 void RunWorkers(int num_workers, JobQueue* queue,
-                const std::function<void(std::int64_t)>& work);
+                const std::function<bool()>& work);
 
 }  // namespace alidade
 

@@ -131,6 +131,10 @@ std::int64_t JobMatrix::size() const { return contents_->size; }
 
 const std::string& JobMatrix::path() const { return contents_->path; }
 
+const std::vector<std::string>& JobMatrix::files() const {
+  return contents_->tree.files;
+}
+
 std::string JobMatrix::NameOfFile(const std::string& path) {
   return NameForFiles(std::filesystem::path(path).stem().string());
 }

@@ -67,7 +67,7 @@ std::string NameForFiles(const std::string& text) {
 }
 
 MatrixAxis::MatrixAxis(const std::string& name, const YamlValue& value)
-    : name_(name) {
+    : name_(name), key_place_(value.node().key_place) {
   if (value.IsList()) {
     ReadList(value);
   } else if (const auto range = value.Find("range"); range && !range->IsMap()) {
@@ -127,6 +127,7 @@ void MatrixAxis::AddValue(const YamlValue& value, const std::string& name) {
   }
   names_.push_back(name);
   values_.push_back(value.node());
+  values_.back().key_place = key_place_;
   size_ = static_cast<std::int64_t>(values_.size());
 }
 
@@ -152,7 +153,7 @@ void MatrixAxis::Apply(std::int64_t value, YamlDocument* job) const {
   number.kind = YamlNode::Kind::kScalar;
   number.file = place_.file;
   number.place = place_.place;
-  number.key_place = place_.key_place;
+  number.key_place = key_place_;
   number.text = std::to_string(first_ + value);
   SetAt(name_, number, &job->root);
 }

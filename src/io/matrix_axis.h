@@ -42,6 +42,7 @@ class MatrixAxis {
   bool sets_key() const { return is_range_ || !has_changes_; }
 
   std::string name_;
+  YamlPlace key_place_;
   bool is_range_ = false;
   bool has_changes_ = false;
   std::int64_t size_ = 0;

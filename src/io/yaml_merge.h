@@ -18,7 +18,7 @@ void Overlay(const YamlDocument& document, const std::string& path,
              const YamlNode& over, YamlNode* under);
 
 /// Sets the value at a dotted path of a tree, in place of what is there. Maps
-/// on the way that are missing are made, at the place of `value`.
+/// on the way that are missing are made, at the places of `value` and its key.
 void SetAt(const std::string& path, const YamlNode& value, YamlNode* root);
 
 /// The value at a dotted path, or nullptr.

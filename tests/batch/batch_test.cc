@@ -9,8 +9,11 @@
 #include <vector>
 
 #include "alidade/base/error.h"
+#include "alidade/batch/simulate.h"
 #include "alidade/io/arm_file.h"
 #include "alidade/io/batch_json.h"
+#include "alidade/io/dataset_csv.h"
+#include "alidade/io/job_file.h"
 #include "alidade/report/batch_csv.h"
 #include "tests/support/process.h"
 #include "tests/support/without_times.h"
@@ -87,9 +90,9 @@ TEST_F(BatchTest, WritesAResultForEveryJobAndASummary) {
     EXPECT_EQ(entry.directory, entry.name);
     EXPECT_EQ(entry.num_free, 17);
     // 36 equations, 17 parameters, noise of 0.02 mm in each of 3 axes: about
-    // 0.02 * sqrt(3 * 19 / 36) = 0.025 mm; the arm was 2 to 5 mm off.
+    // 0.02 * sqrt(3 * 19 / 36) = 0.025 mm; the arm was 2 to 8 mm off.
     EXPECT_NEAR(entry.train_after.rms, 2.5e-5, 1.5e-5) << entry.name;
-    EXPECT_NEAR(entry.train_before.rms, 3.5e-3, 2.5e-3) << entry.name;
+    EXPECT_NEAR(entry.train_before.rms, 5e-3, 3e-3) << entry.name;
     EXPECT_NO_THROW(LoadArm(Path("out/" + entry.directory + "/arm.yaml")));
   }
   EXPECT_NE(summary.entries[0].train_after.rms,
@@ -132,10 +135,10 @@ TEST_F(BatchTest, AFailingJobIsToldAndTheRestGoOn) {
 TEST_F(BatchTest, FailFastStartsNoMoreJobs) {
   options_.fail_fast = true;
   const BatchSummary summary = Run({"missing.yaml", "fleet.yaml"});
-  // Two workers: one other job may have begun before the first failed.
-  EXPECT_GE(summary.Count(BatchStatus::kNotRun), 2);
-  EXPECT_EQ(summary.entries[3].status, BatchStatus::kNotRun);
   EXPECT_EQ(summary.entries[0].status, BatchStatus::kBadInput);
+  EXPECT_EQ(summary.Count(BatchStatus::kNotRun), 3);
+  EXPECT_EQ(summary.Worst(), BatchStatus::kBadInput);
+  EXPECT_FALSE(fs::exists(Path("out/fleet")));
 }
 
 TEST_F(BatchTest, ASecondRunDoesNothingAndTellsTheSame) {
@@ -244,6 +247,38 @@ TEST_F(BatchTest, TwoAtOnceAreRefused) {
   };
   EXPECT_EQ(Run({"fleet.yaml"}).Count(BatchStatus::kDone), 3);
   EXPECT_THAT(message, HasSubstr("another batch is writing"));
+}
+
+// The way through a file: `alidade simulate`, then a job on what it wrote.
+TEST_F(BatchTest, SimulatedDataAreThoseThatAFileWouldHold) {
+  WriteWhole(Path("simulation.yaml"),
+             "format: alidade-simulation-1\n"
+             "units: {length: mm, angle: rad}\n"
+             "arm: arm.yaml\n"
+             "deviations: " +
+                 kSource +
+                 "/configs/robots/rv2aj_deviations.yaml\n"
+                 "poses: {random: {count: 12}}\n"
+                 "noise: {sigma: 0.05}\n"
+                 "seed: 1\n"
+                 "output: data.csv\n");
+  const SimulationConfig simulation = LoadSimulation(Path("simulation.yaml"));
+  WriteWhole(Path("data.csv"),
+             FormatDataset(Simulate(simulation), simulation.arm,
+                           simulation.joint_decimals, true, {}));
+  WriteWhole(Path("made_up.yaml"),
+             "format: alidade-job-1\nextends: fleet.yaml\nmatrix: ~\n"
+             "data: {simulate: {noise: {sigma: 0.05}}}\n");
+  WriteWhole(Path("from_file.yaml"),
+             "format: alidade-job-1\nextends: fleet.yaml\nmatrix: ~\n"
+             "data: {simulate: ~, file: data.csv}\n");
+  const Dataset made_up = ReadJob(Path("made_up.yaml")).data;
+  const Dataset from_file = ReadJob(Path("from_file.yaml")).data;
+  EXPECT_EQ(made_up.joint_values, from_file.joint_values);
+  EXPECT_EQ(made_up.sigmas(), from_file.sigmas());
+  // Positions of about 0.5 m are written in mm, to the digits that read back.
+  EXPECT_LT((made_up.positions() - from_file.positions()).cwiseAbs().maxCoeff(),
+            2e-16);
 }
 
 TEST_F(BatchTest, AFolderGivesItsJobsAndNothingElse) {

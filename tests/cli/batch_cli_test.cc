@@ -136,6 +136,21 @@ TEST_F(BatchCliTest, AFullDiskEndsTheBatchWithItsName) {
   EXPECT_TRUE(fs::exists(Out() + "/few/seed-3/result.json"));
 }
 
+TEST_F(BatchCliTest, ATerminalSeesABarAndALogDoesNot) {
+  const std::string command =
+      std::string(ALIDADE_BINARY) + " batch " + WriteFew(3) + " --out=" + Out();
+  const ProcessResult terminal =
+      testing::RunProcess("script --quiet --return --command '" + command +
+                          "' /dev/null </dev/null");
+  EXPECT_EQ(terminal.status, 0) << terminal.out;
+  EXPECT_THAT(terminal.out,
+              AllOf(HasSubstr("\r\x1b[K[##########......"),
+                    HasSubstr("] 1/3 jobs, "), HasSubstr(" s left")));
+  const ProcessResult log = testing::RunProcess(command);
+  EXPECT_EQ(log.status, 0);
+  EXPECT_THAT(log.err, IsEmpty());
+}
+
 // A batch as a process that can be killed.
 class BatchProcess {
  public:

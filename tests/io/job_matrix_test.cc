@@ -271,6 +271,13 @@ TEST_F(JobMatrixTest, SimulatedDataAreAskedForWithWhatTheJobSays) {
                    {5, 5, "data.simulate", "cannot be simulated here"});
 }
 
+TEST_F(JobMatrixTest, AKeyThatOnlyTheJobsReaderKnowsIsToldAtItsAxis) {
+  const JobMatrix matrix(
+      Write("extends: job.yaml\nmatrix:\n  solver.nme: [ceres]\n"));
+  ExpectInputError([&] { matrix.Load(0, {}); },
+                   {4, 3, "solver.nme", "unknown key \"nme\""});
+}
+
 struct MatrixErrorCase {
   const char* name;
   std::string matrix;
@@ -331,8 +338,8 @@ INSTANTIATE_TEST_SUITE_P(
                         "matrix: {identifiability.seed: {range: 1000000},\n"
                         "  data: [a.csv, b.csv]}\n",
                         {3, 9, "matrix", "at most 1000000 combinations"}}),
-    [](const ::testing::TestParamInfo<MatrixErrorCase>& info) {
-      return info.param.name;
+    [](const ::testing::TestParamInfo<MatrixErrorCase>& test) {
+      return test.param.name;
     });
 
 TEST(JobMatrixFilesTest, TheBatchOfTheRepositoryIsAThousandJobs) {

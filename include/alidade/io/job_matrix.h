@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "alidade/io/job_config.h"
 #include "alidade/io/job_file.h"
@@ -31,6 +32,8 @@ class JobMatrix {
 
   std::int64_t size() const;
   const std::string& path() const;
+  /// The job file and those it extends.
+  const std::vector<std::string>& files() const;
   /// The name of a file's only job: "fleet" of "jobs/fleet.yaml".
   static std::string NameOfFile(const std::string& path);
   /// NameOfFile, and with a matrix the values behind it:

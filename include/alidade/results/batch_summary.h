@@ -65,6 +65,7 @@ struct BatchRecord {
   std::string version;  ///< of the program
   /// Of the job (JobMatrix::FingerprintOf) and the batch's own options.
   std::string fingerprint;
+  /// Files that the job read, but job files: the fingerprint covers them.
   std::vector<InputFile> inputs;
   /// Of the result.json in the entry's directory; empty where there is none.
   std::string result_sha256;
