@@ -199,7 +199,10 @@ class JobComputer {
     if (!HasResult(record.entry)) return;
     computed->files = RenderResult(outcome, config.outputs);
     record.entry.directory = job.name;
-    record.result_sha256 = Sha256(computed->files.back().content);
+    for (const ReportFile& file : computed->files) {
+      if (file.name != "result.json") continue;
+      record.result_sha256 = Sha256(file.content);
+    }
   }
 
   const BatchPlan& plan_;

@@ -4,7 +4,6 @@
 #include "alidade/batch/job.h"
 #include "alidade/batch/result_directory.h"
 #include "alidade/batch/simulate.h"
-#include "alidade/io/job_file.h"
 #include "alidade/report/report.h"
 #include "command.h"
 #include "progress_line.h"

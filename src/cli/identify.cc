@@ -7,7 +7,6 @@
 #include "alidade/batch/simulate.h"
 #include "alidade/io/arm_file.h"
 #include "alidade/io/dataset_csv.h"
-#include "alidade/io/job_file.h"
 #include "alidade/report/report.h"
 #include "command.h"
 
