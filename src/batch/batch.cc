@@ -231,10 +231,8 @@ class BatchRun {
   BatchSummary Run() {
     RunWorkers(options_.num_threads * kWorkersPerThread, &queue_,
                [this] { return Work(); });
-    WriteFileAtomically(options_.directory + "/summary.csv",
-                        FormatBatchCsv(summary_));
-    WriteFileAtomically(options_.directory + "/summary.json",
-                        FormatBatchSummary(summary_));
+    store_.WriteSummary("summary.csv", FormatBatchCsv(summary_));
+    store_.WriteSummary("summary.json", FormatBatchSummary(summary_));
     LOG(INFO) << "time of all workers: " << times_.Format();
     return std::move(summary_);
   }

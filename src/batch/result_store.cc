@@ -191,6 +191,19 @@ void ResultStore::Place(const Pending& pending) {
   RemoveStaged(staged);
 }
 
+void ResultStore::WriteSummary(const std::string& name,
+                               const std::string& content) {
+  const std::string staged = NewStagedName();
+  const std::string path = directory_ + "/" + name;
+  WriteNewFile(staged, content);
+  if (rename(staged.c_str(), path.c_str()) != 0) {
+    const int error = errno;
+    RemoveStaged(staged);
+    Fail(path, "cannot be written", error);
+  }
+  SyncDirectory(directory_);
+}
+
 bool IsCurrent(const BatchRecord& record, const std::string& directory,
                const std::string& fingerprint, FileHashes* hashes) {
   if (record.version != Version() || record.fingerprint != fingerprint ||

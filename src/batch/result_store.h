@@ -54,6 +54,10 @@ class ResultStore {
   /// would outlast a loss of power. @throws InputError.
   void Commit(const BatchRecord& record, const std::string& staged);
 
+  /// Puts a file into the directory, whole; what is left of it where the
+  /// process is killed is cleared like a staged result. @throws InputError.
+  void WriteSummary(const std::string& name, const std::string& content);
+
  private:
   struct Pending {
     const BatchRecord* record;

@@ -236,7 +236,7 @@ class BatchCrashTest : public BatchCliTest {
   }
 };
 
-TEST_F(BatchCrashTest, TwentyKillsEndAsNone) { KillAndCompare(40, 20); }
+TEST_F(BatchCrashTest, TwentyKillsEndAsNone) { KillAndCompare(24, 20); }
 
 // The issue's own size; by name: --gtest_also_run_disabled_tests
 // --gtest_filter='*ThousandJobs*'.
