@@ -3,6 +3,7 @@
 
 #include "alidade/base/error.h"
 #include "alidade/base/units.h"
+#include "alidade/batch/simulate.h"
 #include "alidade/io/arm_file.h"
 #include "alidade/io/dataset_csv.h"
 #include "alidade/io/job_file.h"
@@ -34,7 +35,7 @@ class Checker {
         return "plan";
       case FileFormat::kJob:
         return "job, " +
-               std::to_string(LoadJob(path, num_threads_).data.num_poses()) +
+               std::to_string(ReadJob(path, num_threads_).data.num_poses()) +
                " poses";
     }
     return "";

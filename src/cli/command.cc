@@ -152,14 +152,32 @@ std::vector<Command> JobCommands() {
   };
 }
 
+std::vector<Command> FleetCommands() {
+  return {
+      {"batch",
+       "JOB.yaml... | DIR | --list=FILE",
+       "run many jobs, a matrix of each, resumable",
+       "Runs every job named, every job of a folder, and every combination of\n"
+       "a job's `matrix`, --threads of them at a time, and writes each result\n"
+       "directory below --out=DIR (default: results/batch), and summary.csv\n"
+       "and summary.json. The same command again runs only what is missing or\n"
+       "changed. Exit status: the highest of all jobs.",
+       {"out", "list", "dry-run", "keep-going", "fail-fast", "outputs"},
+       0,
+       kAnyNumber,
+       RunBatchCommand},
+  };
+}
+
 }  // namespace
 
 const std::vector<Command>& Commands() {
   static const std::vector<Command> kCommands = [] {
     std::vector<Command> commands = FileCommands();
-    std::vector<Command> more = JobCommands();
-    for (Command& command : more) {
-      commands.push_back(std::move(command));
+    for (std::vector<Command> more : {JobCommands(), FleetCommands()}) {
+      for (Command& command : more) {
+        commands.push_back(std::move(command));
+      }
     }
     return commands;
   }();

@@ -23,6 +23,10 @@ struct CommandLine {
   std::string arm;      ///< --arm; empty = not given
   std::string read_as;  ///< --read-as; empty = not given
   bool report = false;  ///< --report
+  std::string list;     ///< --list; empty = not given
+  std::string outputs;  ///< --outputs; empty = not given
+  bool dry_run = false;
+  bool fail_fast = false;
   int threads = 1;
   std::optional<std::uint64_t> seed;
   std::string text;  ///< the whole command line, for the result
@@ -57,6 +61,7 @@ ExitStatus RunCompare(const CommandLine& line);
 ExitStatus RunMonteCarlo(const CommandLine& line);
 ExitStatus RunValidate(const CommandLine& line);
 ExitStatus RunReport(const CommandLine& line);
+ExitStatus RunBatchCommand(const CommandLine& line);
 
 /// Prints "alidade: MESSAGE" on standard error.
 void PrintError(const std::string& message);

@@ -120,7 +120,7 @@ void NamedFiles::Remember(const std::string& path) {
   paths_.push_back(path);
 }
 
-std::vector<std::string> NamedFiles::Expand(const YamlValue& value) const {
+std::vector<std::string> NamedFiles::Expand(const YamlValue& value) {
   const std::string path = Resolve(value);
   if (!IsPattern(path)) return {path};
   std::vector<std::string> found = MatchingFiles(path);

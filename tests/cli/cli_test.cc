@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
 #include <string>
 
 #include "tests/support/process.h"
+#include "tests/support/without_times.h"
 
 namespace alidade {
 namespace {
@@ -20,6 +20,7 @@ using ::testing::Not;
 using testing::ProcessResult;
 using testing::ReadWhole;
 using testing::TemporaryDirectory;
+using testing::WithoutTimes;
 using testing::WriteWhole;
 
 const std::string kSource = ALIDADE_SOURCE_DIR;
@@ -30,31 +31,6 @@ const std::string kWristData = kSource + "/datasets/rv2aj/wrist_56.csv";
 
 ProcessResult Alidade(const std::string& arguments) {
   return testing::RunProcess(std::string(ALIDADE_BINARY) + " " + arguments);
-}
-
-// Times differ from run to run, the directory and the thread count from call
-// to call; nothing else may.
-std::string WithoutTimes(const std::string& path) {
-  nlohmann::json json = nlohmann::json::parse(ReadWhole(path));
-  const auto is_volatile = [](const std::string& key) {
-    return key == "command" || key.find("time") != std::string::npos ||
-           key.find("threads") != std::string::npos ||
-           key.find("timed_s") != std::string::npos;
-  };
-  std::function<void(nlohmann::json*)> strip = [&](nlohmann::json* node) {
-    if (node->is_object()) {
-      for (auto it = node->begin(); it != node->end();) {
-        it = is_volatile(it.key()) ? node->erase(it) : std::next(it);
-      }
-    }
-    if (node->is_structured()) {
-      for (nlohmann::json& child : *node) strip(&child);
-    }
-  };
-  strip(&json);
-  // The one row of the study's table that states a time.
-  return std::regex_replace(json.dump(1),
-                            std::regex("[0-9.]+ m?s, [0-9. ]+ times less"), "");
 }
 
 TEST(CliTest, WithoutCommandPrintsUsageAndExitsWithTwo) {
@@ -68,8 +44,9 @@ TEST(CliTest, HelpNamesEveryCommandOnStandardOutput) {
   const ProcessResult result = Alidade("--help");
   EXPECT_EQ(result.status, 0);
   EXPECT_THAT(result.err, IsEmpty());
-  for (const char* command : {"show", "check", "convert", "simulate", "plan",
-                              "identify", "calibrate", "compare", "validate"}) {
+  for (const char* command :
+       {"show", "check", "convert", "simulate", "plan", "identify", "calibrate",
+        "compare", "montecarlo", "validate", "report", "batch"}) {
     EXPECT_THAT(result.out, HasSubstr(command));
     const ProcessResult help = Alidade(std::string(command) + " --help");
     EXPECT_EQ(help.status, 0) << command;
