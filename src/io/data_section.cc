@@ -221,6 +221,11 @@ std::vector<std::string> PathsOf(const std::vector<YamlValue>& entries,
 // set's file, sigmas are those of the noise, where there is some.
 LoadedData SimulateEntry(const YamlValue& value, const DataFormat& defaults,
                          JobContext* context, const JobConfig& job) {
+  if (context->team != nullptr) {
+    value.Fail("simulated data are made in one process, and this job runs in " +
+               std::to_string(context->team->size()) +
+               ": run without mpirun, or `alidade simulate` to files first");
+  }
   if (!context->simulate) {
     value.Fail(
         "data cannot be simulated here, expected the file of a data set");
