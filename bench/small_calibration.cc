@@ -13,6 +13,7 @@
 
 #include "alidade/base/random.h"
 #include "alidade/base/units.h"
+#include "alidade/batch/repeated_calibration.h"
 #include "alidade/identifiability/analysis.h"
 #include "alidade/io/arm_file.h"
 #include "alidade/measurement/compression.h"
@@ -102,6 +103,23 @@ void Solve(benchmark::State& state) {
   CountAllocations(state, before);
 }
 
+// A whole calibration of measured values whose poses and sigmas are known
+// beforehand: the pass has been made, what is left is the solve, the
+// covariance and the degrees of freedom.
+void Calibrate(benchmark::State& state) {
+  const Problem problem;
+  IdentifiabilityOptions kept = problem.options;
+  kept.policy = WeakPolicy::kFreeze;
+  const RepeatedCalibration calibration(
+      problem.model, AnalyzeIdentifiability(problem.model, problem.data, kept),
+      {});
+  const long before = allocations;
+  for (auto unused : state) {
+    benchmark::DoNotOptimize(calibration.Run(problem.data).reduced_chi_square);
+  }
+  CountAllocations(state, before);
+}
+
 // What an iteration asks of our own code.
 void Compress(benchmark::State& state) {
   const Problem problem;
@@ -132,6 +150,7 @@ BENCHMARK(Identify)->Unit(benchmark::kMicrosecond);
 BENCHMARK(SetUp)->Unit(benchmark::kMicrosecond);
 BENCHMARK(Compress)->Unit(benchmark::kMicrosecond);
 BENCHMARK(Solve)->Unit(benchmark::kMicrosecond);
+BENCHMARK(Calibrate)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace alidade
