@@ -5,115 +5,29 @@
 //
 // Usage: ur_arms DATA_DIRECTORY   (the folder ur_factory_calibrations)
 
-#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "alidade/base/error.h"
-#include "alidade/base/random.h"
 #include "alidade/base/units.h"
 #include "alidade/batch/job.h"
 #include "alidade/identifiability/observability.h"
 #include "alidade/identifiability/rules.h"
-#include "alidade/io/files.h"
 #include "alidade/measurement/compression.h"
-#include "alidade/model/dh_conversion.h"
-#include "alidade/model/forward_kinematics.h"
 #include "alidade/model/joint_draw.h"
+#include "bench/ur_factory_arms.h"
 
 namespace alidade {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr int kPoses = 60;
 constexpr int kWorkspacePoses = 2000;
-constexpr double kSigma = 0.05e-3;                 // m
-constexpr double kRotationSigma = 0.02 * kDegree;  // rad
-constexpr double kLimit = kPi;
 constexpr int kThreads = 2;
-
-// One file has a half turn in its elbow.
-constexpr const char* kHalfTurn = "brenhertel/pearl_ur5e";
-
-const std::array<const char*, 6> kLinks = {"shoulder", "upper_arm", "forearm",
-                                           "wrist_1",  "wrist_2",   "wrist_3"};
-
-double NumberOf(const Json& value) {
-  return value.is_string() ? std::stod(value.get<std::string>())
-                           : value.get<double>();
-}
-
-Arm ArmOf(const Json& kinematics) {
-  std::vector<ChainJoint> chain;
-  for (const char* link : kLinks) {
-    const Json& origin = kinematics.at(link);
-    ChainJoint joint;
-    joint.type = ChainJoint::Type::kRevolute;
-    joint.parent_from_joint =
-        Eigen::Translation3d(NumberOf(origin["x"]), NumberOf(origin["y"]),
-                             NumberOf(origin["z"])) *
-        Eigen::AngleAxisd(NumberOf(origin["yaw"]), Eigen::Vector3d::UnitZ()) *
-        Eigen::AngleAxisd(NumberOf(origin["pitch"]), Eigen::Vector3d::UnitY()) *
-        Eigen::AngleAxisd(NumberOf(origin["roll"]), Eigen::Vector3d::UnitX());
-    joint.axis = Eigen::Vector3d::UnitZ();
-    joint.lower = -kLimit;
-    joint.upper = kLimit;
-    chain.push_back(joint);
-  }
-  return ArmFromChain(chain);
-}
-
-// The arm in the instrument's frame, with a target on its flange.
-Arm Installed(Arm arm) {
-  Eigen::Isometry3d place = Eigen::Isometry3d::Identity();
-  place.translate(Eigen::Vector3d(2.1, -1.3, 0.4));
-  place.rotate(Eigen::AngleAxisd(2.5, Eigen::Vector3d(1, 2, -2).normalized()));
-  arm.instrument_from_base = place * arm.instrument_from_base;
-  Eigen::Isometry3d target = Eigen::Isometry3d::Identity();
-  target.translate(Eigen::Vector3d(0.06, -0.04, 0.11));
-  target.rotate(Eigen::AngleAxisd(1.1, Eigen::Vector3d(2, -1, 1).normalized()));
-  arm.last_from_target() = arm.last_from_target() * target;
-  return arm;
-}
-
-Dataset Measure(const Arm& arm, MeasurementKind kind, std::uint64_t seed) {
-  const MeasurementModel model(arm);
-  const Eigen::VectorXd values = model.NominalValues();
-  Dataset data;
-  data.joint_values = DrawJointValues(arm, kPoses, seed);
-  ObservationBlock block;
-  block.kind = kind;
-  block.measured.resize(RowsOf(kind), kPoses);
-  block.sigmas.resize(RowsOf(kind), kPoses);
-  for (int i = 0; i < kPoses; ++i) {
-    Random random(seed + 1, static_cast<std::uint64_t>(i));
-    const auto noise = [&](double sigma) {
-      const double x = sigma * random.Normal();
-      const double y = sigma * random.Normal();
-      return Eigen::Vector3d(x, y, sigma * random.Normal());
-    };
-    Eigen::Matrix3d rotation;
-    const Eigen::Vector3d position =
-        TargetPose<double>(arm, ViewOf(model.layout(), values.data()),
-                           data.joint_values.col(i).data(), &rotation);
-    block.measured.col(i).head<3>() = position + noise(kSigma);
-    block.sigmas.col(i).head<3>().setConstant(kSigma);
-    if (kind != MeasurementKind::kPose) continue;
-    block.measured.col(i).tail<3>() = VectorFromRotation<double>(
-        RotationFromVector<double>(noise(kRotationSigma)) * rotation);
-    block.sigmas.col(i).tail<3>().setConstant(kRotationSigma);
-  }
-  data.blocks.push_back(block);
-  return data;
-}
 
 double Rms(const Eigen::Matrix3Xd& errors) {
   return std::sqrt(errors.squaredNorm() / static_cast<double>(errors.cols()));
@@ -152,7 +66,7 @@ double Calibrate(const std::string& name, const Arm& nominal, const Arm& real,
   constexpr std::uint64_t kWorkspaceSeed = 12;
   JobConfig job;
   job.arm = nominal;
-  job.data = Measure(real, kind, seed);
+  job.data = MeasureArm(real, kind, kPoses, seed);
   job.identifiability.candidates = {true, true, true};
   const JobOutcome outcome = RunJob(job, "ur_arms", kThreads);
   const Eigen::MatrixXd poses =
@@ -173,31 +87,18 @@ double Calibrate(const std::string& name, const Arm& nominal, const Arm& real,
 }
 
 int Run(const std::string& directory) {
-  const Json nominal =
-      Json::parse(ReadFile(directory + "/nominal_kinematics.json"));
-  const Json factory =
-      Json::parse(ReadFile(directory + "/factory_calibrations.json"));
   std::cout << "| arm | measured | free | before, rms | true error, rms | "
                "predicted | ratio |\n|---|---|---|---|---|---|---|"
             << std::endl;
   std::uint64_t seed = 101;
   double squares = 0.0;
   int count = 0;
-  for (const Json& robot : factory.at("robots")) {
-    // Some carry a note behind a comma.
-    std::string repository = robot.at("repository");
-    if (const std::size_t comma = repository.find(',');
-        comma < repository.size()) {
-      repository = repository.substr(0, comma) + ")";
-    }
-    if (repository == kHalfTurn) continue;
-    const std::string model = robot.at("model");
-    const Arm real = Installed(ArmOf(robot.at("kinematics")));
+  for (const FactoryArm& arm : LoadFactoryArms(directory)) {
+    if (arm.has_half_turn) continue;
     for (const MeasurementKind kind :
          {MeasurementKind::kPosition, MeasurementKind::kPose}) {
-      const double ratio =
-          Calibrate(model + ", " + repository, ArmOf(nominal.at(model)), real,
-                    kind, seed);
+      const double ratio = Calibrate(arm.model + ", " + arm.repository,
+                                     arm.nominal, arm.real, kind, seed);
       squares += ratio * ratio;
       ++count;
       seed += 2;  // one for the poses, the next for the noise

@@ -230,6 +230,7 @@ class JobRunner {
   }
 
   void DescribeData() {
+    result().sigma = MedianLengthSigma(config_.data);
     result().estimated_sigma = sigmas_.length;
     result().estimated_rotation_sigma = sigmas_.rotation;
     result().repeats = MeasureRepeats(config_.data);

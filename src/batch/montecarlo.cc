@@ -101,10 +101,9 @@ class MonteCarlo {
         num_threads_(num_threads),
         progress_(progress),
         model_(config_.arm, config_.references, 1),
-        calibration_(model_,
-                     AnalyzeIdentifiability(model_, config_.data,
-                                            config_.identifiability),
-                     OptionsOf(config_)),
+        pass_(AnalyzeIdentifiability(model_, config_.data,
+                                     config_.identifiability)),
+        calibration_(model_, pass_, OptionsOf(config_)),
         workspace_(DrawJointValues(config_.arm, study_.workspace_poses,
                                    study_.seed + 1)),
         reach_(Reach(config_.arm)) {}
@@ -229,17 +228,58 @@ class MonteCarlo {
     for (Trial& trial : trials) Add(&trial);
   }
 
-  // The arm of this trial: drawn from the priors of its joints, or the same.
+  // The arm of this trial: drawn from the priors of its joints, those that are
+  // frozen because others stand for them too, or the same.
   Eigen::VectorXd TruthOf(Random* random) const {
     Eigen::VectorXd truth = truth_;
     if (study_.truth != SimulatedTruth::kPriors) return truth;
-    for (const int column : calibration_.free_columns()) {
+    for (int column = 0; column < model_.layout().size(); ++column) {
       const ParameterKind kind = model_.layout().parameter(column).kind;
-      if (!ParameterLayout::IsJointKind(kind)) continue;
+      if (!ParameterLayout::IsJointKind(kind) || !IsCandidate(column)) continue;
       truth[column] +=
           config_.identifiability.priors.Of(kind) * random->Normal();
     }
     return truth;
+  }
+
+  bool IsCandidate(int column) const {
+    const ParameterDecision& decision = pass_.decisions[column];
+    return decision.state == ParameterState::kFree ||
+           (decision.state == ParameterState::kFrozen &&
+            decision.rule != "fixed_by_user");
+  }
+
+  // What free parameters stand for where frozen ones are not at nominal, to
+  // first order.
+  Eigen::VectorXd StandIns(const Eigen::VectorXd& truth) const {
+    const Eigen::VectorXd nominal = model_.NominalValues();
+    Eigen::VectorXd values = truth;
+    for (const Relation& relation : pass_.relations) {
+      const int frozen = *model_.layout().Find(relation.parameter);
+      if (pass_.decisions[frozen].state != ParameterState::kFrozen) continue;
+      values[frozen] = nominal[frozen];
+      for (const auto& [name, coefficient] : relation.terms) {
+        values[*model_.layout().Find(name)] +=
+            coefficient * (truth[frozen] - nominal[frozen]);
+      }
+    }
+    return values;
+  }
+
+  // What exact measurements of such an arm give the free parameters: the fit to
+  // them that is nearest to the stand-ins, in units of the priors.
+  Eigen::VectorXd FitExactly(const Eigen::VectorXd& truth) const {
+    Eigen::VectorXd values = StandIns(truth);
+    const MeasurementModel around(
+        model_.layout().WithValues(model_.nominal(), values),
+        model_.ReferencesAt(values), 1);
+    Dataset exact = exact_;
+    MeasureExactly(model_, truth, exact.joint_values, &exact);
+    values = around.NominalValues();
+    CalibrationProblem problem{around, exact, calibration_.free_columns()};
+    problem.priors = calibration_.priors();
+    SolveCeres(problem, config_.solver_options, &values);
+    return values;
   }
 
   Trial RunTrial(int number) const {
@@ -261,9 +301,9 @@ class MonteCarlo {
     trial.kept.usable = outcome.is_usable;
     if (!outcome.is_usable) return trial;
     trial.kept.reduced_chi_square = outcome.reduced_chi_square;
-    LookAtParameters(
-        study_.truth == SimulatedTruth::kPriors ? truth : equivalent_, data,
-        outcome, &trial);
+    LookAtParameters(study_.truth == SimulatedTruth::kPriors ? FitExactly(truth)
+                                                             : equivalent_,
+                     data, outcome, &trial);
     LookAtWorkspace(truth, outcome, &trial);
     return trial;
   }
@@ -446,6 +486,7 @@ class MonteCarlo {
   const int num_threads_;
   const TrialProgress& progress_;
   const MeasurementModel model_;
+  const IdentifiabilityResult pass_;
   const RepeatedCalibration calibration_;
   const Eigen::MatrixXd workspace_;
   const double reach_;

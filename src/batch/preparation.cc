@@ -401,6 +401,10 @@ EstimatedSigmas EstimateSigmas(JobConfig* config, int num_threads) {
   return sigmas;
 }
 
+double MedianLengthSigma(const Dataset& data) {
+  return MedianSigma(RowClass::kLength, data);
+}
+
 double DegreesOfFreedom(const CalibrationProblem& problem,
                         const Eigen::VectorXd& values) {
   return FreedomOfRows(problem, values, problem.data);

@@ -67,6 +67,9 @@ struct EstimatedSigmas {
 /// freedom.
 EstimatedSigmas EstimateSigmas(JobConfig* config, int num_threads);
 
+/// Median standard deviation of the measured lengths (m); 0 = there are none.
+double MedianLengthSigma(const Dataset& data);
+
 /// Degrees of freedom of a fit: equations less the parameters that the data
 /// rather than their priors decide,
 /// p - sum_k [(J^T J + P^-1)^-1]_kk / prior_k^2 (J whitened, at `values`).

@@ -15,13 +15,17 @@ void Append(std::vector<ReportFile> more, std::vector<ReportFile>* files) {
   for (ReportFile& file : more) files->push_back(std::move(file));
 }
 
+ReportFile RenderArm(const JobOutcome& outcome) {
+  return {"arm.yaml",
+          FormatArm(outcome.calibrated, ArmComment(outcome.result))};
+}
+
 }  // namespace
 
 std::vector<ReportFile> RenderResult(const JobOutcome& outcome) {
   const JobResult& result = outcome.result;
   std::vector<ReportFile> files;
-  files.push_back(
-      {"arm.yaml", FormatArm(outcome.calibrated, ArmComment(result))});
+  files.push_back(RenderArm(outcome));
   files.push_back({"report.txt", FormatReport(result)});
   Append(MakeCsvFiles(result), &files);
   Append(MakeFigures(result), &files);
@@ -29,6 +33,13 @@ std::vector<ReportFile> RenderResult(const JobOutcome& outcome) {
   Append(MakeIdentifiabilityFigures(result.identifiability), &files);
   files.push_back({"result.json", FormatResultJson(result)});
   return files;
+}
+
+std::vector<ReportFile> RenderResult(const JobOutcome& outcome,
+                                     JobOutputs outputs) {
+  if (outputs == JobOutputs::kFull) return RenderResult(outcome);
+  return {RenderArm(outcome),
+          {"result.json", FormatResultJson(outcome.result)}};
 }
 
 std::vector<std::string> WriteResultDirectory(

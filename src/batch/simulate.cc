@@ -9,6 +9,7 @@
 #include "alidade/base/random.h"
 #include "alidade/base/units.h"
 #include "alidade/compensation/inverse_kinematics.h"
+#include "alidade/io/job_file.h"
 #include "alidade/model/forward_kinematics.h"
 #include "alidade/model/joint_draw.h"
 
@@ -157,6 +158,10 @@ Dataset Simulate(const SimulationConfig& config) {
   data.sigmas().setConstant(
       3, data.num_poses(), config.noise_sigma > 0.0 ? config.noise_sigma : 1.0);
   return data;
+}
+
+JobConfig ReadJob(const std::string& path, int num_threads, Team* team) {
+  return LoadJob(path, {num_threads, Simulate, team});
 }
 
 }  // namespace alidade

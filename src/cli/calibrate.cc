@@ -10,8 +10,9 @@
 
 #include "alidade/base/error.h"
 #include "alidade/batch/job.h"
+#include "alidade/batch/report_page.h"
 #include "alidade/batch/result_directory.h"
-#include "alidade/io/job_file.h"
+#include "alidade/batch/simulate.h"
 #include "alidade/measurement/compression.h"
 #include "alidade/report/report.h"
 #include "command.h"
@@ -66,10 +67,12 @@ ExitStatus Calibrate(const CommandLine& line, Team* team) {
   ProgressLine progress;
   progress.Show("reading " + path);
   if (team != nullptr) RequireSameMachines(team);
-  JobConfig config = LoadJob(path, line.threads, team);
+  JobConfig config = ReadJob(path, line.threads, team);
   if (team != nullptr) WarnOfIdle(config, *team);
   ShowIterations(config.data.all_poses(), &progress, &config.solver_options);
   if (line.seed) config.identifiability.seed = *line.seed;
+  progress.Clear();
+  const JobOutputs outputs = config.outputs;
   const JobOutcome outcome = RunJob(std::move(config), line.text, line.threads);
   progress.Clear();
   if (!is_first) return kExitDone;
@@ -80,8 +83,15 @@ ExitStatus Calibrate(const CommandLine& line, Team* team) {
   }
   const std::string directory =
       line.out.empty() ? DefaultDirectory(path) : line.out;
-  PrintSummary(outcome.result,
-               WriteResultDirectory(directory, RenderResult(outcome)));
+  std::vector<ReportFile> files = RenderResult(outcome, outputs);
+  if (line.report) {
+    // Before result.json, which comes last.
+    const std::string label =
+        std::filesystem::absolute(directory).lexically_normal().filename();
+    files.insert(files.end() - 1,
+                 MakeResultPage(outcome, RenderResult(outcome), label));
+  }
+  PrintSummary(outcome.result, WriteResultDirectory(directory, files));
   if (outcome.status == JobStatus::kMissedLimits) {
     PrintError(path + ": " + outcome.message + "; " + directory +
                "/report.txt tells which");

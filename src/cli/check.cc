@@ -3,9 +3,11 @@
 
 #include "alidade/base/error.h"
 #include "alidade/base/units.h"
+#include "alidade/batch/simulate.h"
 #include "alidade/io/arm_file.h"
 #include "alidade/io/dataset_csv.h"
 #include "alidade/io/job_file.h"
+#include "alidade/io/plan_config.h"
 #include "command.h"
 
 namespace alidade {
@@ -28,9 +30,12 @@ class Checker {
       case FileFormat::kSimulation:
         LoadSimulation(path);
         return "simulation";
+      case FileFormat::kPlan:
+        LoadPlan(path, num_threads_);
+        return "plan";
       case FileFormat::kJob:
         return "job, " +
-               std::to_string(LoadJob(path, num_threads_).data.num_poses()) +
+               std::to_string(ReadJob(path, num_threads_).data.num_poses()) +
                " poses";
     }
     return "";

@@ -60,6 +60,20 @@ std::vector<Command> FileCommands() {
 
 std::vector<Command> JobCommands() {
   return {
+      {"plan",
+       "PLAN.yaml",
+       "choose the poses to measure next",
+       "Chooses the poses that tell most, of candidates drawn within joint\n"
+       "limits and the plan's constraints or read from a file, beside those\n"
+       "measured already. Prints the accuracy to expect by the number of "
+       "poses\n"
+       "and writes to --out=DIR (default: results/ and the plan's name):\n"
+       "poses.csv for the robot, `simulate` and what will be measured,\n"
+       "plan.txt, accuracy.svg, curve.csv, plan.json.",
+       {"out", "seed"},
+       1,
+       1,
+       RunPlanCommand},
       {"identify",
        "JOB.yaml | ARM.yaml DATA.csv",
        "tell which parameters these poses can identify, and why",
@@ -75,11 +89,12 @@ std::vector<Command> JobCommands() {
        "run a whole calibration job and write its results",
        "Identifies, solves, validates, and writes the result directory\n"
        "--out=DIR (default: results/ and the job's name): arm.yaml,\n"
-       "result.json, report.txt, CSV files and SVG figures.\n"
+       "result.json, report.txt, CSV files and SVG figures, and with --report\n"
+       "report.html, a page that holds all of it.\n"
        "Exit status 1: an acceptance limit of the job is missed.\n"
        "Under 'mpirun -n K' every process reads some of the data's files, and\n"
        "the result has the same bits (docs/cluster.md).",
-       {"out", "seed"},
+       {"out", "seed", "report"},
        1,
        1,
        RunCalibrate,
@@ -109,15 +124,48 @@ std::vector<Command> JobCommands() {
        1,
        RunMonteCarlo},
       {"validate",
-       "ARM.yaml DATA.csv... | ARM.yaml REFERENCE.yaml",
+       "ARM.yaml | RESULT  DATA.csv... | REFERENCE.yaml",
        "accuracy of an arm on data, or against another arm",
        "With data sets: errors of the arm's predictions at their poses.\n"
        "With a second arm: distance between the two over 10 000 joint\n"
-       "values drawn within the limits of the first (--seed).",
-       {"seed"},
+       "values drawn within the limits of the first (--seed).\n"
+       "With a result directory of `calibrate` instead of an arm: also "
+       "whether\n"
+       "errors are as large as predicted, by the share that lies within its\n"
+       "intervals, and the predicted accuracy over the workspace; --out=DIR\n"
+       "writes the map and a histogram of errors over their predictions.",
+       {"seed", "out"},
        2,
        kAnyNumber,
        RunValidate},
+      {"report",
+       "RESULT...",
+       "make an HTML page of a result, or one that compares several",
+       "RESULT is a result directory or its result.json. One makes its\n"
+       "report.html, several make comparison.html, or what --out names: a\n"
+       "page (.html) or a folder. A page needs no network and no server. It\n"
+       "prints its path.",
+       {"out", "read-as"},
+       1,
+       kAnyNumber,
+       RunReport},
+  };
+}
+
+std::vector<Command> FleetCommands() {
+  return {
+      {"batch",
+       "JOB.yaml... | DIR | --list=FILE",
+       "run many jobs, a matrix of each, resumable",
+       "Runs every job named, every job of a folder, and every combination of\n"
+       "a job's `matrix`, --threads of them at a time, and writes each result\n"
+       "directory below --out=DIR (default: results/batch), and summary.csv\n"
+       "and summary.json. The same command again runs only what is missing or\n"
+       "changed. Exit status: the highest of all jobs.",
+       {"out", "list", "dry-run", "keep-going", "fail-fast", "outputs"},
+       0,
+       kAnyNumber,
+       RunBatchCommand},
   };
 }
 
@@ -126,9 +174,10 @@ std::vector<Command> JobCommands() {
 const std::vector<Command>& Commands() {
   static const std::vector<Command> kCommands = [] {
     std::vector<Command> commands = FileCommands();
-    std::vector<Command> more = JobCommands();
-    for (Command& command : more) {
-      commands.push_back(std::move(command));
+    for (std::vector<Command> more : {JobCommands(), FleetCommands()}) {
+      for (Command& command : more) {
+        commands.push_back(std::move(command));
+      }
     }
     return commands;
   }();

@@ -19,8 +19,14 @@ enum ExitStatus {
 /// What the user wrote behind the command's name.
 struct CommandLine {
   std::vector<std::string> files;
-  std::string out;  ///< --out; empty = not given
-  std::string arm;  ///< --arm; empty = not given
+  std::string out;      ///< --out; empty = not given
+  std::string arm;      ///< --arm; empty = not given
+  std::string read_as;  ///< --read-as; empty = not given
+  bool report = false;  ///< --report
+  std::string list;     ///< --list; empty = not given
+  std::string outputs;  ///< --outputs; empty = not given
+  bool dry_run = false;
+  bool fail_fast = false;
   int threads = 1;
   std::optional<std::uint64_t> seed;
   std::string text;  ///< the whole command line, for the result
@@ -48,11 +54,14 @@ ExitStatus RunShow(const CommandLine& line);
 ExitStatus RunCheck(const CommandLine& line);
 ExitStatus RunConvert(const CommandLine& line);
 ExitStatus RunSimulate(const CommandLine& line);
+ExitStatus RunPlanCommand(const CommandLine& line);
 ExitStatus RunIdentify(const CommandLine& line);
 ExitStatus RunCalibrate(const CommandLine& line);
 ExitStatus RunCompare(const CommandLine& line);
 ExitStatus RunMonteCarlo(const CommandLine& line);
 ExitStatus RunValidate(const CommandLine& line);
+ExitStatus RunReport(const CommandLine& line);
+ExitStatus RunBatchCommand(const CommandLine& line);
 
 /// Prints "alidade: MESSAGE" on standard error.
 void PrintError(const std::string& message);

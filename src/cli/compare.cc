@@ -3,7 +3,7 @@
 #include "alidade/batch/job.h"
 #include "alidade/batch/noise_study.h"
 #include "alidade/batch/result_directory.h"
-#include "alidade/io/job_file.h"
+#include "alidade/batch/simulate.h"
 #include "alidade/report/report.h"
 #include "command.h"
 
@@ -11,7 +11,7 @@ namespace alidade {
 
 ExitStatus RunCompare(const CommandLine& line) {
   const std::string& path = line.files.front();
-  JobConfig config = LoadJob(path, line.threads);
+  JobConfig config = ReadJob(path, line.threads);
   if (line.seed) {
     config.identifiability.seed = *line.seed;
     if (config.noise_study) config.noise_study->seed = *line.seed;

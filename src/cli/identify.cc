@@ -4,9 +4,9 @@
 #include "alidade/base/error.h"
 #include "alidade/base/units.h"
 #include "alidade/batch/job.h"
+#include "alidade/batch/simulate.h"
 #include "alidade/io/arm_file.h"
 #include "alidade/io/dataset_csv.h"
-#include "alidade/io/job_file.h"
 #include "alidade/report/report.h"
 #include "command.h"
 
@@ -19,7 +19,7 @@ constexpr double kAnySigma = kMillimetre;
 
 JobConfig LoadJobOrPair(const CommandLine& line) {
   const std::vector<std::string>& files = line.files;
-  if (files.size() == 1) return LoadJob(files.front(), line.threads);
+  if (files.size() == 1) return ReadJob(files.front(), line.threads);
   JobConfig config;
   config.arm = LoadArm(files[0]);
   DataFormat format;

@@ -15,6 +15,13 @@
 
 DEFINE_string(out, "", "where results are written");
 DEFINE_string(arm, "", "the arm that data are of");
+DEFINE_string(read_as, "", "what the results of a comparison are");
+DEFINE_bool(report, false, "also write report.html");
+DEFINE_string(list, "", "a file that names jobs");
+DEFINE_string(outputs, "", "what result directories hold");
+DEFINE_bool(dry_run, false, "print what would run");
+DEFINE_bool(keep_going, false, "run all jobs, whatever becomes of one");
+DEFINE_bool(fail_fast, false, "start no more jobs once one is not done");
 DEFINE_int32(threads, 1, "threads to work with; results do not depend on it");
 DEFINE_uint64(seed, 0, "seed of everything random, instead of the file's");
 DEFINE_int32(verbosity, 0, "0: warnings, 1: what is done, 2: details");
@@ -30,7 +37,19 @@ struct FlagHelp {
 const std::vector<FlagHelp>& FlagHelps() {
   static const std::vector<FlagHelp> kFlagHelps = {
       {"arm", "--arm=ARM.yaml   the arm that the data are of"},
+      {"dry-run", "--dry-run        print what would run, a line a job"},
+      {"fail-fast", "--fail-fast      start no more jobs once one is not done"},
+      {"keep-going",
+       "--keep-going     run all jobs whatever becomes of one, the default"},
+      {"list",
+       "--list=FILE      jobs and folders, one a line, from the list's folder"},
       {"out", "--out=PATH       where results are written"},
+      {"read-as",
+       "--read-as=WHAT   fleet (arms), time (one arm, in order) or ways (of "
+       "one\n                   calibration); told from the data otherwise"},
+      {"report", "--report         also write report.html"},
+      {"outputs",
+       "--outputs=WHAT   full, or minimal: arm.yaml and result.json alone"},
       {"seed",
        "--seed=N         seed of all that is drawn, instead of the "
        "file's"},
@@ -121,14 +140,23 @@ class ArgumentParser {
     if (!Accepts(command_, name)) {
       ThrowUsage(command_, "unknown flag " + argument);
     }
-    const std::string value = equals == std::string::npos
-                                  ? NextArgument(argument)
-                                  : argument.substr(equals + 1);
-    if (gflags::SetCommandLineOption(name.c_str(), value.c_str()).empty()) {
+    const std::string value = equals != std::string::npos
+                                  ? argument.substr(equals + 1)
+                              : IsSwitch(name) ? "true"
+                                               : NextArgument(argument);
+    std::string flag = name;  // as C++ spells it
+    std::replace(flag.begin(), flag.end(), '-', '_');
+    if (gflags::SetCommandLineOption(flag.c_str(), value.c_str()).empty()) {
       ThrowUsage(command_, "--" + name + " = \"" + value +
                                "\" is not a value of this flag");
     }
     if (name == "seed") line_.seed = FLAGS_seed;
+  }
+
+  // A flag that is on when it is there.
+  static bool IsSwitch(const std::string& name) {
+    return name == "report" || name == "dry-run" || name == "keep-going" ||
+           name == "fail-fast";
   }
 
   std::string NextArgument(const std::string& flag) {
@@ -157,6 +185,9 @@ void CheckLine(const Command& command, const CommandLine& line) {
   if (FLAGS_threads < 1 || FLAGS_threads > 1024) {
     ThrowUsage(command, "--threads = " + std::to_string(FLAGS_threads) +
                             ", must be between 1 and 1024");
+  }
+  if (FLAGS_keep_going && FLAGS_fail_fast) {
+    ThrowUsage(command, "--keep-going and --fail-fast, expected one of both");
   }
 }
 
@@ -194,6 +225,12 @@ ExitStatus RunCommand(const std::string& name,
   SetVerbosity();
   line.out = FLAGS_out;
   line.arm = FLAGS_arm;
+  line.read_as = FLAGS_read_as;
+  line.report = FLAGS_report;
+  line.list = FLAGS_list;
+  line.outputs = FLAGS_outputs;
+  line.dry_run = FLAGS_dry_run;
+  line.fail_fast = FLAGS_fail_fast;
   line.threads = FLAGS_threads;
   return command.run(line);
 }

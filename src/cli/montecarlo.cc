@@ -6,7 +6,7 @@
 #include <string>
 
 #include "alidade/batch/result_directory.h"
-#include "alidade/io/job_file.h"
+#include "alidade/batch/simulate.h"
 #include "alidade/report/report.h"
 #include "command.h"
 #include "progress_line.h"
@@ -36,7 +36,7 @@ ExitStatus RunMonteCarlo(const CommandLine& line) {
   const std::string& path = line.files.front();
   ProgressLine progress;
   progress.Show("reading " + path);
-  JobConfig config = LoadJob(path, line.threads);
+  JobConfig config = ReadJob(path, line.threads);
   if (line.seed) config.montecarlo.seed = *line.seed;
   const MonteCarloResult result =
       RunMonteCarlo(config, line.threads, ShowTrials(&progress));

@@ -6,6 +6,7 @@
 
 #include "alidade/base/error.h"
 #include "alidade/base/units.h"
+#include "alidade/batch/simulate.h"
 #include "alidade/io/arm_file.h"
 #include "alidade/io/dataset_csv.h"
 #include "alidade/io/job_file.h"
@@ -113,7 +114,7 @@ void ShowDataset(const Arm& arm, const Dataset& data) {
 }
 
 void ShowJob(const std::string& path, int num_threads) {
-  const JobConfig config = LoadJob(path, num_threads);
+  const JobConfig config = ReadJob(path, num_threads);
   std::cout << config.title << "\n\n";
   ShowArm(config.arm);
   std::cout << "\n";

@@ -1,11 +1,18 @@
 #include <iostream>
+#include <optional>
+#include <string>
+#include <vector>
 
+#include "alidade/base/error.h"
 #include "alidade/base/units.h"
+#include "alidade/batch/calibrated_arm.h"
 #include "alidade/batch/evaluate.h"
+#include "alidade/batch/result_directory.h"
 #include "alidade/io/arm_file.h"
 #include "alidade/io/dataset_csv.h"
 #include "alidade/measurement/measurement_model.h"
 #include "alidade/report/format.h"
+#include "alidade/report/report.h"
 #include "alidade/report/text_table.h"
 #include "command.h"
 
@@ -13,45 +20,123 @@ namespace alidade {
 namespace {
 
 constexpr int kRandomPoses = 10000;
+constexpr int kMapPoses = 2000;
 constexpr std::uint64_t kDefaultSeed = 1;
 
-// Errors are told in mm; the sigma of a data set plays no part in them.
+// Where data state no sigma and none was found by a fit: for errors in mm it
+// plays no part.
 constexpr double kAnySigma = kMillimetre;
 
-Accuracy ValidateAgainst(const Arm& arm, const std::string& file,
-                         const CommandLine& line) {
-  if (!IsDataFile(file)) {
-    return CompareArms(arm, LoadArm(file), kRandomPoses,
-                       line.seed.value_or(kDefaultSeed));
+class Validation {
+ public:
+  explicit Validation(const CommandLine& line)
+      : line_(line), seed_(line.seed.value_or(kDefaultSeed)) {
+    const std::string& first = line.files.front();
+    if (!IsResult(first)) {
+      arm_ = LoadArm(first);
+      return;
+    }
+    calibrated_ = LoadCalibratedArm(first);
+    if (!calibrated_) {
+      throw InputError({first, 0, 0, "uncertainty"},
+                       "this result says nothing of its uncertainty: "
+                       "calibrate again, or validate its arm.yaml");
+    }
+    arm_ = calibrated_->arm;
   }
-  const MeasurementModel model(arm, line.threads);
-  return EvaluateAccuracy(model,
-                          LoadDataset(file, arm, kAnySigma, line.threads),
-                          model.NominalValues());
-}
 
-}  // namespace
+  ExitStatus Run() {
+    std::vector<std::string> checks;
+    for (std::size_t i = 1; i < line_.files.size(); ++i) {
+      Compare(line_.files[i], &checks);
+    }
+    std::cout << "Position error of " << arm_.name << "\n" << table_.ToString();
+    for (const std::string& check : checks) std::cout << "\n" << check;
+    if (calibrated_ && !map_) map_ = MapOf(*calibrated_, kMapPoses, seed_);
+    if (map_) std::cout << "\n" << FormatPredictedMap(*map_);
+    if (!line_.out.empty()) WriteFiles();
+    return kExitDone;
+  }
 
-ExitStatus RunValidate(const CommandLine& line) {
-  const Arm arm = LoadArm(line.files.front());
-  using Align = TextTable::Align;
-  TextTable table({{"against"},
-                   {"poses", Align::kRight},
-                   {"mean mm", Align::kRight},
-                   {"rms mm", Align::kRight},
-                   {"p95 mm", Align::kRight},
-                   {"max mm", Align::kRight}});
-  for (std::size_t i = 1; i < line.files.size(); ++i) {
-    const Accuracy accuracy = ValidateAgainst(arm, line.files[i], line);
-    std::vector<std::string> row = {line.files[i], std::to_string(accuracy.n)};
+ private:
+  // Data state their own sigmas or have the fit's.
+  double DefaultSigma() const {
+    return calibrated_ && calibrated_->sigma > 0.0 ? calibrated_->sigma
+                                                   : kAnySigma;
+  }
+
+  void Compare(const std::string& file, std::vector<std::string>* checks) {
+    if (!IsDataFile(file)) {
+      const Arm other = LoadArm(file);
+      AddRow(file, CompareArms(arm_, other, kRandomPoses, seed_));
+      if (!calibrated_) return;
+      const ArmCheck check =
+          CheckAgainst(*calibrated_, other, kMapPoses, seed_);
+      map_ = check.map;
+      checks->push_back(FormatPredictionCheck(file, check.check));
+      check_ = check.check;
+      return;
+    }
+    const MeasurementModel model(arm_, line_.threads);
+    const Dataset data = LoadDataset(file, arm_, DefaultSigma(), line_.threads);
+    AddRow(file, EvaluateAccuracy(model, data, model.NominalValues()));
+    if (!calibrated_) return;
+    check_ = CheckAgainst(*calibrated_, data, line_.threads);
+    checks->push_back(FormatPredictionCheck(file, *check_));
+  }
+
+  void AddRow(const std::string& file, const Accuracy& accuracy) {
+    std::vector<std::string> row = {file, std::to_string(accuracy.n)};
     for (const double value :
          {accuracy.mean, accuracy.rms, accuracy.p95, accuracy.max}) {
       row.push_back(FormatSignificant(value / kMillimetre, 4));
     }
-    table.AddRow(row);
+    table_.AddRow(row);
   }
-  std::cout << "Position error of " << arm.name << "\n" << table.ToString();
-  return kExitDone;
+
+  std::vector<Dimension> JointDimensions() const {
+    std::vector<Dimension> dimensions;
+    for (const Joint& joint : arm_.joints) {
+      const bool revolute = joint.type == JointType::kRevolute;
+      dimensions.push_back(revolute ? Dimension::kAngle : Dimension::kLength);
+    }
+    return dimensions;
+  }
+
+  void WriteFiles() const {
+    if (!calibrated_) {
+      throw InputError({line_.files.front(), 0, 0, ""},
+                       "--out writes predictions, which need a result "
+                       "directory of `calibrate` instead of an arm file");
+    }
+    std::cout << "\nResults\n";
+    for (const std::string& path : WriteResultDirectory(
+             line_.out,
+             MakePredictionFiles(JointDimensions(), *map_, check_))) {
+      std::cout << "  " << path << "\n";
+    }
+  }
+
+  using Align = TextTable::Align;
+
+  const CommandLine& line_;
+  const std::uint64_t seed_;
+  Arm arm_;
+  std::optional<CalibratedArm> calibrated_;
+  std::optional<PredictedMap> map_;
+  std::optional<PredictionCheck> check_;
+  TextTable table_{{{"against"},
+                    {"poses", Align::kRight},
+                    {"mean mm", Align::kRight},
+                    {"rms mm", Align::kRight},
+                    {"p95 mm", Align::kRight},
+                    {"max mm", Align::kRight}}};
+};
+
+}  // namespace
+
+ExitStatus RunValidate(const CommandLine& line) {
+  return Validation(line).Run();
 }
 
 }  // namespace alidade

@@ -294,6 +294,25 @@ class RankMethod {
   IdentifiabilityResult result_;
 };
 
+// What is known beforehand of each free parameter: of itself, and of the frozen
+// ones that it stands for, each with what a step of it makes of this one.
+Eigen::VectorXd StandInPriors(const MeasurementModel& model,
+                              const IdentifiabilityOptions& options,
+                              const IdentifiabilityResult& result) {
+  const ParameterLayout& layout = model.layout();
+  Eigen::VectorXd variances =
+      options.priors.Deviations(layout).array().square();
+  const Eigen::VectorXd own = variances;
+  for (const Relation& relation : result.relations) {
+    const int frozen = *layout.Find(relation.parameter);
+    if (result.decisions[frozen].state != ParameterState::kFrozen) continue;
+    for (const auto& [name, coefficient] : relation.terms) {
+      variances[*layout.Find(name)] += coefficient * coefficient * own[frozen];
+    }
+  }
+  return variances.cwiseSqrt();
+}
+
 // What both methods share, once it is decided which parameters are free.
 void Finish(const MeasurementModel& model, const Dataset& data,
             const IdentifiabilityOptions& options,
@@ -303,7 +322,8 @@ void Finish(const MeasurementModel& model, const Dataset& data,
   result->policy = NameOf(policy);
   result->num_free = static_cast<int>(free.size());
   if (free.empty()) return;
-  const FreeAnalysis analysis = AnalyzeFree(model, data, free, options);
+  FreeAnalysis analysis = AnalyzeFree(model, data, free, options);
+  analysis.priors = StandInPriors(model, options, *result)(free);
   result->nominal_rank = analysis.rank;
   result->unscaled = analysis.unscaled;
   result->scaled = analysis.scaled;
@@ -313,8 +333,7 @@ void Finish(const MeasurementModel& model, const Dataset& data,
     ParameterDecision& decision = result->decisions[free[k]];
     decision.predicted_std = deviations[static_cast<Eigen::Index>(k)];
     if (with_priors) {
-      decision.prior_std =
-          options.priors.Of(model.layout().parameter(free[k]).kind);
+      decision.prior_std = analysis.priors[static_cast<Eigen::Index>(k)];
     }
   }
   WarnAboutFree(model, data, analysis, result);

@@ -260,11 +260,6 @@ FreeAnalysis AnalyzeFree(const MeasurementModel& model, const Dataset& data,
   analysis.unscaled = ComputeObservability(plain, data.all_poses());
   analysis.scaled =
       ComputeObservability(ScaleColumns(model, free, plain), data.all_poses());
-  analysis.priors.resize(static_cast<Eigen::Index>(free.size()));
-  for (std::size_t k = 0; k < free.size(); ++k) {
-    analysis.priors[static_cast<Eigen::Index>(k)] =
-        options.priors.Of(model.layout().parameter(free[k]).kind);
-  }
   return analysis;
 }
 

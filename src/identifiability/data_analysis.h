@@ -40,7 +40,7 @@ struct FreeAnalysis {
   ObservabilityIndices unscaled;
   ObservabilityIndices scaled;
   Eigen::MatrixXd whitened_factor;
-  Eigen::VectorXd priors;
+  Eigen::VectorXd priors;  ///< set by whoever knows what is frozen
 
   Eigen::VectorXd Deviations(bool with_priors) const;
 };

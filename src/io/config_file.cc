@@ -13,11 +13,12 @@
 namespace alidade {
 namespace {
 
-constexpr std::array<std::pair<FileFormat, const char*>, 4> kFormats = {{
+constexpr std::array<std::pair<FileFormat, const char*>, 5> kFormats = {{
     {FileFormat::kArm, "alidade-arm-1"},
     {FileFormat::kDeviations, "alidade-deviations-1"},
     {FileFormat::kJob, "alidade-job-1"},
     {FileFormat::kSimulation, "alidade-simulation-1"},
+    {FileFormat::kPlan, "alidade-plan-1"},
 }};
 
 std::vector<std::string> FormatNames() {
@@ -119,7 +120,7 @@ void NamedFiles::Remember(const std::string& path) {
   paths_.push_back(path);
 }
 
-std::vector<std::string> NamedFiles::Expand(const YamlValue& value) const {
+std::vector<std::string> NamedFiles::Expand(const YamlValue& value) {
   const std::string path = Resolve(value);
   if (!IsPattern(path)) return {path};
   std::vector<std::string> found = MatchingFiles(path);

@@ -30,14 +30,16 @@ Eigen::VectorXd ReadDeviations(const YamlValue& value, const Units& units,
 /// say which key named them, and which arm they are read for.
 class NamedFiles {
  public:
-  explicit NamedFiles(const std::string& config_path)
-      : config_path_(config_path), paths_{config_path} {}
+  explicit NamedFiles(const std::string& config_path) : paths_{config_path} {}
+  /// Of a config file that is put together from several.
+  explicit NamedFiles(const YamlDocument& config) : paths_(config.files) {}
 
-  /// The path that `value` names, relative to the config file. "${NAME}" at its
-  /// beginning stands for an environment variable, for data that are not kept
-  /// with their job. @throws InputError where the variable is not set.
-  std::string Resolve(const YamlValue& value) const {
-    return ResolvePath(config_path_, ExpandVariable(value));
+  /// The path that `value` names, relative to the file that it stands in.
+  /// "${NAME}" at its beginning stands for an environment variable, for data
+  /// that are not kept with their job. @throws InputError where the variable is
+  /// not set.
+  static std::string Resolve(const YamlValue& value) {
+    return ResolvePath(value.location().file, ExpandVariable(value));
   }
 
   /// load(path) of the path that `value` names. @throws InputError.
@@ -82,11 +84,10 @@ class NamedFiles {
 
  private:
   void Remember(const std::string& path);
-  std::vector<std::string> Expand(const YamlValue& value) const;
+  static std::vector<std::string> Expand(const YamlValue& value);
   static std::string ExpandVariable(const YamlValue& value);
   InputError Explain(const InputError& error, const YamlValue& value) const;
 
-  std::string config_path_;
   std::string arm_path_;
   std::vector<std::string> paths_;
 };

@@ -10,6 +10,7 @@
 #include "src/io/dataset_builder.h"
 #include "src/io/names.h"
 #include "src/io/shared_data.h"
+#include "src/io/simulation_section.h"
 
 namespace alidade {
 namespace {
@@ -216,13 +217,41 @@ std::vector<std::string> PathsOf(const std::vector<YamlValue>& entries,
   return paths;
 }
 
+// Measurements that are made up as a simulation file makes them. As of a data
+// set's file, sigmas are those of the noise, where there is some.
+LoadedData SimulateEntry(const YamlValue& value, const DataFormat& defaults,
+                         JobContext* context, const JobConfig& job) {
+  if (!context->simulate) {
+    value.Fail(
+        "data cannot be simulated here, expected the file of a data set");
+  }
+  const SimulationConfig config =
+      ReadSimulatedData(value, job.arm, context->units, &context->files);
+  LoadedData loaded;
+  loaded.data = context->simulate(config);
+  if (!(config.noise_sigma > 0.0)) {
+    loaded.data.sigmas().setConstant(defaults.sigma);
+  }
+  // Poses count as lines, so that these may stand in a list with files.
+  loaded.data.files = {config.output};
+  for (int i = 0; i < loaded.data.num_poses(); ++i) {
+    loaded.data.sources.push_back({0, i + 1});
+  }
+  return loaded;
+}
+
 // A path, or a map where more is to be said of the file; or of the files, where
-// the path is a pattern.
+// the path is a pattern; or how to simulate.
 void ReadEntry(const YamlValue& value, const DataFormat& defaults,
                JobContext* context, JobConfig* job, FileShare* share,
                std::vector<LoadedData>* parts) {
   DataFormat format = defaults;
   std::optional<YamlValue> file;
+  if (value.Find("simulate")) {
+    const YamlValue simulate = value.Map({"simulate"}).Required("simulate");
+    parts->push_back(SimulateEntry(simulate, defaults, context, *job));
+    return;
+  }
   if (value.IsMap()) {
     const YamlMap map =
         value.Map({"file", "columns", "rotation", "point", "plane", "target",

@@ -79,7 +79,7 @@ std::string TargetOfLinks(const std::string& path) {
 }
 
 // Zero, or the errno of what failed; the file does not exist then.
-int WriteNewFile(const std::string& path, const std::string& content) {
+int TryWriteNewFile(const std::string& path, const std::string& content) {
   FileDescriptor file(path, O_WRONLY | O_CREAT | O_EXCL);
   if (file.get() < 0) return errno;
   if (WriteAll(file.get(), content) && fsync(file.get()) == 0 && file.Close()) {
@@ -141,13 +141,25 @@ void WriteFileAtomically(const std::string& given, const std::string& content) {
   std::string temporary;
   while (error == EEXIST) {
     temporary = TemporaryName(path);
-    error = WriteNewFile(temporary, content);
+    error = TryWriteNewFile(temporary, content);
   }
   if (error == 0 && rename(temporary.c_str(), path.c_str()) != 0) {
     error = errno;
     unlink(temporary.c_str());
   }
   if (error != 0) Fail(path, "cannot be written", error);
+}
+
+void WriteNewFile(const std::string& path, const std::string& content) {
+  const int error = TryWriteNewFile(path, content);
+  if (error != 0) Fail(path, "cannot be written", error);
+}
+
+void SyncDirectory(const std::string& path) {
+  FileDescriptor directory(path, O_RDONLY | O_DIRECTORY);
+  if (directory.get() < 0 || fsync(directory.get()) != 0) {
+    Fail(path, "directory cannot be synced", errno);
+  }
 }
 
 void MakeDirectories(const std::string& path) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "alidade/base/team.h"
+#include "alidade/io/job_file.h"
 #include "src/io/config_file.h"
 #include "src/io/yaml_reader.h"
 
@@ -15,7 +16,8 @@ struct JobContext {
   YamlMap file;
   Units units;
   NamedFiles files;
-  int num_threads = 1;  ///< to read data sets with
+  int num_threads = 1;      ///< to read data sets with
+  Simulator simulate = {};  ///< empty: no data are simulated
   /// Members that read a share of the data each; null: all is read here.
   Team* team = nullptr;
   /// The member that reads each data set's file.

@@ -9,6 +9,7 @@
 #include "src/io/data_section.h"
 #include "src/io/identifiability_section.h"
 #include "src/io/job_context.h"
+#include "src/io/job_tree.h"
 #include "src/io/names.h"
 #include "src/io/references_section.h"
 #include "src/io/uncertainty_section.h"
@@ -316,18 +317,25 @@ std::vector<int> ReadersOf(const JobContext& context) {
   return readers;
 }
 
-JobConfig Load(const std::string& path, bool with_validation, int num_threads,
-               Team* team) {
-  const YamlMap file =
-      ReadConfigFile(path, FileFormat::kJob)
-          .Map({"format", "title", "units", "arm", "data", "measurement",
-                "truth", "validation", "identifiability", "solver", "robust",
-                "compare_with", "acceptance", "published", "noise_study",
-                "references", "bounds", "uncertainty", "montecarlo"});
-  JobContext context{file, Units(file), NamedFiles(path), num_threads,
-                     team != nullptr && team->size() > 1 ? team : nullptr};
+void ReadOutputs(const JobContext& context, JobConfig* job) {
+  const std::optional<YamlValue> value = context.file.Optional("outputs");
+  if (!value) return;
+  const std::string name = value->Choice("outputs", {"full", "minimal"});
+  job->outputs = name == "full" ? JobOutputs::kFull : JobOutputs::kMinimal;
+}
+
+JobConfig Load(const YamlValue& root, bool with_validation,
+               const JobReading& reading) {
+  const YamlMap file = root.Map(JobKeys());
+  const bool is_shared = reading.team != nullptr && reading.team->size() > 1;
+  JobContext context{file,
+                     Units(file),
+                     NamedFiles(root.document()),
+                     reading.num_threads,
+                     reading.simulate,
+                     is_shared ? reading.team : nullptr};
   JobConfig job;
-  job.path = path;
+  job.path = root.document().files.front();
   job.title = file.Required("title").Text();
   job.arm = context.files.ReadArm(file.Required("arm"));
   ReadSolver(context, &job);
@@ -341,9 +349,20 @@ JobConfig Load(const std::string& path, bool with_validation, int num_threads,
   ReadNoiseStudy(context, &job);
   ReadUncertaintyOptions(context, &job);
   ReadMonteCarlo(context, &job);
+  ReadOutputs(context, &job);
   job.input_files = context.files.paths();
   job.readers = ReadersOf(context);
   return job;
+}
+
+// One job, not the many of a matrix.
+YamlValue ReadOneJob(const std::string& path) {
+  YamlValue root = RootOf(ReadJobTree(path));
+  if (const auto matrix = root.Find("matrix")) {
+    matrix->Fail("a matrix is many jobs, expected one: `alidade batch " + path +
+                 "` runs them all");
+  }
+  return root;
 }
 
 }  // namespace
@@ -356,12 +375,20 @@ const std::vector<std::string>& PublishedQuantityNames() {
   return *names;
 }
 
+JobConfig LoadJobTree(YamlDocument tree, const JobReading& reading) {
+  return Load(RootOf(std::move(tree)), true, reading);
+}
+
+JobConfig LoadJob(const std::string& path, const JobReading& reading) {
+  return Load(ReadOneJob(path), true, reading);
+}
+
 JobConfig LoadJob(const std::string& path, int num_threads, Team* team) {
-  return Load(path, true, num_threads, team);
+  return LoadJob(path, {num_threads, {}, team});
 }
 
 JobConfig LoadWholeJob(const std::string& path) {
-  return Load(path, false, 1, nullptr);
+  return Load(ReadOneJob(path), false, {});
 }
 
 }  // namespace alidade

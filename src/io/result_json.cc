@@ -263,7 +263,8 @@ std::string FormatResultJson(const JobResult& result) {
                      {"length_freedom", result.repeats.length_freedom},
                      {"rotation", result.repeats.rotation},
                      {"rotation_freedom", result.repeats.rotation_freedom}};
-  json["fit"] = {{"estimated_sigma", result.estimated_sigma},
+  json["fit"] = {{"sigma", result.sigma},
+                 {"estimated_sigma", result.estimated_sigma},
                  {"estimated_rotation_sigma", result.estimated_rotation_sigma},
                  {"reduced_chi_square", result.reduced_chi_square},
                  {"outlier_limit", result.outlier_limit},

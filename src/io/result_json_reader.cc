@@ -344,6 +344,7 @@ JobResult LoadResultJson(const std::string& path) {
   if (json.Has("stages")) result.stages = ReadList(json["stages"], ReadStage);
   if (json.Has("fit")) {
     const JsonValue fit = json["fit"];
+    if (fit.Has("sigma")) result.sigma = fit["sigma"].Number();
     result.estimated_sigma = fit["estimated_sigma"].Number();
     if (fit.Has("estimated_rotation_sigma")) {
       result.estimated_rotation_sigma =

@@ -6,6 +6,7 @@
 #include "alidade/io/job_file.h"
 #include "alidade/model/parameter_layout.h"
 #include "src/io/config_file.h"
+#include "src/io/simulation_section.h"
 #include "src/io/yaml_reader.h"
 
 namespace alidade {
@@ -79,8 +80,10 @@ RandomPoses ReadRandom(const YamlValue& value, const Arm& arm) {
   const YamlMap map = value.Map({"count"});
   for (int j = 0; j < arm.num_joints(); ++j) {
     const Joint& joint = arm.joints[j];
+    // A revolute joint without limits draws from a full turn.
+    if (joint.type == JointType::kRevolute) continue;
     if (std::isfinite(joint.lower) && std::isfinite(joint.upper)) continue;
-    value.Fail("expected limits for every joint, joint " +
+    value.Fail("expected limits for every prismatic joint, joint " +
                std::to_string(j + 1) + " of arm \"" + arm.name +
                "\" has none: add them to the arm file");
   }
@@ -144,6 +147,30 @@ void ReadOutput(const YamlMap& file, const NamedFiles& files,
 
 }  // namespace
 
+void ReadSimulationSection(const YamlMap& map, const Units& units,
+                           NamedFiles* files, SimulationConfig* config) {
+  ReadTrueValues(map, files, config);
+  ReadPoses(map.Required("poses"), units, files, config);
+  ReadNoise(map, units, config);
+  config->seed = map.Required("seed").Seed();
+  if (const auto decimals = map.Optional("joint_decimals")) {
+    config->joint_decimals =
+        static_cast<int>(decimals->Integer(0, kMaxJointDecimals));
+  }
+}
+
+SimulationConfig ReadSimulatedData(const YamlValue& value, const Arm& arm,
+                                   const Units& units, NamedFiles* files) {
+  const YamlMap map =
+      value.Map({"deviations", "poses", "noise", "seed", "joint_decimals"});
+  SimulationConfig config;
+  config.path = value.location().file;
+  config.arm = arm;
+  ReadSimulationSection(map, units, files, &config);
+  config.output = "simulated, seed " + std::to_string(config.seed);
+  return config;
+}
+
 SimulationConfig LoadSimulation(const std::string& path) {
   const YamlMap file =
       ReadConfigFile(path, FileFormat::kSimulation)
@@ -155,14 +182,7 @@ SimulationConfig LoadSimulation(const std::string& path) {
   config.path = path;
   file.ReadText("title", &config.title);
   config.arm = files.ReadArm(file.Required("arm"));
-  ReadTrueValues(file, &files, &config);
-  ReadPoses(file.Required("poses"), units, &files, &config);
-  ReadNoise(file, units, &config);
-  config.seed = file.Required("seed").Seed();
-  if (const auto decimals = file.Optional("joint_decimals")) {
-    config.joint_decimals =
-        static_cast<int>(decimals->Integer(0, kMaxJointDecimals));
-  }
+  ReadSimulationSection(file, units, &files, &config);
   ReadOutput(file, files, &config);
   config.input_files = files.paths();
   return config;

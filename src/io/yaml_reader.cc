@@ -78,7 +78,11 @@ YamlValue ReadYaml(const std::string& path) {
 }
 
 YamlValue ParseYaml(const std::string& text, const std::string& file) {
-  auto document = std::make_shared<YamlDocument>(ParseYamlDocument(text, file));
+  return RootOf(ParseYamlDocument(text, file));
+}
+
+YamlValue RootOf(YamlDocument tree) {
+  auto document = std::make_shared<const YamlDocument>(std::move(tree));
   const YamlNode* const root = &document->root;
   return YamlValue(std::move(document), root, "");
 }
@@ -95,7 +99,7 @@ YamlValue::YamlValue(std::shared_ptr<const YamlDocument> document,
 
 SourceLocation YamlValue::location() const {
   SourceLocation location;
-  location.file = document_->file;
+  location.file = document_->files[node_->file];
   location.line = node_->place.line;
   location.column = node_->place.column;
   location.key = path_;

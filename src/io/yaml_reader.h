@@ -41,6 +41,9 @@ YamlValue ReadYaml(const std::string& path);
 /// The root of a text; `file` is for messages. @throws InputError.
 YamlValue ParseYaml(const std::string& text, const std::string& file);
 
+/// The root of a tree that was put together from several files.
+YamlValue RootOf(YamlDocument document);
+
 /// The units that a file's plain numbers are in, from its required entry
 /// `units: {length: mm, angle: deg}`.
 class Units {
@@ -97,6 +100,9 @@ class YamlValue {
   std::optional<YamlValue> Find(const std::string& key) const;
 
   SourceLocation location() const;
+  /// What the value is part of.
+  const YamlDocument& document() const { return *document_; }
+  const YamlNode& node() const { return *node_; }
   /// @throws InputError here.
   [[noreturn]] void Fail(const std::string& message) const;
 

@@ -33,8 +33,20 @@ SourceLocation LocationOf(const std::string& file, const YAML::Mark& mark) {
   return location;
 }
 
-// yaml-cpp puts an empty item where the next token is; the dash of the item is
-// the first one that begins a line above.
+// yaml-cpp puts an empty value where the next token is, but one that says null
+// where it stands.
+bool SaysNull(const std::string& text, const YAML::Mark& mark) {
+  std::istringstream lines(text);
+  std::string line;
+  for (int number = 0; number <= mark.line; ++number) std::getline(lines, line);
+  const std::size_t column = static_cast<std::size_t>(mark.column);
+  if (column >= line.size()) return false;
+  const std::string_view rest = std::string_view(line).substr(column);
+  const std::string_view word = rest.substr(0, rest.find_first_of(" \t\r,]}#"));
+  return word == "~" || word == "null" || word == "Null" || word == "NULL";
+}
+
+// The dash of an empty item is the first one that begins a line above.
 YamlPlace PlaceOfEmptyItem(const std::string& text, const YAML::Mark& mark) {
   YamlPlace place = PlaceOf(mark);
   std::istringstream lines(text);
@@ -46,13 +58,7 @@ YamlPlace PlaceOfEmptyItem(const std::string& text, const YAML::Mark& mark) {
       place = {number, static_cast<int>(first) + 1};
     }
   }
-  // An item that says null stands where it is.
-  std::getline(lines, line);
-  const std::size_t column = static_cast<std::size_t>(mark.column);
-  const bool says_null =
-      column < line.size() &&
-      std::string_view("~nN").find(line[column]) != std::string_view::npos;
-  return says_null ? PlaceOf(mark) : place;
+  return place;
 }
 
 // yaml-cpp overlooks a missing closing quote where the text ends in a line
@@ -81,9 +87,13 @@ class TreeBuilder : public YAML::EventHandler {
   void OnNull(const YAML::Mark& mark, YAML::anchor_t) override {
     if (ExpectsKey()) Fail(mark, "expected a key before \":\", found nothing");
     YamlNode* const node = Add(mark, Kind::kEmpty);
+    node->says_null = SaysNull(text_, mark);
     if (open_.empty()) return;
-    const bool in_map = open_.back()->kind == Kind::kMap;
-    node->place = in_map ? key_place_ : PlaceOfEmptyItem(text_, mark);
+    if (open_.back()->kind == Kind::kMap) {
+      node->place = key_place_;
+    } else if (!node->says_null) {
+      node->place = PlaceOfEmptyItem(text_, mark);
+    }
   }
 
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
@@ -121,7 +131,7 @@ class TreeBuilder : public YAML::EventHandler {
  private:
   [[noreturn]] void Fail(const YAML::Mark& mark,
                          const std::string& message) const {
-    throw InputError(LocationOf(document_.file, mark), message);
+    throw InputError(LocationOf(document_.files.front(), mark), message);
   }
 
   void RefuseTag(const YAML::Mark& mark, const std::string& tag) const {
@@ -203,7 +213,7 @@ void BuildTree(const std::string& text, YamlDocument* document) {
     while (parser.HandleNextDocument(builder)) {
     }
   } catch (const YAML::Exception& e) {
-    throw InputError(LocationOf(document->file, e.mark),
+    throw InputError(LocationOf(document->files.front(), e.mark),
                      "not valid YAML: " + e.msg);
   }
 }
@@ -213,7 +223,7 @@ void BuildTree(const std::string& text, YamlDocument* document) {
 YamlDocument ParseYamlDocument(const std::string& text,
                                const std::string& file) {
   YamlDocument document;
-  document.file = file;
+  document.files = {file};
   RefuseBinary(text, file);
   BuildTree(text, &document);
   if (document.root.kind == Kind::kEmpty) {

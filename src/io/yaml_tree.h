@@ -18,16 +18,19 @@ struct YamlNode {
   enum class Kind { kEmpty, kScalar, kList, kMap };
 
   Kind kind = Kind::kEmpty;
+  int file = 0;         ///< that states it, in YamlDocument::files
   YamlPlace place;      ///< an empty value in a map stands at its key
   YamlPlace key_place;  ///< of a value in a map
   bool quoted = false;
+  bool says_null = false;         ///< empty, and written as "~" or "null"
   std::string text;               ///< of a scalar
   std::vector<std::string> keys;  ///< of a map, one per item
   std::vector<YamlNode> items;    ///< of a list or a map
 };
 
+/// What a file says, and the files that it inherits from (job_tree.h).
 struct YamlDocument {
-  std::string file;
+  std::vector<std::string> files;  ///< the first is the document's own
   YamlNode root;
 };
 

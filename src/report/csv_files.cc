@@ -34,17 +34,6 @@ std::string VectorCells(const Eigen::Vector3d& metres) {
   return cells;
 }
 
-// Names of targets come from users: quoted where a cell needs it.
-std::string TextCell(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c == '\n' || c == '\r' ? ' ' : c;
-  }
-  return quoted + "\"";
-}
-
 std::string Header(const EvaluatedSet& set,
                    const std::vector<JointColumn>& joints) {
   std::string text = "pose";

@@ -173,4 +173,14 @@ std::string Count(std::int64_t number, std::string_view singular) {
   return text;
 }
 
+std::string TextCell(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"') quoted += '"';
+    quoted += c == '\n' || c == '\r' ? ' ' : c;
+  }
+  return quoted + "\"";
+}
+
 }  // namespace alidade

@@ -48,6 +48,9 @@ std::string FixedNumber(double value, int decimals);
 /// The shortest text that reads back to the same double: "0.1", "2.1e-13".
 std::string ShortestNumber(double value);
 
+/// A cell of a CSV: texts come from users, so quoted where one needs it.
+std::string TextCell(const std::string& text);
+
 /// "1 pose", "56 poses".
 std::string Count(std::int64_t number, std::string_view singular);
 

@@ -149,9 +149,9 @@ std::string Map(const PredictedMap& map) {
   return Paragraph(text + ".");
 }
 
-std::string HeldOut(const PredictionCheck& check) {
+std::string Agreement(const std::string& where, const PredictionCheck& check) {
   if (check.axes.n == 0) return "";
-  std::string text = "Held-out poses: " + Percent(check.axes.rate()) +
+  std::string text = where + ": " + Percent(check.axes.rate()) +
                      " of coordinates lie within their " +
                      Percent(check.confidence) + " intervals (" +
                      Percent(check.axes.lower) + " to " +
@@ -281,8 +281,31 @@ std::string UncertaintySection(const JobResult& result) {
   text += Residuals(uncertainty.residuals);
   text += Influences(uncertainty.residuals);
   if (uncertainty.workspace) text += "\n" + Map(*uncertainty.workspace);
-  if (uncertainty.heldout) text += HeldOut(*uncertainty.heldout);
+  if (uncertainty.heldout) {
+    text += Agreement("Held-out poses", *uncertainty.heldout);
+  }
   return text;
+}
+
+std::string FormatPredictionCheck(const std::string& where,
+                                  const PredictionCheck& check) {
+  return Agreement(where, check);
+}
+
+std::string FormatPredictedMap(const PredictedMap& map) { return Map(map); }
+
+std::vector<ReportFile> MakePredictionFiles(
+    const std::vector<Dimension>& joints, const PredictedMap& map,
+    const std::optional<PredictionCheck>& check) {
+  std::vector<ReportFile> files = {
+      {"predicted_map.csv", MapCsv(map, joints)},
+      {"predicted_map.svg", RenderSvg(SideView(map))}};
+  if (!check) return files;
+  files.push_back({"z_scores.svg", RenderSvg(HistogramChart(
+                                       "Errors over their predicted standard "
+                                       "deviations",
+                                       check->histogram))});
+  return files;
 }
 
 std::vector<ReportFile> MakeUncertaintyFiles(const JobResult& result) {

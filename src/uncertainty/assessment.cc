@@ -103,9 +103,9 @@ class Assessment {
     result_.warnings.push_back(
         "the model bends within the uncertainty of " + names +
         (has_profiles
-             ? ": their intervals are those of the profile likelihood, and "
+             ? ": intervals there are those of the profile likelihood, and "
                "standard deviations alone say too little"
-             : ": their linear intervals hold less often than they say; ask "
+             : ": linear intervals there hold less often than they say; ask "
                "for `uncertainty: {intervals: profile}`"));
   }
 

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
 #include <string>
 
 #include "tests/support/process.h"
+#include "tests/support/without_times.h"
 
 namespace alidade {
 namespace {
@@ -20,6 +20,7 @@ using ::testing::Not;
 using testing::ProcessResult;
 using testing::ReadWhole;
 using testing::TemporaryDirectory;
+using testing::WithoutTimes;
 using testing::WriteWhole;
 
 const std::string kSource = ALIDADE_SOURCE_DIR;
@@ -30,31 +31,6 @@ const std::string kWristData = kSource + "/datasets/rv2aj/wrist_56.csv";
 
 ProcessResult Alidade(const std::string& arguments) {
   return testing::RunProcess(std::string(ALIDADE_BINARY) + " " + arguments);
-}
-
-// Times differ from run to run, the directory and the thread count from call
-// to call; nothing else may.
-std::string WithoutTimes(const std::string& path) {
-  nlohmann::json json = nlohmann::json::parse(ReadWhole(path));
-  const auto is_volatile = [](const std::string& key) {
-    return key == "command" || key.find("time") != std::string::npos ||
-           key.find("threads") != std::string::npos ||
-           key.find("timed_s") != std::string::npos;
-  };
-  std::function<void(nlohmann::json*)> strip = [&](nlohmann::json* node) {
-    if (node->is_object()) {
-      for (auto it = node->begin(); it != node->end();) {
-        it = is_volatile(it.key()) ? node->erase(it) : std::next(it);
-      }
-    }
-    if (node->is_structured()) {
-      for (nlohmann::json& child : *node) strip(&child);
-    }
-  };
-  strip(&json);
-  // The one row of the study's table that states a time.
-  return std::regex_replace(json.dump(1),
-                            std::regex("[0-9.]+ m?s, [0-9. ]+ times less"), "");
 }
 
 TEST(CliTest, WithoutCommandPrintsUsageAndExitsWithTwo) {
@@ -68,8 +44,9 @@ TEST(CliTest, HelpNamesEveryCommandOnStandardOutput) {
   const ProcessResult result = Alidade("--help");
   EXPECT_EQ(result.status, 0);
   EXPECT_THAT(result.err, IsEmpty());
-  for (const char* command : {"show", "check", "convert", "simulate",
-                              "identify", "calibrate", "compare", "validate"}) {
+  for (const char* command :
+       {"show", "check", "convert", "simulate", "plan", "identify", "calibrate",
+        "compare", "montecarlo", "validate", "report", "batch"}) {
     EXPECT_THAT(result.out, HasSubstr(command));
     const ProcessResult help = Alidade(std::string(command) + " --help");
     EXPECT_EQ(help.status, 0) << command;
@@ -130,12 +107,14 @@ TEST_F(StudyTest, CalibrateWritesTheWholeResultDirectory) {
     EXPECT_GT(entry.file_size(), 100u) << entry.path();
     EXPECT_THAT(result.out, HasSubstr(entry.path().string()));
   }
-  EXPECT_EQ(names, (std::set<std::string>{
-                       "arm.yaml", "convergence.svg", "error_after.svg",
-                       "error_before.svg", "heldout.csv", "iterations.csv",
-                       "report.txt", "residuals.csv", "result.json",
-                       "singular_values.svg", "validation_after.svg",
-                       "validation_before.svg"}));
+  EXPECT_EQ(names,
+            (std::set<std::string>{
+                "arm.yaml", "convergence.svg", "error_after.svg",
+                "error_before.svg", "heldout.csv", "heldout_z_scores.svg",
+                "influence.csv", "iterations.csv", "predicted_map.csv",
+                "predicted_map.svg", "report.txt", "residual_histogram.svg",
+                "residuals.csv", "result.json", "singular_values.svg",
+                "validation_after.svg", "validation_before.svg"}));
 }
 
 TEST_F(StudyTest, CalibrateEndsOnPublishedAgainstObtainedAndThePaths) {
@@ -323,6 +302,51 @@ TEST_F(StudyTest, UnwritableOutputIsAnErrorOfTheUser) {
       "calibrate " + kStudy + " --out=" + (directory_ / "file/results"));
   EXPECT_EQ(result.status, 2);
   EXPECT_THAT(result.err, HasSubstr("file"));
+}
+
+TEST_F(StudyTest, ValidateTellsWhetherErrorsAreAsPredicted) {
+  const std::string out = directory_ / "results";
+  ASSERT_EQ(Alidade("calibrate " + kStudy + " --out=" + out).status, 0);
+  const ProcessResult result =
+      Alidade("validate " + out + " " + kSource +
+              "/datasets/rv2aj/wrist_3600.csv --out=" + out + "/check");
+  ASSERT_EQ(result.status, 0) << result.err;
+  // The study's data are exact, its sigma is not.
+  EXPECT_THAT(result.out, AllOf(HasSubstr("smaller than"), HasSubstr("3600"),
+                                HasSubstr("Predicted standard deviation"),
+                                HasSubstr("check/z_scores.svg")));
+  const ProcessResult arm =
+      Alidade("validate " + out + "/arm.yaml " + kSource +
+              "/datasets/rv2aj/wrist_3600.csv --out=" + out + "/check");
+  EXPECT_EQ(arm.status, 2);
+  EXPECT_THAT(arm.err, HasSubstr("result directory"));
+}
+
+TEST_F(StudyTest, MonteCarloPrintsCoverageAndWritesItsFiles) {
+  const std::string job = directory_ / "job.yaml";
+  const std::string text =
+      "format: alidade-job-1\ntitle: trials\n"
+      "units: {length: mm, angle: rad}\narm: " +
+      kSource + "/configs/robots/rv2aj_flange.yaml\ndata: " + kSource +
+      "/datasets/rv2aj/flange_56.csv\nmeasurement: {sigma: 0.02}\n";
+  WriteWhole(job, text +
+                      "montecarlo: {trials: 30, truth: priors, "
+                      "outliers: {fraction: 0.05, size: 1}}\n");
+  const std::string out = directory_ / "trials";
+  const ProcessResult result =
+      Alidade("montecarlo " + job + " --threads=2 --out=" + out);
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out,
+              AllOf(HasSubstr("30 simulated calibrations"),
+                    HasSubstr("holds truth %"), HasSubstr("trials.csv")));
+  // A header and a row for each trial.
+  const std::string trials = ReadWhole(out + "/trials.csv");
+  EXPECT_EQ(std::count(trials.begin(), trials.end(), '\n'), 31);
+  WriteWhole(job, text + "montecarlo: {trials: 30, truth: given}\n");
+  const ProcessResult wrong = Alidade("montecarlo " + job);
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_THAT(wrong.err,
+              AllOf(HasSubstr("job.yaml:7:"), HasSubstr("montecarlo.truth")));
 }
 
 TEST_F(StudyTest, ValidateAgainstAnotherArmComparesWorkspaces) {

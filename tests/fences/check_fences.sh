@@ -18,7 +18,8 @@ declare -A may_include=(
   [design]="base model results measurement identifiability"
   [compensation]="base model results"
   [io]="base model results measurement
-    identifiability/options.h solve/options.h uncertainty/options.h"
+    identifiability/options.h solve/options.h uncertainty/options.h
+    design/options.h"
   [report]="base results"
   [batch]="base model results measurement identifiability solve uncertainty
     design compensation io report"

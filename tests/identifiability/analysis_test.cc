@@ -62,7 +62,9 @@ TEST(AnalysisTest, DefaultFreesTheStructuralRankWithPriors) {
   const Eigen::VectorXd priors = PriorsOf(result);
   ASSERT_EQ(priors.size(), model.layout().size());
   EXPECT_EQ(priors[*model.layout().Find("beta4")], 5e-3);
-  EXPECT_EQ(priors[*model.layout().Find("r2")], 1e-3);
+  // r2 stands for r2 + r3 + r4, each known to 1 mm beforehand.
+  EXPECT_NEAR(priors[*model.layout().Find("r2")], std::sqrt(3.0) * 1e-3, 1e-12);
+  EXPECT_EQ(priors[*model.layout().Find("r1")], 1e-3);
   EXPECT_TRUE(std::isnan(priors[*model.layout().Find("r3")]));
 }
 

@@ -13,6 +13,7 @@
 #include "alidade/base/units.h"
 #include "alidade/io/arm_file.h"
 #include "alidade/io/files.h"
+#include "alidade/io/job_matrix.h"
 #include "alidade/model/parameter_layout.h"
 #include "tests/io/config_files.h"
 #include "tests/io/io_test_util.h"
@@ -401,6 +402,54 @@ TEST(LoadJobTest, ReadsLossAndSigmaToEstimate) {
                    {7, 16, "robust.loss", "least squares"});
 }
 
+TEST(LoadJobTest, ReadsUncertaintyAndMonteCarlo) {
+  const TestDirectory directory;
+  directory.Write("data.csv", kDataText);
+  const JobConfig job = LoadJob(WriteJob(
+      directory, "data: data.csv\n",
+      "uncertainty: {confidence: 0.99, intervals: profile, map: 0, seed: 7}\n"
+      "montecarlo: {trials: 50, seed: 3, truth: priors, precision: 0.01,\n"
+      "  outliers: {fraction: 0.05, size: 2}, workspace_poses: 9,\n"
+      "  joint_repeatability: {length: 0.01}}\n"));
+  EXPECT_EQ(job.uncertainty.confidence, 0.99);
+  EXPECT_EQ(job.uncertainty.intervals, IntervalMethod::kProfile);
+  EXPECT_EQ(job.uncertainty.map_configurations, 0);
+  EXPECT_EQ(job.uncertainty.seed, 7u);
+  EXPECT_EQ(job.montecarlo.trials, 50);
+  EXPECT_EQ(job.montecarlo.seed, 3u);
+  EXPECT_EQ(job.montecarlo.truth, SimulatedTruth::kPriors);
+  EXPECT_EQ(job.montecarlo.outlier_fraction, 0.05);
+  EXPECT_NEAR(job.montecarlo.outlier_size, 2e-3, 1e-18);
+  EXPECT_NEAR(job.montecarlo.joint_length_sigma, 1e-5, 1e-20);
+  EXPECT_EQ(job.montecarlo.joint_angle_sigma, 0.0);
+  EXPECT_EQ(job.montecarlo.workspace_poses, 9);
+  EXPECT_EQ(job.montecarlo.precision, 0.01);
+}
+
+TEST(LoadJobTest, RefusesWrongUncertaintyAndMonteCarlo) {
+  const TestDirectory directory;
+  directory.Write("data.csv", kDataText);
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"uncertainty: {confidence: 1.5}\n", "between 0 and 1"},
+      {"uncertainty: {intervals: wide}\n", "wide"},
+      {"uncertainty: {nonlinearity_limit: 0}\n", "above 0"},
+      {"montecarlo: {trials: 1}\n", "montecarlo.trials"},
+      {"montecarlo: {truth: given}\n", "`truth`"},
+      {"montecarlo: {outliers: {fraction: 0.1}}\n", "size"},
+      {"montecarlo: {trial: 5}\n", "trial"}};
+  for (const auto& [section, part] : cases) {
+    const std::string path = WriteJob(directory, "data: data.csv\n", section);
+    try {
+      LoadJob(path);
+      ADD_FAILURE() << section << " was taken";
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos)
+          << error.what();
+      EXPECT_GT(error.location().line, 0);
+    }
+  }
+}
+
 TEST(LoadJobTest, FindsDataByAnEnvironmentVariable) {
   const TestDirectory directory;
   directory.Write("data.csv", kDataText);
@@ -419,6 +468,21 @@ TEST(LoadJobTest, FindsDataByAnEnvironmentVariable) {
 bool IsWithoutItsData(const std::string& path) {
   return path.find("/real_arms/") != std::string::npos &&
          std::getenv("ALIDADE_DATA") == nullptr;
+}
+
+// Jobs of a file, their simulated data left at zero.
+void LoadEveryJob(const std::string& path) {
+  const JobMatrix matrix(path);
+  JobReading reading;
+  reading.simulate = [](const SimulationConfig& config) {
+    const auto& poses = std::get<PosesFromFile>(config.poses).joint_values;
+    return MakePositions(poses, Eigen::Matrix3Xd::Zero(3, poses.cols()),
+                         Eigen::Matrix3Xd::Ones(3, poses.cols()));
+  };
+  // The first and the last tell of the thousand between.
+  for (const std::int64_t job : {std::int64_t{0}, matrix.size() - 1}) {
+    matrix.Load(job, reading);
+  }
 }
 
 // Every file loads; deviations are read for the arm of the study. A job whose
@@ -440,7 +504,7 @@ TEST(ConfigsTest, EveryFileLoads) {
         if (IsWithoutItsData(path)) {
           EXPECT_THROW(LoadJob(path), InputError);
         } else {
-          EXPECT_NO_THROW(LoadJob(path));
+          EXPECT_NO_THROW(LoadEveryJob(path));
         }
         break;
       case FileFormat::kSimulation:

@@ -589,6 +589,80 @@ TEST(ResultJsonTest, KeepsRepeatsAndTheFit) {
   EXPECT_EQ(read.reduced_chi_square, result.reduced_chi_square);
 }
 
+UncertaintyResult MakeUncertainty() {
+  UncertaintyResult uncertainty;
+  uncertainty.confidence = 0.9;
+  uncertainty.degrees_of_freedom = 1.0 / 3e-2;
+  uncertainty.estimator = "sandwich";
+  uncertainty.parameters = {
+      {"beta1", 1e-5 / 3.0, {-1.0 / 7.0, 0.25, true}, 0.125, 1.0 / 9.0},
+      {"r1", kInfinity, {-kInfinity, kInfinity, false}, kInfinity, 0.0}};
+  uncertainty.covariance.resize(2, 2);
+  uncertainty.covariance << 1.0 / 3.0, 2.0, 2.0, 5.0;
+  uncertainty.correlated = {{"beta1", "r1", -0.99 / 3.0}};
+  ResidualDiagnostics& residuals = uncertainty.residuals;
+  residuals.chi_square = 151.0 / 3.0;
+  residuals.degrees_of_freedom = 150.5;
+  residuals.reduced_chi_square = 1.0 / 3.0;
+  residuals.normality = {0.3 / 7.0, 0.6 / 7.0};
+  residuals.whiteness = {31.0 / 7.0, kNan};
+  residuals.lags = 10;
+  residuals.histogram.counts = {1, 2, 3};
+  PredictedMap map;
+  map.summary = MakeAccuracy(1e-4);
+  map.true_summary = MakeAccuracy(2e-4);
+  uncertainty.workspace = map;
+  PredictionCheck check;
+  check.confidence = 0.9;
+  check.axes = {90, 100, 0.8 / 3.0, 0.95};
+  check.ellipsoids = {31, 33, 0.75, 0.99};
+  check.rms_z = 1.0 / 0.9;
+  check.verdict = "agree";
+  check.histogram.counts = {4, 5};
+  uncertainty.heldout = check;
+  uncertainty.warnings = {"it bends"};
+  return uncertainty;
+}
+
+TEST(ResultJsonTest, KeepsTheUncertainty) {
+  JobResult result = MakeResult();
+  result.uncertainty = MakeUncertainty();
+  result.sigma = 2e-5 / 3.0;
+  const JobResult read = RoundTrip(result);
+  EXPECT_EQ(read.sigma, result.sigma);
+  ASSERT_TRUE(read.uncertainty);
+  const UncertaintyResult& a = *result.uncertainty;
+  const UncertaintyResult& b = *read.uncertainty;
+  EXPECT_EQ(a.confidence, b.confidence);
+  EXPECT_EQ(a.degrees_of_freedom, b.degrees_of_freedom);
+  EXPECT_EQ(a.estimator, b.estimator);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(a.parameters[k].name, b.parameters[k].name);
+    EXPECT_EQ(a.parameters[k].std, b.parameters[k].std);
+    EXPECT_EQ(a.parameters[k].interval.lower, b.parameters[k].interval.lower);
+    EXPECT_EQ(a.parameters[k].interval.upper, b.parameters[k].interval.upper);
+    EXPECT_EQ(a.parameters[k].interval.is_profile,
+              b.parameters[k].interval.is_profile);
+    EXPECT_EQ(a.parameters[k].nonlinearity, b.parameters[k].nonlinearity);
+    EXPECT_EQ(a.parameters[k].prior_share, b.parameters[k].prior_share);
+  }
+  EXPECT_EQ(a.covariance, b.covariance);
+  EXPECT_EQ(a.correlated[0].second, b.correlated[0].second);
+  EXPECT_EQ(a.correlated[0].correlation, b.correlated[0].correlation);
+  EXPECT_EQ(a.residuals.chi_square, b.residuals.chi_square);
+  EXPECT_EQ(a.residuals.normality.p_value, b.residuals.normality.p_value);
+  EXPECT_TRUE(std::isnan(b.residuals.whiteness.p_value));
+  EXPECT_EQ(a.residuals.histogram.counts, b.residuals.histogram.counts);
+  ExpectEqual(a.workspace->summary, b.workspace->summary);
+  ExpectEqual(a.workspace->true_summary, b.workspace->true_summary);
+  EXPECT_EQ(a.heldout->axes.held, b.heldout->axes.held);
+  EXPECT_EQ(a.heldout->ellipsoids.n, b.heldout->ellipsoids.n);
+  EXPECT_EQ(a.heldout->rms_z, b.heldout->rms_z);
+  EXPECT_EQ(a.heldout->verdict, b.heldout->verdict);
+  EXPECT_EQ(a.heldout->histogram.counts, b.heldout->histogram.counts);
+  EXPECT_EQ(a.warnings, b.warnings);
+}
+
 TEST(ResultJsonTest, KeepsTheUnitOfEachAcceptanceLimit) {
   const JobResult read = RoundTrip(MakeResultOfKinds());
   ASSERT_EQ(read.acceptance.size(), 3U);

@@ -169,6 +169,14 @@ double LargestError(const Arm& arm, const Eigen::VectorXd& values,
   return static_cast<double>(largest);
 }
 
+MatrixXl ReferenceCovariance(const MatrixXl& jacobian, const VectorXl& prior) {
+  MatrixXl normal = jacobian.transpose() * jacobian;
+  normal.diagonal() += prior.cwiseInverse().cwiseAbs2();
+  const VectorXl scale = normal.diagonal().cwiseSqrt().cwiseInverse();
+  const MatrixXl scaled = scale.asDiagonal() * normal * scale.asDiagonal();
+  return scale.asDiagonal() * scaled.inverse() * scale.asDiagonal();
+}
+
 ReferenceSolution SolveReference(const Arm& arm, const VectorXl& start,
                                  const Dataset& data,
                                  const std::vector<int>& columns) {

@@ -61,6 +61,10 @@ std::vector<int> IndependentColumns(const Arm& arm, const VectorXl& values,
 double LargestError(const Arm& arm, const Eigen::VectorXd& values,
                     const Dataset& data);
 
+/// (J^T J + diag(1 / prior^2))^-1, columns scaled to norm 1 before the inverse
+/// is taken.
+MatrixXl ReferenceCovariance(const MatrixXl& jacobian, const VectorXl& prior);
+
 struct ReferenceSolution {
   VectorXl values;
   long double cost = 0.0L;  ///< chi-square at the values

@@ -13,6 +13,11 @@ namespace alidade {
 /// report.txt, the CSV files and the figures. @pre a usable solution.
 std::vector<ReportFile> RenderResult(const JobOutcome& outcome);
 
+/// What a job asks for by its `outputs`: the above, or arm.yaml and result.json
+/// alone. @pre a usable solution.
+std::vector<ReportFile> RenderResult(const JobOutcome& outcome,
+                                     JobOutputs outputs);
+
 /// Writes them into `directory`, which is created, each to a temporary name
 /// that is renamed; result.json comes last, so that a directory which has one
 /// is complete. Returns the paths. @throws InputError.

@@ -1,6 +1,8 @@
 #ifndef ALIDADE_BATCH_SIMULATE_H_
 #define ALIDADE_BATCH_SIMULATE_H_
 
+#include <string>
+
 #include "alidade/io/job_config.h"
 #include "alidade/measurement/dataset.h"
 
@@ -18,6 +20,11 @@ namespace alidade {
 ///
 /// @throws InputError where no joint values within the limits reach a target.
 Dataset Simulate(const SimulationConfig& config);
+
+/// LoadJob of a job whose data may be simulated (`data: {simulate: ...}`).
+/// @throws InputError as LoadJob and Simulate.
+JobConfig ReadJob(const std::string& path, int num_threads = 1,
+                  Team* team = nullptr);
 
 }  // namespace alidade
 

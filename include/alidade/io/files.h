@@ -12,6 +12,14 @@ std::string ReadFile(const std::string& path);
 /// so that no reader ever sees half a file. @throws InputError.
 void WriteFileAtomically(const std::string& path, const std::string& content);
 
+/// Writes a file that is not there yet and syncs it: for directories that are
+/// renamed as a whole. @throws InputError.
+void WriteNewFile(const std::string& path, const std::string& content);
+
+/// Makes names in a directory, or their removal, outlast a loss of power.
+/// @throws InputError.
+void SyncDirectory(const std::string& path);
+
 /// Creates a directory and its parents. @throws InputError.
 void MakeDirectories(const std::string& path);
 

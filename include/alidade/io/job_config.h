@@ -21,6 +21,10 @@ namespace alidade {
 
 enum class SolverName { kCeres, kPseudoInverse };
 
+/// What a result directory holds: all there is, or for fleets of thousands only
+/// what machines read, arm.yaml and result.json.
+enum class JobOutputs { kFull, kMinimal };
+
 /// One quantity of a study that the report prints beside ours.
 struct PublishedFigure {
   std::string quantity;   ///< one of PublishedQuantityNames()
@@ -140,6 +144,7 @@ struct JobConfig {
   /// Further solvers to run on the same data.
   std::vector<SolverName> compare_with;
   AcceptanceLimits acceptance;
+  JobOutputs outputs = JobOutputs::kFull;
   std::optional<PublishedStudy> published;
   /// How far the result is to be trusted.
   UncertaintyOptions uncertainty;

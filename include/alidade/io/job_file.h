@@ -1,27 +1,42 @@
 #ifndef ALIDADE_IO_JOB_FILE_H_
 #define ALIDADE_IO_JOB_FILE_H_
 
+#include <functional>
 #include <string>
 
 #include "alidade/base/team.h"
 #include "alidade/io/job_config.h"
+#include "alidade/measurement/dataset.h"
 
 namespace alidade {
 
 /// What a YAML file says it is in its `format` key.
-enum class FileFormat { kArm, kDeviations, kJob, kSimulation };
+enum class FileFormat { kArm, kDeviations, kJob, kSimulation, kPlan };
 
 /// @throws InputError where the file is no YAML map or its format is unknown.
 FileFormat DetectFormat(const std::string& path);
 
-/// Reads a job and every file it names; paths are relative to the job file.
-/// Large data sets are read by `num_threads`; the result does not depend on it.
-///
-/// Members of a team read the same job and consecutive files of its data each:
-/// what they get is a share of the data (measurement/share.h). Collective
-/// (base/team.h); a team of one, or null, reads all. What needs all data in one
-/// place is refused: other solvers than Ceres, a published study, folds.
-/// @throws InputError with file, line, column and key.
+/// Makes up the data of a job that says how (`data: {simulate: ...}`):
+/// Simulate of batch/simulate.h, which this module does not know.
+using Simulator = std::function<Dataset(const SimulationConfig&)>;
+
+/// How a job is read. What comes out does not depend on the first two.
+struct JobReading {
+  int num_threads = 1;      ///< for large data sets
+  Simulator simulate = {};  ///< empty: jobs that simulate are refused
+  /// Members of a team read the same job and consecutive files of its data
+  /// each: what they get is a share of the data (measurement/share.h).
+  /// Collective (base/team.h); a team of one, or null, reads all. What needs
+  /// all data in one place is refused: other solvers than Ceres, a published
+  /// study, folds, simulated data.
+  Team* team = nullptr;
+};
+
+/// Reads a job, those that it extends, and every file they name; paths are
+/// relative to the file that states them.
+/// @throws InputError with file, line, column and key; also where the file has
+/// a `matrix`, which is many jobs (job_matrix.h).
+JobConfig LoadJob(const std::string& path, const JobReading& reading);
 JobConfig LoadJob(const std::string& path, int num_threads = 1,
                   Team* team = nullptr);
 

@@ -1,6 +1,7 @@
 #ifndef ALIDADE_REPORT_REPORT_H_
 #define ALIDADE_REPORT_REPORT_H_
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,15 @@ std::string FormatNoiseStudy(const NoiseStudyResult& study);
 /// noise_study.svg: the error over the workspace by trial, sorted, of every
 /// method; noise_study.csv: both errors of every trial.
 std::vector<ReportFile> MakeNoiseFiles(const NoiseStudyResult& study);
+/// How predictions compare with what was observed at `where`, in words.
+std::string FormatPredictionCheck(const std::string& where,
+                                  const PredictionCheck& check);
+std::string FormatPredictedMap(const PredictedMap& map);
+/// predicted_map.csv and .svg, with a check z_scores.svg. `joints`: what each
+/// joint value measures.
+std::vector<ReportFile> MakePredictionFiles(
+    const std::vector<Dimension>& joints, const PredictedMap& map,
+    const std::optional<PredictionCheck>& check);
 /// influence.csv (leverage and Cook's distance by pose), predicted_map.csv and
 /// .svg, residual_histogram.svg, heldout_z_scores.svg; those that there is
 /// something for.

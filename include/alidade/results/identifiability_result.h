@@ -33,7 +33,8 @@ struct ParameterDecision {
   /// What a free parameter stands for once others are frozen
   /// ("r2 + r3 + r4"), or empty.
   std::string stands_for;
-  /// Known beforehand; NaN where no prior applies.
+  /// Known beforehand, of all that the parameter stands for; NaN where no prior
+  /// applies.
   double prior_std = std::numeric_limits<double>::quiet_NaN();
   /// Predicted from these poses and their sigmas, priors included where the
   /// policy uses them; infinite where nothing tells, NaN where frozen.

@@ -234,6 +234,8 @@ struct JobResult {
   double estimated_sigma = 0.0;
   /// The same of a component of an orientation (rad).
   double estimated_rotation_sigma = 0.0;
+  /// Median sigma that the fit took of a coordinate (m); 0 = no lengths.
+  double sigma = 0.0;
   /// Chi-square of the fit over its degrees of freedom, priors accounted for;
   /// 0 where no freedom is left.
   double reduced_chi_square = 0.0;

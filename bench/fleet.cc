@@ -1,0 +1,101 @@
+// Calibrates the arms of Universal Robots whose factory calibrations are known,
+// on simulated measurements, each into a result directory with its page, and
+// sets them beside one another on one page.
+//
+// Usage: fleet DATA_DIRECTORY OUT   (the folder ur_factory_calibrations)
+
+#include <cctype>
+#include <cstdlib>
+#include <iostream>
+#include <string>
+
+#include "alidade/base/error.h"
+#include "alidade/batch/report_page.h"
+#include "alidade/batch/result_directory.h"
+#include "alidade/io/files.h"
+#include "bench/ur_factory_arms.h"
+
+namespace alidade {
+namespace {
+
+constexpr int kPoses = 60;
+constexpr int kHeldOut = 40;
+constexpr int kThreads = 2;
+constexpr std::uint64_t kSeed = 301;
+constexpr std::uint64_t kSeedsOfArm = 4;
+
+// "UR5e pearl_ur5e": the model and the last part of the repository's name.
+std::string LabelOf(const FactoryArm& arm) {
+  const std::size_t slash = arm.repository.rfind('/');
+  return arm.model + " " +
+         (slash == std::string::npos ? arm.repository
+                                     : arm.repository.substr(slash + 1));
+}
+
+std::string DirectoryName(const std::string& label) {
+  std::string name;
+  for (const char c : label) {
+    const bool keep = std::isalnum(static_cast<unsigned char>(c)) || c == '-';
+    name += keep ? c : '_';
+  }
+  return name;
+}
+
+JobConfig JobOf(const FactoryArm& arm, const std::string& label,
+                std::uint64_t seed) {
+  JobConfig job;
+  job.title = label + ", simulated measurements";
+  job.arm = arm.nominal;
+  job.arm.name = arm.model;
+  job.data = MeasureArm(arm.real, MeasurementKind::kPosition, kPoses, seed);
+  job.data.name = "simulated, " + std::to_string(kPoses) + " poses";
+  job.validation = MeasureArm(arm.real, MeasurementKind::kPosition, kHeldOut,
+                              seed + kSeedsOfArm / 2);
+  job.validation->name = "simulated, " + std::to_string(kHeldOut) + " poses";
+  job.identifiability.candidates = {true, true, true};
+  return job;
+}
+
+int Run(const std::string& data, const std::string& out) {
+  const std::string page_path = out + "/comparison.html";
+  ComparisonPage page;
+  std::uint64_t seed = kSeed;
+  for (const FactoryArm& arm : LoadFactoryArms(data)) {
+    const std::string label = LabelOf(arm);
+    const std::string directory = out + "/" + DirectoryName(label);
+    try {
+      const JobOutcome outcome =
+          RunJob(JobOf(arm, label, seed), "scripts/fleet", kThreads);
+      if (!outcome.message.empty()) {
+        page.AddFailure(label, outcome.message);
+      } else {
+        std::vector<ReportFile> files = RenderResult(outcome);
+        files.insert(files.end() - 1, MakeResultPage(outcome, files, label));
+        WriteResultDirectory(directory, files);
+        AddToComparison(directory, label, page_path, &page);
+      }
+    } catch (const InputError& error) {
+      page.AddFailure(label, error.what());
+    }
+    seed += kSeedsOfArm;
+  }
+  WriteFileAtomically(page_path, page.Render(ComparisonKind::kFleet));
+  std::cout << page_path << std::endl;
+  return EXIT_SUCCESS;
+}
+
+}  // namespace
+}  // namespace alidade
+
+int main(int argc, char** argv) {
+  if (argc != 3) {
+    std::cerr << "usage: fleet DATA_DIRECTORY OUT\n";
+    return 2;
+  }
+  try {
+    return alidade::Run(argv[1], argv[2]);
+  } catch (const std::exception& error) {
+    std::cerr << "fleet: " << error.what() << "\n";
+    return 2;
+  }
+}

@@ -1,0 +1,306 @@
+#include "alidade/batch/plan.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "alidade/base/version.h"
+#include "alidade/design/travel.h"
+#include "alidade/identifiability/factor.h"
+#include "alidade/io/dataset_csv.h"
+#include "alidade/io/files.h"
+#include "alidade/report/format.h"
+#include "alidade/report/plan_report.h"
+#include "plan_evaluation.h"
+#include "plan_problem.h"
+
+namespace alidade {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+double SecondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
+      .count();
+}
+
+// The plan is worse than this over the region than over its candidates where
+// they do not cover it.
+constexpr double kUncovered = 1.25;
+
+class Planner {
+ public:
+  Planner(const PlanConfig& config, int num_threads)
+      : config_([&] {
+          PlanConfig prepared = config;
+          prepared.job = PrepareMeasured(config, num_threads);
+          prepared.design.num_threads = num_threads;
+          prepared.design.seed = config.seed;
+          return prepared;
+        }()),
+        model_(config_.job.arm, config_.job.references, num_threads) {}
+
+  PlanOutcome Run(const std::string& command) {
+    Describe(command);
+    const auto begin = std::chrono::steady_clock::now();
+    problem_ = MakePlanProblem(config_, model_);
+    if (!IsIdentifiable()) return std::move(outcome_);
+    DesignOptions options = config_.design;
+    if (config_.wanted && !FindNumber(&options.num_poses)) {
+      return std::move(outcome_);
+    }
+    design_ = ChoosePoses(problem_.design, options);
+    result().plan_time_s = SecondsSince(begin);
+    if (!IsPlanned(options)) return std::move(outcome_);
+    Order();
+    const PlanEvaluator evaluator(config_, model_, problem_);
+    evaluator.Evaluate(design_, &result());
+    WarnIfUncovered();
+    evaluator.DrawCurve(design_, &result());
+    outcome_.status = PlanStatus::kDone;
+    result().total_time_s = SecondsSince(start_);
+    return std::move(outcome_);
+  }
+
+ private:
+  PlanResult& result() { return outcome_.result; }
+
+  void Describe(const std::string& command) {
+    PlanResult& plan = result();
+    plan.version = Version();
+    plan.command = command;
+    plan.title = config_.title;
+    plan.arm = config_.job.arm.name;
+    plan.seed = config_.seed;
+    for (const std::string& path : config_.input_files) {
+      plan.inputs.push_back({path, Sha256(ReadFile(path))});
+    }
+    const PoseMeasurement& measurement = config_.measurement;
+    plan.criterion = NameOf(config_.design.criterion);
+    plan.measured = measurement.orientation ? "pose" : "position";
+    plan.sigma = measurement.sigma;
+    if (measurement.orientation) {
+      plan.rotation_sigma = measurement.rotation_sigma;
+    }
+    plan.equations = measurement.num_equations();
+    plan.measured_before = static_cast<int>(config_.job.data.num_poses());
+    plan.allow_repeats = config_.design.allow_repeats;
+    plan.wanted = config_.wanted.value_or(0.0);
+  }
+
+  bool IsIdentifiable() {
+    for (const std::string& text : problem_.identifiability.warnings) {
+      Warn(text);
+    }
+    if (problem_.identifiability.exceeds_rank || problem_.columns.empty()) {
+      outcome_.status = PlanStatus::kRefused;
+      outcome_.message = problem_.identifiability.exceeds_rank
+                             ? problem_.identifiability.refusal
+                             : "no parameter is free";
+      return false;
+    }
+    result().num_candidates = problem_.design.candidates.size();
+    result().num_looked_at = problem_.num_looked_at;
+    result().has_priors = problem_.prior_stds.array().isFinite().any();
+    const int wanted = config_.candidates.count;
+    if (!config_.given_candidates && result().num_candidates < wanted) {
+      Warn("only " + std::to_string(result().num_candidates) + " of " +
+           std::to_string(result().num_looked_at) +
+           " draws satisfy the constraints, fewer than the " +
+           std::to_string(wanted) + " candidates asked for");
+    }
+    return true;
+  }
+
+  bool IsPlanned(const DesignOptions& options) {
+    result().converged = design_.status == DesignStatus::kConverged;
+    if (design_.status == DesignStatus::kTooFew) {
+      return Fail("fewer than " + std::to_string(options.num_poses) +
+                  " candidates may stand beside each other: allow repeats, "
+                  "lower the minimum motion or add candidates");
+    }
+    if (design_.status == DesignStatus::kRankShort) {
+      return Fail(std::to_string(options.num_poses) + " poses of " +
+                  std::to_string(result().equations) +
+                  " measurements each do not tell " +
+                  std::to_string(problem_.columns.size()) +
+                  " parameters apart: plan more poses, fix parameters or use "
+                  "`policy: prior`");
+    }
+    if (!result().converged) {
+      Warn("the exchange was stopped by max_passes before it came to an end");
+    }
+    return true;
+  }
+
+  bool Fail(const std::string& message) {
+    outcome_.status = PlanStatus::kFailed;
+    outcome_.message = message;
+    return false;
+  }
+
+  void Warn(const std::string& warning) {
+    result().warnings.push_back(warning);
+    LOG(WARNING) << "warning: " << warning;
+  }
+
+  int threads() const { return model_.num_threads(); }
+
+  // A plan of about as many poses as the wanted accuracy needs, and of enough
+  // to tell all parameters.
+  DesignResult FirstPlan(DesignOptions options) const {
+    const int most = options.num_poses;
+    const double equations = config_.measurement.num_equations();
+    const double poses_each =
+        static_cast<double>(problem_.columns.size()) / equations;
+    const double ratio = config_.measurement.sigma / *config_.wanted;
+    const double guess =
+        std::max(std::ceil(poses_each) + 1.0, 3.0 * poses_each * ratio * ratio);
+    options.num_poses =
+        static_cast<int>(std::min(guess, static_cast<double>(most)));
+    for (;;) {
+      DesignResult plan = ChoosePoses(problem_.design, options);
+      if (plan.status != DesignStatus::kRankShort ||
+          options.num_poses == most) {
+        return plan;
+      }
+      options.num_poses = std::min(2 * options.num_poses, most);
+    }
+  }
+
+  // The smallest number of poses whose plan meets the wanted accuracy, at most
+  // the number that is there. Plans of other sizes choose among the candidates
+  // that a first one tells worst; the plan of the number found chooses among
+  // all. Where no plan is found at all, the number stays.
+  bool FindNumber(int* num_poses) {
+    const int most = *num_poses;
+    DesignOptions options = config_.design;
+    const DesignResult first = FirstPlan(options);
+    if (first.status == DesignStatus::kRankShort || first.chosen.empty()) {
+      return true;
+    }
+    const DesignProblem part = WorstTold(problem_, first, threads());
+    const PlanEvaluator evaluator(config_, model_, problem_);
+    options.starts = 1;
+    const auto is_met = [&](int number) {
+      options.num_poses = number;
+      return evaluator.WorstOverRegion(ChoosePoses(part, options)) <=
+             *config_.wanted;
+    };
+    int too_few = 0;
+    int enough = static_cast<int>(first.chosen.size());
+    while (!is_met(enough)) {
+      if (enough == most) {
+        outcome_.status = PlanStatus::kRefused;
+        outcome_.message = "an accuracy of " + FormatLength(*config_.wanted) +
+                           " needs more than " + std::to_string(most) +
+                           " poses of these candidates: measure better, or "
+                           "allow more (`most`)";
+        return false;
+      }
+      too_few = enough;
+      enough = std::min(most, enough + enough / 2 + 1);
+    }
+    while (enough - too_few > 1) {
+      const int middle = (too_few + enough) / 2;
+      (is_met(middle) ? enough : too_few) = middle;
+    }
+    *num_poses = enough;
+    return true;
+  }
+
+  void Order() {
+    PlanResult& plan = result();
+    const Eigen::MatrixXd chosen =
+        SelectColumns(problem_.design.joint_values, design_.chosen);
+    const Eigen::Index n = chosen.rows();
+    plan.travel_in_seconds = config_.speeds.size() > 0;
+    const Eigen::VectorXd weights =
+        plan.travel_in_seconds ? Eigen::VectorXd(config_.speeds.cwiseInverse())
+                               : Eigen::VectorXd::Ones(n);
+    std::vector<int> as_drawn(chosen.cols());
+    std::iota(as_drawn.begin(), as_drawn.end(), 0);
+    const std::vector<int> order = ShortOrder(chosen, weights);
+    plan.travel_before = TravelAlong(chosen, weights, as_drawn);
+    plan.travel = TravelAlong(chosen, weights, order);
+    plan.joint_values = SelectColumns(chosen, order);
+    for (const Joint& joint : model_.nominal().joints) {
+      plan.joint_dimensions.push_back(joint.type == JointType::kRevolute
+                                          ? Dimension::kAngle
+                                          : Dimension::kLength);
+    }
+    const Eigen::VectorXd variances = PredictedVariances(
+        problem_.candidate_positions, design_.information, threads());
+    plan.pose_std.resize(chosen.cols());
+    for (Eigen::Index k = 0; k < chosen.cols(); ++k) {
+      plan.pose_std[k] = std::sqrt(variances[design_.chosen[order[k]]]);
+    }
+    std::vector<int> distinct = design_.chosen;
+    plan.num_distinct = static_cast<int>(
+        std::unique(distinct.begin(), distinct.end()) - distinct.begin());
+    MakeSheet();
+  }
+
+  void MakeSheet() {
+    outcome_.arm = model_.nominal();
+    outcome_.joint_decimals = config_.given_candidates
+                                  ? kFewestDigits
+                                  : config_.candidates.joint_decimals;
+    outcome_.sheet =
+        MakePlannedData(model_, result().joint_values, config_.measurement);
+    outcome_.sheet.blocks.front().sigmas.setConstant(kInfinity);
+    outcome_.sheet.blocks.front().measured.setZero();
+  }
+
+  void WarnIfUncovered() {
+    const PlanEvaluation& planned = result().evaluations.front();
+    const double ratio = planned.region.worst / planned.candidates.worst;
+    if (ratio > kUncovered) {
+      Warn("the worst prediction over the region is " +
+           FormatSignificant(ratio, 3) +
+           " times that over the candidates: they do not cover it");
+    }
+  }
+
+  const std::chrono::steady_clock::time_point start_ =
+      std::chrono::steady_clock::now();
+  const PlanConfig config_;
+  const MeasurementModel model_;
+  PlanProblem problem_;
+  DesignResult design_;
+  PlanOutcome outcome_;
+};
+
+}  // namespace
+
+PlanOutcome RunPlan(const PlanConfig& config, const std::string& command,
+                    int num_threads) {
+  return Planner(config, num_threads).Run(command);
+}
+
+std::vector<ReportFile> RenderPlan(const PlanOutcome& outcome) {
+  const PlanResult& result = outcome.result;
+  const std::vector<std::string> comments = {
+      result.title,
+      "poses planned by alidade " + result.version + " for " + result.arm +
+          ", in an order with little travel",
+      "seed: " + std::to_string(result.seed) +
+          "; fill in what is measured, or take the joint values alone"};
+  std::vector<ReportFile> files;
+  files.push_back(
+      {"poses.csv", FormatDataset(outcome.sheet, outcome.arm,
+                                  outcome.joint_decimals, false, comments)});
+  files.push_back({"plan.txt", FormatPlan(result)});
+  for (ReportFile& file : MakePlanFiles(result)) {
+    files.push_back(std::move(file));
+  }
+  files.push_back({"plan.json", FormatPlanJson(result)});
+  return files;
+}
+
+}  // namespace alidade

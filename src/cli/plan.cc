@@ -1,0 +1,38 @@
+#include "alidade/batch/plan.h"
+
+#include <filesystem>
+#include <iostream>
+
+#include "alidade/batch/result_directory.h"
+#include "alidade/io/plan_config.h"
+#include "alidade/report/plan_report.h"
+#include "command.h"
+#include "progress_line.h"
+
+namespace alidade {
+
+ExitStatus RunPlanCommand(const CommandLine& line) {
+  const std::string& path = line.files.front();
+  ProgressLine progress;
+  progress.Show("planning " + path);
+  PlanConfig config = LoadPlan(path, line.threads);
+  if (line.seed) config.seed = *line.seed;
+  const PlanOutcome outcome = RunPlan(config, line.text, line.threads);
+  progress.Clear();
+  if (outcome.status != PlanStatus::kDone) {
+    PrintError(path + ": " + outcome.message);
+    return kExitNumerical;
+  }
+  const std::string directory =
+      line.out.empty()
+          ? "results/" + std::filesystem::path(path).stem().string()
+          : line.out;
+  const std::vector<std::string> paths =
+      WriteResultDirectory(directory, RenderPlan(outcome));
+  std::cout << config.title << "\n\n"
+            << FormatPlanSummary(outcome.result) << "\nResults\n";
+  for (const std::string& written : paths) std::cout << "  " << written << "\n";
+  return kExitDone;
+}
+
+}  // namespace alidade

@@ -1,0 +1,59 @@
+#include <filesystem>
+#include <iostream>
+
+#include "alidade/base/error.h"
+#include "alidade/batch/report_page.h"
+#include "alidade/io/files.h"
+#include "command.h"
+
+namespace alidade {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The page's path: --out names it, or the folder that it is put into.
+std::string PagePath(const CommandLine& line) {
+  const fs::path out = line.out;
+  if (out.extension() == ".html") return line.out;
+  if (!line.out.empty()) return (out / "report.html").string();
+  const fs::path first = line.files.front();
+  if (line.files.size() > 1) return "comparison.html";
+  return ((fs::is_directory(first) ? first : first.parent_path()) /
+          "report.html")
+      .string();
+}
+
+ComparisonKind ReadKind(const std::string& word, const ComparisonPage& page) {
+  if (word.empty()) return page.GuessKind();
+  if (word == "fleet") return ComparisonKind::kFleet;
+  if (word == "time") return ComparisonKind::kTime;
+  if (word == "ways") return ComparisonKind::kWays;
+  throw InputError(
+      {}, "report: --read-as = \"" + word + "\", expected fleet, time or ways");
+}
+
+std::string ComparisonOf(const CommandLine& line, const std::string& path) {
+  ComparisonPage page;
+  ReadKind(line.read_as, page);  // a wrong word is told before files are read
+  const std::vector<std::string> labels = ResultLabels(line.files);
+  for (std::size_t i = 0; i < line.files.size(); ++i) {
+    AddToComparison(line.files[i], labels[i], path, &page);
+  }
+  return page.Render(ReadKind(line.read_as, page));
+}
+
+}  // namespace
+
+ExitStatus RunReport(const CommandLine& line) {
+  const std::string path = PagePath(line);
+  const std::string page = line.files.size() == 1
+                               ? ResultPageOf(line.files.front())
+                               : ComparisonOf(line, path);
+  const fs::path directory = fs::path(path).parent_path();
+  if (!directory.empty()) MakeDirectories(directory.string());
+  WriteFileAtomically(path, page);
+  std::cout << path << "\n";
+  return kExitDone;
+}
+
+}  // namespace alidade

@@ -1,0 +1,20 @@
+#ifndef ALIDADE_SRC_REPORT_HTML_PAGE_H_
+#define ALIDADE_SRC_REPORT_HTML_PAGE_H_
+
+#include <string>
+
+namespace alidade {
+
+// The sources of the page, src/report/page, made into C++ by its embed.cmake.
+std::string PageTemplate();
+std::string PageStyle();
+std::string PageScript();
+
+/// The page: `data` is JSON without a '<', which the script draws everything
+/// from; `text` is for readers without scripts.
+std::string FillPage(const std::string& title, const std::string& data,
+                     const std::string& text);
+
+}  // namespace alidade
+
+#endif  // ALIDADE_SRC_REPORT_HTML_PAGE_H_

@@ -1,0 +1,270 @@
+#include "alidade/report/plan_report.h"
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "alidade/report/format.h"
+#include "alidade/report/svg_chart.h"
+#include "alidade/report/text_table.h"
+#include "src/report/text.h"
+
+namespace alidade {
+namespace {
+
+using Align = TextTable::Align;
+
+std::string Millimetres(double metres) {
+  return FormatSignificant(metres / kMillimetre, 3);
+}
+
+int NumPoses(const PlanResult& result) {
+  return static_cast<int>(result.joint_values.cols());
+}
+
+std::string Measured(const PlanResult& result) {
+  std::string text = "a " + result.measured + " of " +
+                     FormatLength(result.sigma, 3) + " standard deviation";
+  if (result.rotation_sigma > 0.0) {
+    text +=
+        " (" + FormatSignificant(result.rotation_sigma / kDegree, 3) + " deg)";
+  }
+  return text;
+}
+
+std::string Opening(const PlanResult& result) {
+  std::string text =
+      Count(NumPoses(result), "pose") + " (" +
+      std::to_string(result.num_distinct) + " different) of " +
+      Count(result.num_candidates, "candidate") + " to find " +
+      Count(static_cast<std::int64_t>(result.parameters.size()), "parameter") +
+      " of " + result.arm + ", criterion " + result.criterion + ", " +
+      Count(result.equations, "measurement") +
+      " at a pose: " + Measured(result) + ".";
+  if (result.measured_before > 0) {
+    text += " " + Count(result.measured_before, "pose") + " measured before " +
+            (result.measured_before == 1 ? "is" : "are") +
+            " taken into account.";
+  }
+  if (result.has_priors) {
+    text += " Priors are taken into account.";
+  }
+  return text;
+}
+
+std::string EvaluationTable(const PlanResult& result) {
+  TextTable table({{"predicted std of a position [mm]"},
+                   {"candidates, worst", Align::kRight},
+                   {"rms", Align::kRight},
+                   {"region, worst", Align::kRight},
+                   {"rms", Align::kRight},
+                   {"O1", Align::kRight},
+                   {"condition", Align::kRight}});
+  for (const PlanEvaluation& evaluation : result.evaluations) {
+    const ObservabilityIndices& indices = evaluation.observability;
+    table.AddRow({evaluation.name, Millimetres(evaluation.candidates.worst),
+                  Millimetres(evaluation.candidates.rms),
+                  Millimetres(evaluation.region.worst),
+                  Millimetres(evaluation.region.rms),
+                  FormatSignificant(indices.o1, 3),
+                  FormatSignificant(indices.condition, 3)});
+  }
+  return table.ToString();
+}
+
+std::string Verdict(const PlanResult& result) {
+  std::string text;
+  if (result.bound > 0.0) {
+    const double worst = result.evaluations.front().candidates.worst;
+    text += "No plan of " + Count(NumPoses(result), "pose") +
+            " has a worst standard deviation over the candidates below sigma "
+            "sqrt(p / N) = " +
+            FormatLength(result.bound) + ": this one is " +
+            FormatSignificant(100.0 * (worst / result.bound - 1.0), 2) +
+            " % above. ";
+  }
+  text +=
+      "It has at least " + FormatSignificant(100.0 * result.d_efficiency, 3) +
+      " % of the information (D) that any plan of as many of these "
+      "candidates could have. Travel " +
+      (result.travel_in_seconds
+           ? FormatDuration(result.travel) + " instead of " +
+                 FormatDuration(result.travel_before)
+           : FormatSignificant(result.travel / kDegree, 4) + " instead of " +
+                 FormatSignificant(result.travel_before / kDegree, 4) +
+                 " deg (the largest joint's of each move)") +
+      ".";
+  return Paragraph(text);
+}
+
+std::string CurveTable(const PlanResult& result) {
+  const bool has_bound = result.curve.front().bound > 0.0;
+  std::vector<TextTable::Column> columns = {{"poses", Align::kRight},
+                                            {"planned, worst", Align::kRight},
+                                            {"rms", Align::kRight},
+                                            {"random, worst", Align::kRight},
+                                            {"rms", Align::kRight}};
+  if (has_bound) columns.push_back({"bound", Align::kRight});
+  TextTable table(columns);
+  for (const PlanCurvePoint& point : result.curve) {
+    std::vector<std::string> row = {
+        std::to_string(point.num_poses), Millimetres(point.planned.worst),
+        Millimetres(point.planned.rms), Millimetres(point.random.worst),
+        Millimetres(point.random.rms)};
+    if (has_bound) row.push_back(Millimetres(point.bound));
+    table.AddRow(row);
+  }
+  return table.ToString();
+}
+
+std::string ParameterTable(const PlanResult& result) {
+  TextTable table({{"parameter"},
+                   {"unit"},
+                   {"known before", Align::kRight},
+                   {"planned std", Align::kRight},
+                   {"random std", Align::kRight},
+                   {"stands for"}});
+  for (const PlannedParameter& parameter : result.parameters) {
+    const double unit =
+        parameter.dimension == Dimension::kAngle ? kDegree : kMillimetre;
+    table.AddRow({parameter.name, UnitForPeople(parameter.dimension),
+                  std::isfinite(parameter.prior_std)
+                      ? FormatSignificant(parameter.prior_std / unit, 3)
+                      : "-",
+                  FormatSignificant(parameter.planned_std / unit, 3),
+                  FormatSignificant(parameter.random_std / unit, 3),
+                  parameter.stands_for});
+  }
+  return table.ToString();
+}
+
+std::string PoseTable(const PlanResult& result) {
+  std::vector<TextTable::Column> columns = {{"pose", Align::kRight}};
+  const Eigen::Index n = result.joint_values.rows();
+  for (Eigen::Index j = 0; j < n; ++j) {
+    columns.push_back({"q" + std::to_string(j + 1) + " " +
+                           UnitForPeople(result.joint_dimensions[j]),
+                       Align::kRight});
+  }
+  columns.push_back({"std mm", Align::kRight});
+  TextTable table(columns);
+  for (Eigen::Index k = 0; k < result.joint_values.cols(); ++k) {
+    std::vector<std::string> row = {std::to_string(k + 1)};
+    for (Eigen::Index j = 0; j < n; ++j) {
+      row.push_back(FormatParameter(result.joint_values(j, k),
+                                    result.joint_dimensions[j], 4));
+    }
+    row.push_back(Millimetres(result.pose_std[k]));
+    table.AddRow(row);
+  }
+  return table.ToString();
+}
+
+ChartSeries CurveSeries(const std::string& label, const PlanResult& result,
+                        double (*of)(const PlanCurvePoint&)) {
+  ChartSeries series;
+  series.label = label;
+  for (const PlanCurvePoint& point : result.curve) {
+    series.x.push_back(point.num_poses);
+    series.y.push_back(of(point) / kMillimetre);
+  }
+  return series;
+}
+
+std::string CurveChart(const PlanResult& result) {
+  LineChart chart;
+  chart.title = "Predicted accuracy by the number of poses";
+  chart.subtitle = Count(NumPoses(result), "planned pose") + ": worst " +
+                   FormatLength(result.evaluations.front().region.worst, 3) +
+                   " over the region, random ones " +
+                   FormatLength(result.evaluations[2].region.worst, 3);
+  chart.x.label = "poses";
+  chart.x.logarithmic = true;
+  chart.y.label = "standard deviation of a position [mm]";
+  chart.y.logarithmic = true;
+  chart.series.push_back(CurveSeries(
+      "random, worst", result,
+      [](const PlanCurvePoint& point) { return point.random.worst; }));
+  chart.series.push_back(CurveSeries(
+      "random, rms", result,
+      [](const PlanCurvePoint& point) { return point.random.rms; }));
+  chart.series.push_back(CurveSeries(
+      "planned, worst", result,
+      [](const PlanCurvePoint& point) { return point.planned.worst; }));
+  chart.series.push_back(CurveSeries(
+      "planned, rms", result,
+      [](const PlanCurvePoint& point) { return point.planned.rms; }));
+  for (ChartSeries& series : chart.series) series.marker = MarkerStyle::kDot;
+  if (result.curve.front().bound > 0.0) {
+    chart.series.push_back(
+        CurveSeries("bound of the worst, sigma sqrt(p / N)", result,
+                    [](const PlanCurvePoint& point) { return point.bound; }));
+  }
+  if (result.wanted > 0.0) {
+    chart.references.push_back({result.wanted / kMillimetre, "wanted"});
+  }
+  return RenderSvg(chart);
+}
+
+std::string CurveCsv(const PlanResult& result) {
+  std::string csv =
+      "poses,planned_worst_mm,planned_rms_mm,random_worst_mm,random_rms_mm,"
+      "bound_mm\n";
+  for (const PlanCurvePoint& point : result.curve) {
+    csv += std::to_string(point.num_poses);
+    for (const double value :
+         {point.planned.worst, point.planned.rms, point.random.worst,
+          point.random.rms, point.bound}) {
+      csv += ",";
+      if (std::isfinite(value) && value > 0.0) {
+        csv += ShortestNumber(value / kMillimetre);
+      }
+    }
+    csv += "\n";
+  }
+  return csv;
+}
+
+}  // namespace
+
+std::string FormatPlanSummary(const PlanResult& result) {
+  std::string text = Paragraph(Opening(result)) + "\n" +
+                     EvaluationTable(result) + "\n" + Verdict(result);
+  if (result.wanted > 0.0) {
+    text += "\n" + Paragraph(
+                       "So many poses bring the worst over the region to "
+                       "the wanted " +
+                       FormatLength(result.wanted) + ".");
+  }
+  if (!result.curve.empty()) {
+    text +=
+        "\nBy the number of poses, over the region [mm]\n" + CurveTable(result);
+  }
+  return text;
+}
+
+std::string FormatPlan(const PlanResult& result) {
+  std::string text = Heading(result.title, '=') + "\n" +
+                     FormatPlanSummary(result) + "\n" +
+                     Heading("Parameters, predicted standard deviations") +
+                     "\n" + ParameterTable(result) + "\n" +
+                     Heading("Poses, in the order to be measured") + "\n" +
+                     PoseTable(result) + "\n";
+  for (const std::string& warning : result.warnings) {
+    text += Paragraph("Warning: " + warning);
+  }
+  text += Paragraph("alidade " + result.version + ", seed " +
+                    std::to_string(result.seed) + ", " + result.command);
+  for (const InputFile& input : result.inputs) {
+    text += "  " + input.path + " sha256 " + input.sha256 + "\n";
+  }
+  return text;
+}
+
+std::vector<ReportFile> MakePlanFiles(const PlanResult& result) {
+  if (result.curve.empty()) return {};
+  return {{"accuracy.svg", CurveChart(result)},
+          {"curve.csv", CurveCsv(result)}};
+}
+
+}  // namespace alidade

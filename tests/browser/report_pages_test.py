@@ -1,0 +1,440 @@
+#!/usr/bin/python3
+"""Looks at the pages of `alidade report` in a real browser (headless Chromium).
+
+Expected values come from the result files, not from the page's own data: pages
+must load without a word on the console, ask no network, hold the right numbers
+and figures, stay text where names look like markup, fit a phone, follow the
+reader's choice of light and dark, and print.
+
+Usage: report_pages_test.py ALIDADE SOURCE_DIR WORK_DIR
+"""
+
+import base64
+import csv
+import io
+import json
+import math
+import pathlib
+import shutil
+import subprocess
+import sys
+import unittest
+import xml.etree.ElementTree
+
+from selenium import webdriver
+from selenium.webdriver.chrome.options import Options
+from selenium.webdriver.chrome.service import Service
+
+HOSTILE = "<script>document.title='owned'</script></script><b>arm"
+# The page shows three significant digits.
+SHOWN = 0.006
+
+
+def start_browser():
+    options = Options()
+    for flag in ("--headless=new", "--no-sandbox", "--disable-gpu"):
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs",
+                           {"browser": "ALL", "performance": "ALL"})
+    return webdriver.Chrome(options=options,
+                            service=Service("/usr/bin/chromedriver"))
+
+
+def run_alidade(*arguments):
+    done = subprocess.run([ALIDADE, *map(str, arguments)], cwd=SOURCE,
+                          capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise RuntimeError(f"alidade {arguments}: {done.stderr}")
+    return done.stdout
+
+
+def load(path):
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def shown_number(text):
+    """The number that a cell such as "−6.2×10⁻¹⁴" shows."""
+    digits = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+    text = text.replace("\u2212", "-").replace("\u202f", "")
+    if "×10" in text:
+        mantissa, exponent = text.split("×10")
+        return float(mantissa) * 10.0 ** int(exponent.translate(digits))
+    return float(text)
+
+
+def make_study(directory):
+    run_alidade("calibrate", "configs/jobs/rv2aj_study.yaml", "--report",
+                f"--out={directory}")
+
+
+def copy_result(source, target, change):
+    """A copy of a result directory whose result.json `change` has edited."""
+    shutil.copytree(source, target)
+    result = load(target / "result.json")
+    change(result)
+    (target / "result.json").write_text(json.dumps(result), encoding="utf-8")
+    return target
+
+
+def free_parameters(result):
+    return [p for p in result["parameters"] if p["state"] == "free"]
+
+
+def add_uncertainty(result):
+    """What a calibration with uncertainties has; made up, but for names."""
+    result["arm"] = HOSTILE
+    result["title"] = HOSTILE
+    parameters = [{
+        "name": p["name"], "std": 1e-5 * (i + 1), "nonlinearity": 0.0,
+        "prior_share": 0.9 if i == 0 else 0.1,
+        "interval": {"lower": p["value"] - 2e-5 * (i + 1),
+                     "upper": p["value"] + 2e-5 * (i + 1), "profile": False},
+    } for i, p in enumerate(free_parameters(result))]
+    histogram = {"lower": -4.0, "width": 0.25, "counts": [
+        round(100 * math.exp(-0.5 * (-3.875 + 0.25 * i) ** 2)) for i in range(32)]}
+    summary = dict(result["accuracy"]["train"]["before"], median=1.25e-4)
+    result["uncertainty"] = {
+        "confidence": 0.95, "degrees_of_freedom": None,
+        "estimator": "inverse information", "parameters": parameters,
+        "covariance": [[0.0] * len(parameters)] * len(parameters),
+        "correlated": [{"first": "d1", "second": "r2", "correlation": -0.97}],
+        "residuals": {
+            "chi_square": 150.0, "degrees_of_freedom": 151.0,
+            "reduced_chi_square": 0.993, "chi_square_p_value": 0.51,
+            "normality": {"statistic": 0.4, "p_value": 0.35},
+            "whiteness": {"statistic": 9.0, "p_value": 0.5}, "lags": 10,
+            "studentised_histogram": histogram},
+        "workspace": {"position_std": summary, "rotation_std": summary},
+        "heldout": {
+            "confidence": 0.95, "rms_z": 1.0, "verdict": "agree",
+            "z_histogram": histogram,
+            "axes": {"held": 95, "n": 100, "lower": 0.89, "upper": 0.98},
+            "ellipsoids": {"held": 94, "n": 100, "lower": 0.87,
+                           "upper": 0.97}},
+        "warnings": ["a warning of uncertainty"],
+    }
+
+
+MAP_ROWS = ["q1_deg,x_mm,y_mm,z_mm,position_std_mm,true_error_mm"] + [
+    f"0,{20 * i},{20 * j},{50 * k},{0.01 * (i + j + 1)},{0.02 * (k + 1)}"
+    for i in range(10) for j in range(10) for k in range(5)]
+
+
+class Pages(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        shutil.rmtree(WORK, ignore_errors=True)
+        WORK.mkdir(parents=True)
+        cls.study = WORK / "study"
+        make_study(cls.study)
+        cls.hostile = copy_result(cls.study, WORK / "hostile", add_uncertainty)
+        (cls.hostile / "predicted_map.csv").write_text("\n".join(MAP_ROWS) + "\n")
+        (cls.hostile / "influence.csv").write_text(
+            "pose,leverage,cooks_distance,standardised_residual\n"
+            "3,0.1,0.01,1\n7,0.5,0.3,2\n")
+        run_alidade("report", cls.hostile)
+        cls.browser = start_browser()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.browser.quit()
+
+    def cdp(self, command, **parameters):
+        return self.browser.execute_cdp_cmd(command, parameters)
+
+    def js(self, script, *arguments):
+        return self.browser.execute_script("return " + script, *arguments)
+
+    def open(self, path, width=1280, scheme="light"):
+        self.cdp("Emulation.setDeviceMetricsOverride", width=width, height=900,
+                 deviceScaleFactor=1, mobile=width < 600)
+        self.cdp("Emulation.setEmulatedMedia", features=[
+            {"name": "prefers-color-scheme", "value": scheme}])
+        self.browser.get(path.resolve().as_uri())
+        self.assertEqual("true", self.js("document.documentElement.dataset.ready"))
+        self.assertEqual([], self.browser.get_log("browser"))
+        self.assertEqual({path.resolve().as_uri()}, self.requests())
+
+    def requests(self):
+        """What the page has asked for, be it served or not."""
+        messages = [json.loads(entry["message"])["message"]
+                    for entry in self.browser.get_log("performance")]
+        urls = [m["params"]["request"]["url"] for m in messages
+                if m["method"] == "Network.requestWillBeSent"]
+        return {url for url in urls if not url.startswith(("data:", "chrome"))}
+
+    def table(self, name):
+        """Rows of a table as lists of [text, exact value or None]."""
+        return self.js("""[...document.querySelectorAll('#' + arguments[0] +
+            ' tbody tr')].map((row) => [...row.children].map((cell) =>
+            [cell.textContent, cell.dataset.value === undefined ? null
+              : Number(cell.dataset.value)]))""", name)
+
+    def column(self, name, title):
+        """Where a table has the column of a title, from 0."""
+        return self.js("""[...document.querySelectorAll('#' + arguments[0] +
+            ' thead button')].findIndex((b) => b.textContent === arguments[1])""",
+            name, title)
+
+    def text(self, selector):
+        return self.js("document.querySelector(arguments[0]).textContent",
+                       selector)
+
+    def assert_near(self, expected, obtained, relative):
+        self.assertLessEqual(abs(obtained - expected), relative * abs(expected),
+                             f"{obtained} for {expected}")
+
+    def test_study_shows_the_numbers_of_its_result(self):
+        result = load(self.study / "result.json")
+        self.open(self.study / "report.html")
+        rows = {row[0][0]: row for row in self.table("accuracy")}
+        for name, key, state in (("held-out, before", "heldout", "before"),
+                                 ("held-out, after", "heldout", "after"),
+                                 ("training, before", "train", "before"),
+                                 ("training, after", "train", "after")):
+            expected = result["accuracy"][key][state]
+            for column, quantity in enumerate(("mean", "rms", "p95", "max"), 1):
+                shown, exact = rows[name][column]
+                self.assert_near(1e3 * expected[quantity], exact, 1e-12)
+                # Two digits below a micrometre.
+                self.assert_near(exact, shown_number(shown),
+                                 SHOWN if exact > 1e-3 else 0.06)
+            self.assertEqual(expected["n"], rows[name][5][1])
+        self.assertIn("3.08\u00a0mm off", self.text("#verdict"))
+        self.assertEqual(2, self.text("#acceptance").count("met"))
+        self.assertLess((self.study / "report.html").stat().st_size, 1.5e6)
+
+    def test_study_tables_and_figures_stand_beside_ours(self):
+        result = load(self.study / "result.json")
+        self.open(self.study / "report.html")
+        for i in range(1, 6):
+            self.assertGreater(self.js(
+                "document.querySelectorAll('#study-' + arguments[0] +"
+                " ' svg path').length", i), 0)
+        rows = {row[0][0]: row for row in self.table("study-deviations")}
+        for parameter in result["study"]["parameters"]:
+            if parameter["name"] != "d4":
+                continue
+            self.assert_near(1e3 * parameter["obtained"], rows["d4"][4][1], 1e-12)
+        self.assertEqual("0.100400", rows["d4"][4][0])
+        nominal = self.table("study-nominal")
+        self.assertEqual(["3", "0.0000", "0.0000", "250.0000", "0.0000", "0.0000"],
+                         [cell[0] for cell in nominal[2]])
+        published = [[cell[0] for cell in row] for row in self.table("study-rows")]
+        self.assertEqual([[row["quantity"], row["published"], row["obtained"]]
+                          for row in result["study"]["rows"]], published)
+
+    def test_parameters_and_figures_have_every_value(self):
+        result = load(self.study / "result.json")
+        self.open(self.study / "report.html")
+        rows = {row[0][0]: row for row in self.table("parameters-table")}
+        self.assertEqual({p["name"] for p in result["parameters"]}, set(rows))
+        found = self.column("parameters-table", "found")
+        for parameter in free_parameters(result):
+            unit = 180 / math.pi if parameter["unit"] == "rad" else 1e3
+            self.assertAlmostEqual(unit * parameter["value"],
+                                   rows[parameter["name"]][found][1], delta=1e-9)
+        self.assertIn("frozen", rows["r3"][1][0])
+        interval = self.column("parameters-table", "95\u00a0% interval")
+        for known in result["uncertainty"]["parameters"]:
+            if known["name"] == "d3":
+                self.assertAlmostEqual(1e3 * known["interval"]["lower"],
+                                       rows["d3"][interval][1], delta=1e-9)
+        marks = self.js("""document.querySelector('#singular-values .mark.c2')
+            .getAttribute('d')""")
+        # One mark a singular value that counts, and the one of the legend.
+        counted = result["identifiability"]["nominal_rank"]["rank"]
+        self.assertEqual(1, marks.count("M"))
+        all_marks = self.js("""[...document.querySelectorAll(
+            '#singular-values .mark.c2')].map((m) => m.getAttribute('d')).join()""")
+        self.assertEqual(counted + 1, all_marks.count("M"))
+        stems = self.js("document.querySelector('#study-1 .stem')"
+                        ".getAttribute('d')")
+        self.assertEqual(56, stems.count("M"))
+        arms = self.js("document.querySelectorAll('#arm .link').length")
+        self.assertEqual(2, arms)  # the floor and the arm
+
+    def test_uncertainty_appears_where_it_is_there(self):
+        older = copy_result(self.study, WORK / "older",
+                            lambda result: result.pop("uncertainty"))
+        (older / "predicted_map.csv").unlink()
+        (older / "influence.csv").unlink()
+        run_alidade("report", older)
+        self.open(older / "report.html")
+        for part in ("predicted-map", "correlated", "influence", "workspace"):
+            self.assertIsNone(self.js("document.getElementById(arguments[0])",
+                                      part))
+        self.assertEqual(-1, self.column("parameters-table", "95\u00a0% interval"))
+        self.open(self.hostile / "report.html")
+        rows = self.table("parameters-table")
+        self.assertIn("prior-dominated", rows[0][1][0])
+        self.assertIn("identified", rows[1][1][0])
+        self.assertIn("0.125\u00a0mm in the median", self.text("#workspace"))
+        self.assertIn("in 95\u00a0% of 100", self.text("#workspace"))
+        self.assertGreater(self.js(
+            "document.querySelectorAll('#predicted-map svg path').length"), 5)
+        self.assertIn("−0.970", self.table("correlated")[0][2][0])
+        self.assertIn("a warning of uncertainty", self.text("#warnings"))
+        self.assertEqual(32 + 1, self.js("document.querySelector("
+                         "'#histogram .bar').getAttribute('d').split('z').length"))
+        self.assertEqual("7", self.table("influence")[0][0][0])
+
+    def test_markup_in_names_stays_text(self):
+        self.open(self.hostile / "report.html")
+        self.assertEqual(HOSTILE + " – Alidade", self.js("document.title"))
+        self.assertEqual(HOSTILE, self.text("h1"))
+        self.assertEqual(0, self.js("document.querySelectorAll('main script, "
+                                    "main b').length"))
+        # The page's data and script, and no more.
+        self.assertEqual(2, self.js("document.scripts.length"))
+
+    def test_tables_sort_and_copy(self):
+        result = load(self.study / "result.json")
+        self.open(self.study / "report.html")
+        self.js("""(navigator.clipboard.writeText = async (text) =>
+            { window.copied = text; })""")
+        click = """document.querySelector('#parameters-table th:nth-child(3) '
+            + 'button').click()"""
+        self.js(click)
+        changes = [row[2][1] for row in self.table("parameters-table")]
+        told = [value for value in changes if value is not None
+                and not math.isnan(value)]
+        self.assertEqual(sorted(told), told)
+        self.js(click)
+        self.assertEqual("descending", self.js("document.querySelector("
+                         "'#parameters-table th:nth-child(3)').ariaSort"))
+        self.js("document.querySelector('#parameters .table button.tool').click()")
+        rows = list(csv.DictReader(io.StringIO(self.js("window.copied"))))
+        d3 = next(row for row in rows if row["name"] == "d3")
+        expected = next(p for p in result["parameters"] if p["name"] == "d3")
+        self.assertAlmostEqual(1e3 * expected["value"], float(d3["found"]),
+                               delta=1e-9)
+
+    def test_keyboard_reaches_tables_figures_and_buttons(self):
+        self.open(self.study / "report.html")
+        before = self.js("document.querySelector('#arm svg .link:not(.ghost)')"
+                         ".getAttribute('d')")
+        self.js("""document.querySelector('#arm svg').dispatchEvent(
+            new KeyboardEvent('keydown', {key: 'ArrowLeft', bubbles: true}))""")
+        after = self.js("document.querySelector('#arm svg .link:not(.ghost)')"
+                        ".getAttribute('d')")
+        self.assertNotEqual(before, after)
+        self.js("""document.querySelector('#convergence svg').dispatchEvent(
+            new KeyboardEvent('keydown', {key: 'ArrowRight', bubbles: true}))""")
+        self.assertIn("iteration 0", self.js("document.querySelector("
+                      "'#convergence svg').getAttribute('aria-label')"))
+        unreachable = self.js("""[...document.querySelectorAll(
+            'main svg.chart, main .scroll')].filter((e) => e.tabIndex < 0).length""")
+        self.assertEqual(0, unreachable)
+
+    def test_figures_save_as_svg(self):
+        self.open(self.study / "report.html")
+        self.js("""(URL.createObjectURL = (blob) =>
+            { window.saved = blob; return 'about:blank'; })""")
+        self.js("""(HTMLAnchorElement.prototype.click = () => 0)""")
+        self.js("document.querySelector('#study-1 button.tool').click()")
+        svg = self.browser.execute_async_script(
+            "window.saved.text().then(arguments[0])")
+        root = xml.etree.ElementTree.fromstring(svg)
+        self.assertEqual("{http://www.w3.org/2000/svg}svg", root.tag)
+        self.assertIn("Figure 1", root[0].text)
+        self.assertIn("--c2, #0072b2", root[1].text)
+
+    def test_phone_width_and_dark(self):
+        self.open(self.hostile / "report.html", width=400, scheme="dark")
+        self.assertLessEqual(self.js("document.documentElement.scrollWidth"), 400)
+        self.assertEqual("rgb(20, 23, 27)",
+                         self.js("getComputedStyle(document.body).backgroundColor"))
+        # Figures are drawn anew for the width, so letters keep their size.
+        widths = self.js("""[...document.querySelectorAll('svg.chart')].map((svg) =>
+            svg.viewBox.baseVal.width / svg.getBoundingClientRect().width)""")
+        self.assertLess(max(abs(ratio - 1) for ratio in widths), 0.05)
+        self.open(self.study / "report.html")
+        self.assertEqual("rgb(255, 255, 255)",
+                         self.js("getComputedStyle(document.body).backgroundColor"))
+
+    def test_prints_on_a4(self):
+        self.open(self.study / "report.html", scheme="dark")
+        pdf = base64.b64decode(self.cdp("Page.printToPDF", printBackground=True,
+                                        preferCSSPageSize=True)["data"])
+        self.assertTrue(pdf.startswith(b"%PDF"))
+        pages = pdf.count(b"/Type /Page\n") + pdf.count(b"/Type /Page ")
+        self.assertGreaterEqual(pages, 4)
+        self.assertLessEqual(pages, 20)
+        self.assertIn(b"/MediaBox [0 0 594.", pdf.replace(b"595", b"594."))
+
+    def fleet(self):
+        """Seven arms like the study's, one of which has a bent link."""
+        def arm(number):
+            def change(result):
+                for p in result["parameters"]:
+                    if p["state"] == "free":
+                        wobble = 1e-5 * math.sin(5.0 * number + len(p["reason"]))
+                        p["deviation"] += wobble
+                        p["value"] += wobble
+                    if number == 4 and p["name"] == "d3":
+                        p["deviation"] += 5e-3
+                        p["value"] += 5e-3
+                for known in result["uncertainty"]["parameters"]:
+                    known["std"] = 1e-5
+                for state in result["accuracy"]["heldout"].values():
+                    if isinstance(state, dict):
+                        state["mean"] *= 1 + 0.02 * number
+                if number == 4:
+                    result["accuracy"]["heldout"]["before"]["mean"] = 8e-3
+                result["inputs"][1]["sha256"] = f"{number:064d}"
+            return change
+        paths = []
+        for number in range(7):
+            path = WORK / "fleet" / f"arm_{number}"
+            if not path.exists():
+                copy_result(self.study, path, arm(number))
+            paths.append(path)
+        return paths
+
+    def test_fleet_page_tells_the_odd_arm(self):
+        page = WORK / "fleet" / "comparison.html"
+        paths = self.fleet()
+        run_alidade("report", *paths, f"--out={page}")
+        self.open(page)
+        self.assertIn("arm_4 is the odd one of 7 arms", self.text("#verdict"))
+        rows = self.table("fleet")
+        self.assertEqual(7, len(rows))
+        self.assertEqual("arm_4", rows[0][0][0])
+        self.assertEqual([True] + [False] * 6, ["! odd" == row[1][0] for row in rows])
+        self.assertAlmostEqual(8.0, rows[0][2][1], delta=1e-9)
+        self.assertIn("d3", rows[0][9][0])
+        self.assertEqual("./arm_4/report.html", self.js(
+            "document.querySelector('#fleet a').getAttribute('href')"))
+
+    def test_arm_over_time_tells_what_moved(self):
+        page = WORK / "fleet" / "time.html"
+        paths = self.fleet()
+        run_alidade("report", paths[3], paths[4], "--read-as=time", f"--out={page}")
+        self.open(page, width=400)
+        self.assertLessEqual(self.js("document.documentElement.scrollWidth"), 400)
+        first = self.table("moves")[0]
+        self.assertEqual("d3", first[0][0])
+        # 5 mm over the root of two variances of 0.01 mm, and the wobble.
+        self.assert_near(5.0 / (0.01 * math.sqrt(2.0)), first[8][1], 0.01)
+        self.assertIn("d3 by", self.text("#verdict"))
+
+    def test_same_data_are_ways(self):
+        page = WORK / "ways.html"
+        other = copy_result(self.study, WORK / "other",
+                            lambda result: result["inputs"][0].update(sha256="0"))
+        run_alidade("report", self.study, other, f"--out={page}")
+        self.open(page, scheme="dark")
+        rows = self.table("ways")
+        self.assertEqual(["Ceres Levenberg-Marquardt", "iterated pseudo-inverse"],
+                         [row[1][0] for row in rows[:2]])
+        self.js("document.querySelector('[data-kind=fleet]').click()")
+        self.assertEqual("A fleet of arms", self.text("h1"))
+        self.assertEqual([], self.browser.get_log("browser"))
+
+
+if __name__ == "__main__":
+    ALIDADE = str(pathlib.Path(sys.argv[1]).resolve())
+    SOURCE = pathlib.Path(sys.argv[2]).resolve()
+    WORK = pathlib.Path(sys.argv[3]).resolve()
+    unittest.main(argv=sys.argv[:1])

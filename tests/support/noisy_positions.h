@@ -1,0 +1,45 @@
+#ifndef ALIDADE_TESTS_SUPPORT_NOISY_POSITIONS_H_
+#define ALIDADE_TESTS_SUPPORT_NOISY_POSITIONS_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "alidade/base/random.h"
+#include "alidade/identifiability/analysis.h"
+#include "alidade/identifiability/rules.h"
+#include "alidade/measurement/dataset.h"
+#include "alidade/measurement/measurement_model.h"
+#include "alidade/model/joint_draw.h"
+#include "tests/support/matrix_kinematics.h"
+
+namespace alidade::testing {
+
+/// Positions of an arm as it is at poses drawn within its limits, with Gaussian
+/// noise of `sigma` on every coordinate, from products of matrices.
+inline Dataset NoisyPositions(const Arm& arm, int num_poses, double sigma,
+                              std::uint64_t seed) {
+  const Eigen::MatrixXd joints = DrawJointValues(arm, num_poses, seed);
+  Random random(seed, 1000003);
+  Eigen::Matrix3Xd points(3, num_poses);
+  for (int i = 0; i < num_poses; ++i) {
+    points.col(i) = MatrixPosition(arm, joints.col(i).data()).cast<double>();
+    for (double& coordinate : points.col(i)) {
+      coordinate += sigma * random.Normal();
+    }
+  }
+  return MakePositions(joints, points,
+                       Eigen::Matrix3Xd::Constant(3, num_poses, sigma));
+}
+
+/// What generic poses can tell apart, without priors.
+inline std::vector<int> TellableColumns(const MeasurementModel& model,
+                                        const Dataset& data) {
+  IdentifiabilityOptions options;
+  options.policy = WeakPolicy::kFreeze;
+  return FreeColumns(AnalyzeIdentifiability(model, data, options));
+}
+
+}  // namespace alidade::testing
+
+#endif  // ALIDADE_TESTS_SUPPORT_NOISY_POSITIONS_H_

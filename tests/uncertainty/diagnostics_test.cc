@@ -1,0 +1,154 @@
+#include "alidade/uncertainty/diagnostics.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "alidade/base/random.h"
+#include "alidade/measurement/compression.h"
+#include "alidade/solve/solver.h"
+#include "tests/support/noisy_positions.h"
+#include "tests/support/reference_solution.h"
+#include "tests/support/rv2aj_arms.h"
+#include "tests/support/study.h"
+
+namespace alidade {
+namespace {
+
+constexpr double kSigma = 0.02e-3;
+
+// An RV-2AJ fitted to its own positions.
+class Fitted {
+ public:
+  explicit Fitted(const Dataset& measured)
+      : model_(testing::Rv2ajFlange()),
+        data_(measured),
+        columns_(testing::FlangeFreeColumns(ParameterLayout(5))),
+        values_(Solve(data_)) {}
+
+  Eigen::VectorXd Solve(const Dataset& data) const {
+    return testing::SolveReference(model_.nominal(),
+                                   model_.NominalValues().cast<long double>(),
+                                   data, columns_)
+        .values.cast<double>();
+  }
+
+  FinishedProblem problem() const {
+    return {model_, data_, columns_, no_priors_, losses_, values_};
+  }
+  ResidualDiagnostics Diagnose() const {
+    return DiagnoseResiduals(problem(), CovarianceOf(problem()), true);
+  }
+  const MeasurementModel& model() const { return model_; }
+  const std::vector<int>& columns() const { return columns_; }
+  const Eigen::VectorXd& values() const { return values_; }
+
+ private:
+  const MeasurementModel model_;
+  const Dataset data_;
+  const std::vector<int> columns_;
+  const Eigen::VectorXd no_priors_;
+  const std::vector<RobustLoss> losses_;
+  const Eigen::VectorXd values_;
+};
+
+Dataset Without(const Dataset& data, Eigen::Index pose) {
+  const Eigen::Index n = data.num_poses();
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (i != pose) kept.push_back(i);
+  }
+  return MakePositions(data.joint_values(Eigen::all, kept),
+                       data.positions()(Eigen::all, kept),
+                       data.sigmas()(Eigen::all, kept));
+}
+
+TEST(DiagnosticsTest, LeveragesSumToTheNumberOfParameters) {
+  const Fitted fitted(
+      testing::NoisyPositions(testing::Rv2ajFlange(), 40, kSigma, 6));
+  const ResidualDiagnostics diagnostics = fitted.Diagnose();
+  double sum = 0.0;
+  for (const Influence& pose : diagnostics.poses) sum += pose.leverage;
+  EXPECT_NEAR(sum, 18.0, 1e-9);
+  EXPECT_NEAR(diagnostics.degrees_of_freedom, 102.0, 1e-9);
+  EXPECT_EQ(diagnostics.studentised.size(), 120);
+  // 120 values of unit variance: standard error 0.13.
+  EXPECT_NEAR(diagnostics.studentised.squaredNorm() / 120.0, 1.0, 0.4);
+}
+
+// By leaving the pose out and solving again. The model is straight to 1e-4
+// within such steps.
+TEST(DiagnosticsTest, CooksDistanceIsHowFarTheEstimateMoves) {
+  const Dataset data =
+      testing::NoisyPositions(testing::Rv2ajFlange(), 25, kSigma, 16);
+  const Fitted fitted(data);
+  const ResidualDiagnostics diagnostics = fitted.Diagnose();
+  const Eigen::MatrixXd factor =
+      JacobianFactor(fitted.model(), fitted.values(), data, fitted.columns());
+  for (const Eigen::Index pose : {0, 7, 24}) {
+    const Eigen::VectorXd moved =
+        fitted.Solve(Without(data, pose)) - fitted.values();
+    const double expected =
+        (factor * moved(fitted.columns())).squaredNorm() / 18.0;
+    EXPECT_NEAR(diagnostics.poses[pose].cooks_distance, expected,
+                0.01 * expected);
+  }
+}
+
+TEST(DiagnosticsTest, ABadPoseIsTheOneThatIsFound) {
+  Dataset data = testing::NoisyPositions(testing::Rv2ajFlange(), 40, kSigma, 6);
+  data.positions().col(11) += Eigen::Vector3d(0.3e-3, 0.0, 0.0);
+  const ResidualDiagnostics diagnostics = Fitted(data).Diagnose();
+  const auto worst =
+      std::max_element(diagnostics.poses.begin(), diagnostics.poses.end(),
+                       [](const Influence& a, const Influence& b) {
+                         return a.cooks_distance < b.cooks_distance;
+                       });
+  EXPECT_EQ(worst->pose, 11);
+  EXPECT_LT(diagnostics.normality.p_value, 0.001);
+  EXPECT_LT(diagnostics.chi_square_p_value, 0.001);
+}
+
+// A slow drift of two sigmas in the order of measurement.
+TEST(DiagnosticsTest, DriftIsNotWhite) {
+  const Dataset still =
+      testing::NoisyPositions(testing::Rv2ajFlange(), 100, kSigma, 21);
+  EXPECT_GT(Fitted(still).Diagnose().whiteness.p_value, 0.01);
+  Dataset drifting = still;
+  for (Eigen::Index i = 0; i < 100; ++i) {
+    drifting.positions().col(i).array() +=
+        2.0 * kSigma * std::sin(0.06 * static_cast<double>(i));
+  }
+  EXPECT_LT(Fitted(drifting).Diagnose().whiteness.p_value, 1e-4);
+}
+
+// A^2 in 50 decimal digits by its definition, and Stephens' correction.
+TEST(DiagnosticsTest, NormalityIsAndersonAndDarlings) {
+  Eigen::VectorXd values(12);
+  values << -0.3, 1.2, 0.4, -1.7, 0.9, 2.1, -0.8, 0.05, 0.6, -1.1, 0.33, -0.45;
+  EXPECT_NEAR(TestNormality(values).statistic, 0.102834413648724818, 1e-13);
+  // Critical values of D'Agostino and Stephens, table 4.7.
+  EXPECT_NEAR(AndersonDarlingPValue(0.631), 0.10, 0.003);
+  EXPECT_NEAR(AndersonDarlingPValue(0.752), 0.05, 0.002);
+  EXPECT_NEAR(AndersonDarlingPValue(1.035), 0.01, 0.001);
+  EXPECT_TRUE(std::isnan(TestNormality(Eigen::VectorXd::Ones(20)).p_value));
+}
+
+// p-values of true normal samples are spread evenly over [0, 1].
+TEST(DiagnosticsTest, TrueNormalsFailAsOftenAsTheySay) {
+  int failed = 0;
+  constexpr int kSamples = 2000;
+  for (int sample = 0; sample < kSamples; ++sample) {
+    Random random(3, static_cast<std::uint64_t>(sample));
+    Eigen::VectorXd values(50);
+    for (double& value : values) value = 5.0 + 2.0 * random.Normal();
+    failed += TestNormality(values).p_value < 0.05 ? 1 : 0;
+  }
+  // Binomial: 100 +- 10, four of these.
+  EXPECT_NEAR(failed, 100, 40);
+}
+
+}  // namespace
+}  // namespace alidade
