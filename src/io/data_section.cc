@@ -209,6 +209,8 @@ std::vector<std::string> PathsOf(const std::vector<YamlValue>& entries,
   for (const YamlValue& entry : entries) {
     std::optional<YamlValue> file = entry;
     if (entry.IsMap()) file = entry.Find("file");
+    // Simulated data are made by one member, as a file is read by one.
+    if (entry.Find("simulate")) paths.emplace_back();
     if (!file) continue;
     for (std::string& path : files.PathsOf(*file)) {
       paths.push_back(std::move(path));
@@ -219,19 +221,8 @@ std::vector<std::string> PathsOf(const std::vector<YamlValue>& entries,
 
 // Measurements that are made up as a simulation file makes them. As of a data
 // set's file, sigmas are those of the noise, where there is some.
-LoadedData SimulateEntry(const YamlValue& value, const DataFormat& defaults,
-                         JobContext* context, const JobConfig& job) {
-  if (context->team != nullptr) {
-    value.Fail("simulated data are made in one process, and this job runs in " +
-               std::to_string(context->team->size()) +
-               ": run without mpirun, or `alidade simulate` to files first");
-  }
-  if (!context->simulate) {
-    value.Fail(
-        "data cannot be simulated here, expected the file of a data set");
-  }
-  const SimulationConfig config =
-      ReadSimulatedData(value, job.arm, context->units, &context->files);
+LoadedData Simulate(const SimulationConfig& config, const DataFormat& defaults,
+                    JobContext* context) {
   LoadedData loaded;
   loaded.data = context->simulate(config);
   if (!(config.noise_sigma > 0.0)) {
@@ -245,6 +236,20 @@ LoadedData SimulateEntry(const YamlValue& value, const DataFormat& defaults,
   return loaded;
 }
 
+void SimulateEntry(const YamlValue& value, const DataFormat& defaults,
+                   JobContext* context, const JobConfig& job, FileShare* share,
+                   std::vector<LoadedData>* parts) {
+  if (!context->simulate) {
+    value.Fail(
+        "data cannot be simulated here, expected the file of a data set");
+  }
+  // Read by all, so that all know the same input files.
+  const SimulationConfig config =
+      ReadSimulatedData(value, job.arm, context->units, &context->files);
+  if (share->NextReader() != share->rank()) return;
+  parts->push_back(Simulate(config, defaults, context));
+}
+
 // A path, or a map where more is to be said of the file; or of the files, where
 // the path is a pattern; or how to simulate.
 void ReadEntry(const YamlValue& value, const DataFormat& defaults,
@@ -254,7 +259,7 @@ void ReadEntry(const YamlValue& value, const DataFormat& defaults,
   std::optional<YamlValue> file;
   if (value.Find("simulate")) {
     const YamlValue simulate = value.Map({"simulate"}).Required("simulate");
-    parts->push_back(SimulateEntry(simulate, defaults, context, *job));
+    SimulateEntry(simulate, defaults, context, *job, share, parts);
     return;
   }
   if (value.IsMap()) {

@@ -18,8 +18,8 @@
 #include "alidade/base/units.h"
 #include "alidade/batch/job.h"
 #include "alidade/batch/result_directory.h"
+#include "alidade/batch/simulate.h"
 #include "alidade/io/arm_file.h"
-#include "alidade/io/job_file.h"
 #include "alidade/measurement/measurement_model.h"
 #include "alidade/model/joint_draw.h"
 #include "tests/support/process.h"
@@ -171,11 +171,11 @@ class TeamJobTest : public ::testing::Test {
   // What member 0 of a team finds; size 0: one process.
   static Files Find(const std::string& job, int size, int threads = 1) {
     if (size == 0) {
-      return ResultOf(RunJob(LoadJob(job, threads), "test", threads));
+      return ResultOf(RunJob(ReadJob(job, threads, nullptr), "test", threads));
     }
     Files found;
     RunAsTeam(size, [&](Team* team) {
-      const JobConfig config = LoadJob(job, threads, team);
+      const JobConfig config = ReadJob(job, threads, team);
       JobOutcome outcome = RunJob(config, "test", threads);
       if (team->is_first()) found = ResultOf(std::move(outcome));
     });
@@ -229,6 +229,15 @@ TEST_F(TeamJobTest, OfManyKindsFindsTheSameBits) {
       "  distances: [{between: [left, right], distance: 2000, sigma: 0.05}]}\n"
       "identifiability: {parameters: [joints, base, tool]}\n");
   for (const int size : {2, 3}) ExpectSame(job, size);
+}
+
+TEST_F(TeamJobTest, SimulatedDataAreMadeByOneMember) {
+  const std::string simulate = "- simulate: {deviations: " + Robots() +
+                               "rv2aj_deviations.yaml, poses: {random: "
+                               "{count: 50}}, noise: {sigma: 0.03}, seed: ";
+  const std::string job = WriteJob("data:\n" + simulate + "4}\n" + simulate +
+                                   "5}\n" + "measurement: {sigma: 0.03}\n");
+  ExpectSame(job, 2);
 }
 
 TEST_F(TeamJobTest, DataThatFitNowhereAreRefusedInTheSameWords) {
