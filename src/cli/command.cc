@@ -159,9 +159,10 @@ std::vector<Command> FleetCommands() {
        "run many jobs, a matrix of each, resumable",
        "Runs every job named, every job of a folder, and every combination of\n"
        "a job's `matrix`, --threads of them at a time, and writes each result\n"
-       "directory below --out=DIR (default: results/batch), and summary.csv\n"
-       "and summary.json. The same command again runs only what is missing or\n"
-       "changed. Exit status: the highest of all jobs.",
+       "directory below --out=DIR (default: results/batch), and summary.csv,\n"
+       "summary.json and comparison.html, a page of all results. The same\n"
+       "command again runs only what is missing or changed. Exit status: the\n"
+       "highest of all jobs.",
        {"out", "list", "dry-run", "keep-going", "fail-fast", "outputs"},
        0,
        kAnyNumber,

@@ -28,7 +28,7 @@ struct JobReading {
   /// each: what they get is a share of the data (measurement/share.h).
   /// Collective (base/team.h); a team of one, or null, reads all. What needs
   /// all data in one place is refused: other solvers than Ceres, a published
-  /// study, folds, simulated data.
+  /// study, folds.
   Team* team = nullptr;
 };
 
