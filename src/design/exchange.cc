@@ -25,8 +25,9 @@ constexpr double kRelativeRidge = 1e-10;
 constexpr double kRidgeHolds = 1e3;
 
 // Candidates that most of the search is made among, for each pose of the plan,
-// and at least. What others could add is looked at in the end.
+// of all, and at least. What others could add is looked at in the end.
 constexpr int kActiveForEach = 16;
+constexpr int kActiveOfAll = 50;
 constexpr int kFewestActive = 800;
 
 // Rounds of exchanges among the active candidates, which change with the plan,
@@ -165,7 +166,8 @@ std::vector<int> ActiveCandidates(const DesignProblem& problem,
                                   const std::vector<int>& chosen) {
   const PlanState state(problem, options, ridge, chosen);
   std::vector<int> active = state.MostInformative(
-      std::max(kFewestActive, kActiveForEach * options.num_poses));
+      std::max({kFewestActive, kActiveForEach * options.num_poses,
+                problem.candidates.size() / kActiveOfAll}));
   active.insert(active.end(), chosen.begin(), chosen.end());
   std::sort(active.begin(), active.end());
   active.erase(std::unique(active.begin(), active.end()), active.end());
@@ -203,6 +205,20 @@ void ImproveAmongActive(const DesignProblem& problem,
     Exchange(part, options, ridge).Improve(false, result);
     for (int& candidate : result->chosen) candidate = active[candidate];
     if (result->exchanges == exchanges) return;
+  }
+}
+
+// Exchanges until a pass over all candidates finds none. What a pass finds
+// moves the plan's worst told candidates, so these come first again.
+void ImproveAmongAll(const DesignProblem& problem, const DesignOptions& options,
+                     double ridge, DesignResult* result) {
+  DesignOptions once = options;
+  once.max_passes = 1;
+  const Exchange exchange(problem, once, ridge);
+  for (int pass = 0; pass < options.max_passes; ++pass) {
+    ImproveAmongActive(problem, options, ridge, result);
+    exchange.Improve(false, result);
+    if (result->status == DesignStatus::kConverged) return;
   }
 }
 
@@ -244,8 +260,7 @@ DesignResult ChoosePoses(const DesignProblem& problem,
   DesignResult result = BestOfStarts(Exchange(part, options, ridge), options,
                                      PlacesIn(active, greedy.chosen));
   for (int& candidate : result.chosen) candidate = active[candidate];
-  ImproveAmongActive(problem, options, ridge, &result);
-  exchange.Improve(false, &result);
+  ImproveAmongAll(problem, options, ridge, &result);
   result.greedy = std::move(greedy.chosen);
   result.greedy_value = greedy.value;
   if (std::isinf(result.value)) result.status = DesignStatus::kRankShort;

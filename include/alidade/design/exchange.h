@@ -66,8 +66,9 @@ struct DesignResult {
 /// candidate that makes the criterion largest, until no replacement does
 /// (Fedorov 1972, in the order of Cook and Nachtsheim 1980, "A comparison of
 /// algorithms for constructing exact D-optimal designs"). Where there are many,
-/// all starts exchange among the candidates that the greedy plan tells worst,
-/// 16 for each pose of the plan; the best start then goes on among all.
+/// all starts exchange among the candidates that the greedy plan tells worst;
+/// the best start goes on by passes over all, and among those that it tells
+/// worst in between, until a pass over all finds nothing.
 ///
 /// D: V_k = J_k M^-1 J_k^T of every candidate is kept. With
 /// U U^T = M^-1 J^T (I -+ V)^-1 J M^-1 of the pose that goes or comes,
