@@ -14,6 +14,7 @@
 #include "alidade/io/arm_file.h"
 #include "alidade/io/files.h"
 #include "alidade/io/job_matrix.h"
+#include "alidade/io/plan_config.h"
 #include "alidade/model/parameter_layout.h"
 #include "tests/io/config_files.h"
 #include "tests/io/io_test_util.h"
@@ -509,6 +510,9 @@ TEST(ConfigsTest, EveryFileLoads) {
         break;
       case FileFormat::kSimulation:
         EXPECT_NO_THROW(LoadSimulation(path));
+        break;
+      case FileFormat::kPlan:
+        EXPECT_NO_THROW(LoadPlan(path));
         break;
     }
   }
