@@ -13,6 +13,7 @@
 #include "alidade/base/error.h"
 #include "alidade/base/version.h"
 #include "alidade/batch/job.h"
+#include "alidade/batch/report_page.h"
 #include "alidade/batch/result_directory.h"
 #include "alidade/batch/simulate.h"
 #include "alidade/io/batch_json.h"
@@ -25,6 +26,22 @@
 
 namespace alidade {
 namespace {
+
+// The results of all jobs beside each other, those that came to none with what
+// stopped them.
+std::string CompareResults(const BatchSummary& summary,
+                           const std::string& directory) {
+  ComparisonPage page;
+  for (const BatchEntry& entry : summary.entries) {
+    if (entry.directory.empty()) {
+      page.AddFailure(entry.name, entry.message);
+    } else {
+      AddToComparison(directory + "/" + entry.directory, entry.name,
+                      directory + "/comparison.html", &page);
+    }
+  }
+  return page.Render(page.GuessKind());
+}
 
 // Workers for each thread that computes: one computes, the others wait for the
 // disk, which takes about as long as a small job, and more where it is busy.
@@ -233,6 +250,8 @@ class BatchRun {
                [this] { return Work(); });
     store_.WriteSummary("summary.csv", FormatBatchCsv(summary_));
     store_.WriteSummary("summary.json", FormatBatchSummary(summary_));
+    store_.WriteSummary("comparison.html",
+                        CompareResults(summary_, options_.directory));
     LOG(INFO) << "time of all workers: " << times_.Format();
     return std::move(summary_);
   }

@@ -5,8 +5,6 @@
 #include <iostream>
 
 #include "alidade/base/error.h"
-#include "alidade/batch/report_page.h"
-#include "alidade/io/files.h"
 #include "alidade/report/batch_csv.h"
 #include "batch_progress.h"
 #include "command.h"
@@ -73,23 +71,6 @@ ExitStatus PrintPlan(const BatchPlan& plan, const BatchOptions& options) {
   return status;
 }
 
-// comparison.html: the results of all jobs beside each other, those that came
-// to none with what stopped them.
-void WriteComparison(const BatchSummary& summary,
-                     const std::string& directory) {
-  const std::string path = directory + "/comparison.html";
-  ComparisonPage page;
-  for (const BatchEntry& entry : summary.entries) {
-    if (!entry.directory.empty()) {
-      AddToComparison(directory + "/" + entry.directory, entry.name, path,
-                      &page);
-    } else {
-      page.AddFailure(entry.name, entry.message);
-    }
-  }
-  WriteFileAtomically(path, page.Render(page.GuessKind()));
-}
-
 void PrintSummary(const BatchSummary& summary, const BatchOptions& options) {
   std::cout << summary.entries.size()
             << (summary.entries.size() == 1 ? " job" : " jobs");
@@ -126,7 +107,6 @@ ExitStatus RunBatchCommand(const CommandLine& line) {
   };
   const BatchSummary summary = RunBatch(plan, options);
   reporter.End();
-  WriteComparison(summary, options.directory);
   PrintSummary(summary, options);
   return StatusOf(summary.Worst());
 }

@@ -188,6 +188,10 @@ std::map<std::string, std::string> Outcome(const std::string& out) {
   for (const auto& entry : fs::recursive_directory_iterator(out)) {
     const std::string name = fs::relative(entry.path(), out).string();
     if (!entry.is_regular_file() || name.rfind(".batch", 0) == 0) continue;
+    if (name == "comparison.html") {
+      files[name] = "";  // times of solves are in it
+      continue;
+    }
     files[name] = entry.path().filename() == "result.json"
                       ? WithoutTimes(entry.path().string())
                       : ReadWhole(entry.path());
@@ -232,11 +236,11 @@ class BatchCrashTest : public BatchCliTest {
     const ProcessResult last = Batch(few + " --threads=2 --out=" + Out());
     EXPECT_EQ(last.status, 0) << last.err;
     EXPECT_EQ(Outcome(Out()), Outcome(undisturbed));
-    EXPECT_EQ(Outcome(Out()).size(), 2U * num_jobs + 2U);
+    EXPECT_EQ(Outcome(Out()).size(), 2U * num_jobs + 3U);
   }
 };
 
-TEST_F(BatchCrashTest, TwentyKillsEndAsNone) { KillAndCompare(24, 20); }
+TEST_F(BatchCrashTest, TwentyKillsEndAsNone) { KillAndCompare(12, 20); }
 
 // The issue's own size; by name: --gtest_also_run_disabled_tests
 // --gtest_filter='*ThousandJobs*'.

@@ -75,7 +75,7 @@ std::vector<bool> FindDone(const BatchPlan& plan, const BatchOptions& options);
 /// if there had been no interruption: the same bytes, but for times
 /// (`time_s` and others in result.json, report.txt and iterations.csv).
 ///
-/// Writes summary.json and summary.csv at the end.
+/// Writes summary.json, summary.csv and comparison.html at the end.
 /// @throws InputError where the directory cannot be written or another process
 /// works in it. What was finished before stays.
 BatchSummary RunBatch(const BatchPlan& plan, const BatchOptions& options);
