@@ -242,7 +242,7 @@ class BatchCrashTest : public BatchCliTest {
 
 TEST_F(BatchCrashTest, TwentyKillsEndAsNone) { KillAndCompare(12, 20); }
 
-// Nightly: twenty minutes and more. By name: --gtest_also_run_disabled_tests
+// More than ten minutes: by name, --gtest_also_run_disabled_tests
 // --gtest_filter='*ThousandJobs*'.
 TEST_F(BatchCrashTest, DISABLED_TwentyKillsOfAThousandJobsEndAsNone) {
   KillAndCompare(1000, 20);
