@@ -10,6 +10,8 @@
 #define HWY_TARGET_INCLUDE "src/measurement/kernel.cc"
 #include <hwy/foreach_target.h>
 //
+#include <hwy/cache_control.h>
+
 #include "vectors-inl.h"
 
 // Compiled once, before the sources of the instruction sets.
@@ -499,10 +501,23 @@ HWY_INLINE void EvaluateVector(const Job& job, int t) {
   }
 }
 
+// Asks for the part of the next tile that belongs to these lanes. All of it at
+// once would fill the queue to the memory and wait for it.
+HWY_INLINE void PrefetchShare(const Tile& tile, int t, int lanes) {
+  constexpr int kLine = 64 / sizeof(double);
+  const double* const first = tile.next + std::ptrdiff_t{tile.next_arrays} * t;
+  for (int k = 0; k < tile.next_arrays * lanes; k += kLine) {
+    hwy::Prefetch(first + k);
+  }
+}
+
 template <MeasurementKind kKind>
 HWY_NOINLINE void EvaluateKind(const Job& job) {
   const int lanes = static_cast<int>(hn::Lanes(kTag));
-  for (int t = 0; t < kTile; t += lanes) EvaluateVector<kKind>(job, t);
+  for (int t = 0; t < kTile; t += lanes) {
+    PrefetchShare(job.tile, t, lanes);
+    EvaluateVector<kKind>(job, t);
+  }
 }
 
 void EvaluateTile(const Constants& constants, const Columns& columns,

@@ -417,9 +417,9 @@ void SumLanes(int columns, const double* triangle, Eigen::MatrixXd* sum) {
   for (int i = 0; i < columns; ++i) {
     for (int j = i; j < columns; ++j) {
       const double* const entry = triangle + (RowStart(columns, i) + j) * lanes;
-      for (std::size_t lane = 0; lane < lanes; ++lane) {
-        (*sum)(i, j) += entry[lane];
-      }
+      double total = 0.0;
+      for (std::size_t lane = 0; lane < lanes; ++lane) total += entry[lane];
+      (*sum)(i, j) = total;
     }
   }
 }

@@ -1,7 +1,6 @@
 #include "tiles.h"
 
 #include <glog/logging.h>
-#include <hwy/cache_control.h>
 
 #ifdef __linux__
 #include <sys/mman.h>
@@ -171,21 +170,18 @@ void Tiles::FillCache(std::size_t cache_bytes, int num_threads) {
 
 Tile Tiles::Get(std::int64_t tile, double* scratch) const {
   if (tile >= num_cached_) return Fill(tile, scratch);
-  return Layout(tile, Cached(tile));
+  Tile cached = Layout(tile, Cached(tile));
+  if (tile + 1 < num_cached_) {
+    cached.next = Cached(tile + 1);
+    cached.next_arrays = static_cast<int>(SizeOf(GroupOf(tile + 1)) / kTile);
+  }
+  return cached;
 }
 
 double* Tiles::Cached(std::int64_t tile) const {
   const Group& group = GroupOf(tile);
   return cache_.get() + offsets_[&group - groups_.data()] +
          SizeOf(group) * static_cast<std::size_t>(tile - group.first_tile);
-}
-
-void Tiles::Prefetch(std::int64_t tile) const {
-  if (tile >= num_cached_) return;
-  constexpr std::size_t kLine = 64 / sizeof(double);
-  const double* const first = Cached(tile);
-  const std::size_t size = SizeOf(GroupOf(tile));
-  for (std::size_t k = 0; k < size; k += kLine) hwy::Prefetch(first + k);
 }
 
 Tile Tiles::Layout(std::int64_t tile, const double* arrays) const {

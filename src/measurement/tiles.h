@@ -37,6 +37,10 @@ struct Tile {
   /// An array for each row: 1 / sigma, 0 where the row was not measured; 1
   /// instead of 1 / sigma for observations with a whitener.
   const double* inverse_sigmas = nullptr;
+  /// All arrays of the tile behind it, where they are cached: the kernel asks
+  /// the memory for them while it works on this one.
+  const double* next = nullptr;
+  int next_arrays = 0;
 };
 
 /// A data set cut into tiles. Sines and cosines are taken once, and kept for as
@@ -59,10 +63,6 @@ class Tiles {
 
   /// @pre scratch: scratch_size() doubles, aligned to 64 bytes.
   Tile Get(std::int64_t tile, double* scratch) const;
-
-  /// Asks for a tile's memory, so that it is there when Get needs it. One
-  /// behind the last tile will do. @pre tile >= 0.
-  void Prefetch(std::int64_t tile) const;
 
   /// The observation of the tile's block in lane `lane` of the tile.
   Eigen::Index Observation(std::int64_t tile, int lane) const;
