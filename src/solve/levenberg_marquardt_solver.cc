@@ -113,9 +113,9 @@ void IterateCeres(const CalibrationProblem& problem,
 
 }  // namespace
 
-SolverSummary SolveCeres(const CalibrationProblem& problem,
-                         const SolverOptions& options,
-                         Eigen::VectorXd* values) {
+SolverSummary SolveLevenbergMarquardt(const CalibrationProblem& problem,
+                                      const SolverOptions& options,
+                                      Eigen::VectorXd* values) {
   const bool compressed = options.evaluation != Evaluation::kAutodiff;
   const bool needs_ceres = !compressed || problem.lower.size() > 0;
   Progress progress(problem, options, "ceres");

@@ -145,7 +145,7 @@ Outcome SolveBy(Evaluation evaluation, const CalibrationProblem& problem,
   options.evaluation = evaluation;
   options.max_iterations = max_iterations;
   Outcome outcome{{}, start};
-  outcome.summary = SolveCeres(problem, options, &outcome.values);
+  outcome.summary = SolveLevenbergMarquardt(problem, options, &outcome.values);
   return outcome;
 }
 
