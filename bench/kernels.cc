@@ -69,10 +69,10 @@ void Summarize(benchmark::State& state) {
 struct OneTile {
   OneTile()
       : problem(kTile),
-        tiles(problem.model.nominal(), problem.data, 1 << 20, 1),
+        tiles(problem.model.nominal(), problem.data, 1 << 20),
         columns(problem.model.layout(), problem.columns),
         width(static_cast<int>(problem.columns.size()) + 1),
-        rows(tiles, columns.num_joints(), width),
+        rows(&tiles, columns.num_joints(), width),
         triangle(AllocateDoubles(kernel::TriangleSize(width))),
         work(AllocateDoubles(kernel::MergeSize(width))) {
     kernel::ComputeConstants(problem.model, problem.values, &constants);

@@ -145,7 +145,7 @@ class PartedData {
   void Summarize(const Sums& sums);
 
   const MeasurementModel& model_;
-  const Tiles tiles_;
+  Tiles tiles_;
   const int width_;
   Team* const team_;
   const Eigen::Index all_observations_;

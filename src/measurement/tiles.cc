@@ -12,15 +12,11 @@
 #include <limits>
 #include <numeric>
 
-#include "alidade/base/parallel.h"
 #include "alidade/model/rotation.h"
 #include "sine.h"
 
 namespace alidade {
 namespace {
-
-// Tiles that one thread fills at a time.
-constexpr std::int64_t kTilesPerBlock = 64;
 
 // Arrays that hold the measured values of an observation.
 std::size_t MeasuredArrays(MeasurementKind kind) {
@@ -58,8 +54,7 @@ void AskForLargePages([[maybe_unused]] double* first,
 
 }  // namespace
 
-Tiles::Tiles(const Arm& arm, const Dataset& data, std::size_t cache_bytes,
-             int num_threads)
+Tiles::Tiles(const Arm& arm, const Dataset& data, std::size_t cache_bytes)
     : data_(data), orders_(data.blocks.size()) {
   for (const Joint& joint : arm.joints) {
     is_revolute_.push_back(joint.type == JointType::kRevolute);
@@ -70,7 +65,7 @@ Tiles::Tiles(const Arm& arm, const Dataset& data, std::size_t cache_bytes,
     }
     shard_ends_.push_back(num_tiles_);
   }
-  FillCache(cache_bytes, num_threads);
+  AllocateCache(cache_bytes);
 }
 
 void Tiles::AppendGroup(const Group& group) {
@@ -144,7 +139,7 @@ Eigen::Index Tiles::Observation(std::int64_t tile, int lane) const {
   return InBlock(group, (tile - group.first_tile) * kTile + lane);
 }
 
-void Tiles::FillCache(std::size_t cache_bytes, int num_threads) {
+void Tiles::AllocateCache(std::size_t cache_bytes) {
   std::size_t size = 0;
   for (const Group& group : groups_) {
     offsets_.push_back(size);
@@ -160,17 +155,15 @@ void Tiles::FillCache(std::size_t cache_bytes, int num_threads) {
   if (num_cached_ == 0) return;
   cache_ = AllocateDoubles(size);
   AskForLargePages(cache_.get(), size);
-  const auto fill = [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t tile = begin; tile < end; ++tile) {
-      Fill(tile, Cached(tile));
-    }
-  };
-  ParallelFor(num_threads, num_cached_, kTilesPerBlock, fill);
+  is_filled_.assign(static_cast<std::size_t>(num_cached_), 0);
 }
 
-Tile Tiles::Get(std::int64_t tile, double* scratch) const {
+Tile Tiles::Get(std::int64_t tile, double* scratch) {
   if (tile >= num_cached_) return Fill(tile, scratch);
-  Tile cached = Layout(tile, Cached(tile));
+  double* const arrays = Cached(tile);
+  char& is_filled = is_filled_[static_cast<std::size_t>(tile)];
+  Tile cached = is_filled != 0 ? Layout(tile, arrays) : Fill(tile, arrays);
+  is_filled = 1;
   if (tile + 1 < num_cached_) {
     cached.next = Cached(tile + 1);
     cached.next_arrays = static_cast<int>(SizeOf(GroupOf(tile + 1)) / kTile);

@@ -43,15 +43,14 @@ struct Tile {
   int next_arrays = 0;
 };
 
-/// A data set cut into tiles. Sines and cosines are taken once, and kept for as
-/// many tiles as the cache may hold; of later tiles they are taken anew at
-/// every call of Get. Holds references: arm's joint types and data must not
-/// change.
+/// A data set cut into tiles. Sines and cosines are taken once, when a tile is
+/// first asked for, and kept for as many tiles as the cache may hold; of later
+/// tiles they are taken anew at every call of Get. Holds references: arm's
+/// joint types and data must not change.
 class Tiles {
  public:
   /// `cache_bytes`: what all cached tiles may take together.
-  Tiles(const Arm& arm, const Dataset& data, std::size_t cache_bytes,
-        int num_threads);
+  Tiles(const Arm& arm, const Dataset& data, std::size_t cache_bytes);
 
   const Dataset& data() const { return data_; }
   std::int64_t size() const { return num_tiles_; }
@@ -61,8 +60,9 @@ class Tiles {
   /// Doubles that Get needs where it cannot take them from the cache.
   std::size_t scratch_size() const { return largest_; }
 
+  /// Not for the same tile from two threads at once.
   /// @pre scratch: scratch_size() doubles, aligned to 64 bytes.
-  Tile Get(std::int64_t tile, double* scratch) const;
+  Tile Get(std::int64_t tile, double* scratch);
 
   /// The observation of the tile's block in lane `lane` of the tile.
   Eigen::Index Observation(std::int64_t tile, int lane) const;
@@ -86,7 +86,7 @@ class Tiles {
   // Where a tile is in the cache.
   double* Cached(std::int64_t tile) const;
   Eigen::Index InBlock(const Group& group, Eigen::Index i) const;
-  void FillCache(std::size_t cache_bytes, int num_threads);
+  void AllocateCache(std::size_t cache_bytes);
   // Writes the arrays of a tile and returns where they are.
   Tile Fill(std::int64_t tile, double* arrays) const;
   void FillJoints(const Group& group, Eigen::Index first, int count,
@@ -108,6 +108,7 @@ class Tiles {
   // Where the tiles of each group begin in the cache.
   std::vector<std::size_t> offsets_;
   std::int64_t num_cached_ = 0;
+  std::vector<char> is_filled_;  // of each tile that has room in the cache
 };
 
 }  // namespace alidade

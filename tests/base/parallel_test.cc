@@ -102,6 +102,28 @@ TEST(ParallelForFixedTest, TwoThreadsWorkAtTheSameTime) {
   EXPECT_TRUE(all_met);
 }
 
+// Blocks that hand out work themselves, from several threads at once, again and
+// again: no call gets another one's worker, or waits for ever.
+TEST(ParallelForFixedTest, CallsMayBeNestedConcurrentAndMany) {
+  constexpr int kCallers = 3;
+  constexpr int kCalls = 200;
+  std::atomic<int> sum{0};
+  std::vector<std::thread> callers;
+  for (int k = 0; k < kCallers; ++k) {
+    callers.emplace_back([&sum] {
+      for (int call = 0; call < kCalls; ++call) {
+        ParallelFor(2, 2, 1, [&sum](std::int64_t, std::int64_t) {
+          ParallelFor(2, 5, 1, [&sum](std::int64_t begin, std::int64_t) {
+            sum += static_cast<int>(begin);
+          });
+        });
+      }
+    });
+  }
+  for (std::thread& caller : callers) caller.join();
+  EXPECT_EQ(sum, kCallers * kCalls * 2 * (0 + 1 + 2 + 3 + 4));
+}
+
 TEST(ParallelForFixedTest, RethrowsAnExceptionWithItsType) {
   for (const int num_threads : {1, 2, 8}) {
     try {
