@@ -1,6 +1,7 @@
 #include "worker_pool.h"
 
 #include <chrono>
+#include <system_error>
 #include <utility>
 
 namespace alidade {
@@ -36,7 +37,13 @@ void Worker::Finish() {
 }
 
 bool Worker::Change(State from, State to) {
-  return state_.compare_exchange_strong(from, to);
+  bool changes = false;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    changes = state_.compare_exchange_strong(from, to);
+  }
+  if (changes) changed_.notify_all();
+  return changes;
 }
 
 void Worker::Run() {
@@ -45,7 +52,7 @@ void Worker::Run() {
     if (state_.load() == State::kEnd) return;
     if (!Change(State::kGiven, State::kRunning)) continue;
     (*task_)();
-    Set(State::kIdle);
+    Change(State::kRunning, State::kIdle);
   }
 }
 
@@ -86,7 +93,13 @@ std::vector<std::unique_ptr<Worker>> WorkerPool::Borrow(std::size_t count) {
       idle_.pop_back();
     }
   }
-  while (workers.size() < count) workers.push_back(std::make_unique<Worker>());
+  // Where the system gives no more threads those that there are do it all.
+  try {
+    while (workers.size() < count) {
+      workers.push_back(std::make_unique<Worker>());
+    }
+  } catch (const std::system_error&) {
+  }
   return workers;
 }
 

@@ -51,6 +51,7 @@ class WorkerPool {
  public:
   static WorkerPool& Instance();
 
+  /// Fewer, or none, where the system gives no more threads.
   std::vector<std::unique_ptr<Worker>> Borrow(std::size_t count);
   void Return(std::vector<std::unique_ptr<Worker>> workers);
 

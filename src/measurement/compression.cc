@@ -172,8 +172,13 @@ class Compressor::Implementation {
         !HasGoodCondition(problem->factor)) {
       return false;
     }
+    // R^T projected = J^T r.
     problem->projected = triangle_.topRightCorner(p, 1);
-    cholesky_.matrixL().solveInPlace(problem->projected);
+    for (Eigen::Index k = 0; k < p; ++k) {
+      const auto above = problem->factor.col(k).head(k);
+      problem->projected[k] -= above.dot(problem->projected.head(k));
+      problem->projected[k] /= problem->factor(k, k);
+    }
     return true;
   }
 

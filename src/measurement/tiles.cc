@@ -45,10 +45,9 @@ void AskForLargePages([[maybe_unused]] double* first,
   constexpr std::uintptr_t kPage = 4096;
   if (size * sizeof(double) < kWorthwhile) return;
   const auto begin = reinterpret_cast<std::uintptr_t>(first);
-  const std::uintptr_t aligned = (begin + kPage - 1) / kPage * kPage;
-  const std::uintptr_t end = begin + size * sizeof(double);
-  if (end <= aligned) return;
-  madvise(reinterpret_cast<void*>(aligned), end - aligned, MADV_HUGEPAGE);
+  const std::size_t skipped = (kPage - begin % kPage) % kPage;
+  madvise(reinterpret_cast<char*>(first) + skipped,
+          size * sizeof(double) - skipped, MADV_HUGEPAGE);
 #endif
 }
 

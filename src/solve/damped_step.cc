@@ -48,7 +48,10 @@ const Eigen::VectorXd& DampedStep::Solve(const Eigen::MatrixXd& factor,
   }
   for (Eigen::Index k = 0; k < p; ++k) ClearColumn(k);
   step_ = -rotated_;
-  upper_.triangularView<Eigen::Upper>().solveInPlace(step_);
+  for (Eigen::Index k = p - 1; k >= 0; --k) {
+    step_[k] /= upper_(k, k);
+    step_.head(k) -= step_[k] * upper_.col(k).head(k);
+  }
   return step_;
 }
 

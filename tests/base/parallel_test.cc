@@ -7,12 +7,15 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <stdexcept>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
+
+#include "src/base/worker_pool.h"
 
 namespace alidade {
 namespace {
@@ -122,6 +125,36 @@ TEST(ParallelForFixedTest, CallsMayBeNestedConcurrentAndMany) {
   }
   for (std::thread& caller : callers) caller.join();
   EXPECT_EQ(sum, kCallers * kCalls * 2 * (0 + 1 + 2 + 3 + 4));
+}
+
+TEST(WorkerTest, TaskThatWasNotBegunIsTakenBack) {
+  std::atomic<int> runs{0};
+  const std::function<void()> task = [&runs] { ++runs; };
+  for (int k = 0; k < 1000; ++k) {
+    Worker worker;
+    worker.Start(&task);
+    worker.Finish();
+    // From here on the task may be gone.
+    const int before = runs;
+    std::this_thread::yield();
+    EXPECT_EQ(runs, before);
+  }
+}
+
+TEST(WorkerTest, EndsBehindTheTaskThatRuns) {
+  std::atomic<bool> runs{false};
+  std::atomic<bool> has_ended{false};
+  const std::function<void()> task = [&] {
+    runs = true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    has_ended = true;
+  };
+  {
+    Worker worker;
+    worker.Start(&task);
+    while (!runs) std::this_thread::yield();
+  }
+  EXPECT_TRUE(has_ended);
 }
 
 TEST(ParallelForFixedTest, RethrowsAnExceptionWithItsType) {

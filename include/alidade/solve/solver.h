@@ -18,14 +18,18 @@ namespace alidade {
 ///
 /// all other values staying as they are in the starting point.
 ///
+/// \code
 ///   MeasurementModel model(arm);
-///   const IdentifiabilityResult pass = AnalyzeIdentifiability(model, data,
-///   {}); CalibrationProblem problem{model, data, FreeColumns(pass),
+///   const IdentifiabilityResult pass =
+///       AnalyzeIdentifiability(model, data, {});
+///   CalibrationProblem problem{model, data, FreeColumns(pass),
 ///                              pass.nominal_rank, PriorsOf(pass)};
 ///   Eigen::VectorXd values = model.NominalValues();
-///   SolverSummary summary = SolveLevenbergMarquardt(problem, SolverOptions(),
-///   &values); if (summary.IsSolutionUsable()) arm =
-///   model.layout().WithValues(arm, values);
+///   SolverSummary summary =
+///       SolveLevenbergMarquardt(problem, SolverOptions(), &values);
+///   if (summary.IsSolutionUsable())
+///     arm = model.layout().WithValues(arm, values);
+/// \endcode
 ///
 /// The references must outlive the solve.
 struct CalibrationProblem {
