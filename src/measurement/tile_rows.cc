@@ -30,7 +30,8 @@ void TileRows::Evaluate(const kernel::Constants& constants,
   tile_ = tiles_.Get(tile, arrays_.get());
   kernel::EvaluateTile(constants, columns, tile_, scratch_.get(), rows_.get(),
                        lengths_.get());
-  if (!tiles_.data().blocks[tile_.block].whiteners.empty()) {
+  if (tiles_.scale() == RowScale::kWhitened &&
+      !tiles_.data().blocks[tile_.block].whiteners.empty()) {
     ApplyWhiteners(tile);
   }
 }

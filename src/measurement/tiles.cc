@@ -53,8 +53,9 @@ void AskForLargePages([[maybe_unused]] double* first,
 
 }  // namespace
 
-Tiles::Tiles(const Arm& arm, const Dataset& data, std::size_t cache_bytes)
-    : data_(data), orders_(data.blocks.size()) {
+Tiles::Tiles(const Arm& arm, const Dataset& data, std::size_t cache_bytes,
+             RowScale scale)
+    : data_(data), scale_(scale), orders_(data.blocks.size()) {
   for (const Joint& joint : arm.joints) {
     is_revolute_.push_back(joint.type == JointType::kRevolute);
   }
@@ -242,13 +243,14 @@ void Tiles::FillMeasured(const Group& group, Eigen::Index first, int count,
   std::fill(inverse_sigmas, inverse_sigmas + IndexOf(rows, 0), 0.0);
   for (int lane = 0; lane < count; ++lane) {
     const Eigen::Index i = InBlock(group, first + lane);
-    const bool has_whitener =
-        !block.whiteners.empty() && block.whiteners[i].size() > 0;
+    const bool is_scaled_later =
+        scale_ == RowScale::kUnit ||
+        (!block.whiteners.empty() && block.whiteners[i].size() > 0);
     for (int row = 0; row < rows; ++row) {
       const double sigma = block.sigmas(row, i);
       const bool is_measured = !std::isinf(sigma);
       inverse_sigmas[IndexOf(row, lane)] =
-          has_whitener ? (is_measured ? 1.0 : 0.0) : 1.0 / sigma;
+          is_scaled_later ? (is_measured ? 1.0 : 0.0) : 1.0 / sigma;
       // What was not measured may be anything in the data, NaN too.
       if (row < 3 && is_measured) {
         measured[IndexOf(row, lane)] = block.measured(row, i);

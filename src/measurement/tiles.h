@@ -43,6 +43,12 @@ struct Tile {
   int next_arrays = 0;
 };
 
+/// What the kernel's rows are multiplied by.
+enum class RowScale {
+  kWhitened,  ///< 1 / sigma, or what a covariance makes of them
+  kUnit,      ///< 1 where a row was measured: errors in m and rad
+};
+
 /// A data set cut into tiles. Sines and cosines are taken once, when a tile is
 /// first asked for, and kept for as many tiles as the cache may hold; of later
 /// tiles they are taken anew at every call of Get. Holds references: arm's
@@ -50,9 +56,11 @@ struct Tile {
 class Tiles {
  public:
   /// `cache_bytes`: what all cached tiles may take together.
-  Tiles(const Arm& arm, const Dataset& data, std::size_t cache_bytes);
+  Tiles(const Arm& arm, const Dataset& data, std::size_t cache_bytes,
+        RowScale scale = RowScale::kWhitened);
 
   const Dataset& data() const { return data_; }
+  RowScale scale() const { return scale_; }
   std::int64_t size() const { return num_tiles_; }
   /// Where the tiles of each shard end; those of the first begin at 0. A tile
   /// is of one shard.
@@ -96,6 +104,7 @@ class Tiles {
   Tile Layout(std::int64_t tile, const double* arrays) const;
 
   const Dataset& data_;
+  const RowScale scale_;
   std::vector<bool> is_revolute_;
   std::vector<Group> groups_;
   // For each block its observations, sorted by group; empty: as they are.
