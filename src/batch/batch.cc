@@ -17,6 +17,7 @@
 #include "alidade/io/batch_json.h"
 #include "alidade/io/files.h"
 #include "alidade/report/batch_csv.h"
+#include "alidade/report/html_report.h"
 #include "job_computer.h"
 #include "journal.h"
 #include "remote_jobs.h"
@@ -26,21 +27,8 @@
 namespace alidade {
 namespace {
 
-// The results of all jobs beside each other, those that came to none with what
-// stopped them.
-std::string CompareResults(const BatchSummary& summary,
-                           const std::string& directory) {
-  ComparisonPage page;
-  for (const BatchEntry& entry : summary.entries) {
-    if (entry.directory.empty()) {
-      page.AddFailure(entry.name, entry.message);
-    } else {
-      AddToComparison(directory + "/" + entry.directory, entry.name,
-                      directory + "/comparison.html", &page);
-    }
-  }
-  return page.Render(page.GuessKind());
-}
+// As many as the page shows in full; what it needs of others is read again.
+constexpr std::size_t kMostItems = 2000;
 
 // Where there are fewer jobs than threads, each has several.
 int ThreadsEach(const BatchPlan& plan, const BatchOptions& options,
@@ -85,6 +73,7 @@ class BatchRun {
       store_.CheckName(job.name);
       summary_.entries.push_back(EntryOf(job));
     }
+    items_.resize(std::min(plan.jobs.size(), kMostItems));
     progress_.num_jobs = static_cast<std::int64_t>(plan.jobs.size());
   }
 
@@ -97,8 +86,7 @@ class BatchRun {
     }
     store_.WriteSummary("summary.csv", FormatBatchCsv(summary_));
     store_.WriteSummary("summary.json", FormatBatchSummary(summary_));
-    store_.WriteSummary("comparison.html",
-                        CompareResults(summary_, options_.directory));
+    store_.WriteSummary("comparison.html", CompareResults());
     LOG(INFO) << "time of all workers: " << times_.Format();
     return std::move(summary_);
   }
@@ -156,6 +144,24 @@ class BatchRun {
     failure.Rethrow();
   }
 
+  // The results of all jobs beside each other, those that came to none with
+  // what stopped them.
+  std::string CompareResults() const {
+    ComparisonPage page;
+    for (std::size_t i = 0; i < summary_.entries.size(); ++i) {
+      const BatchEntry& entry = summary_.entries[i];
+      if (entry.directory.empty()) {
+        page.AddFailure(entry.name, entry.message);
+      } else if (i < items_.size() && items_[i]) {
+        page.Add(*items_[i]);
+      } else {
+        AddToComparison(options_.directory + "/" + entry.directory, entry.name,
+                        options_.directory + "/comparison.html", &page);
+      }
+    }
+    return page.Render(page.GuessKind());
+  }
+
   // Takes a job and does it; false where none is left.
   bool Work() {
     std::optional<std::int64_t> number;
@@ -174,6 +180,7 @@ class BatchRun {
       if (!computed->files.empty()) staged = store_.Stage(computed->files);
       store_.Commit(computed->record, staged);
     }
+    Keep(*number, std::move(computed->item));
     Finish(*number, std::move(computed->record.entry), false);
     return true;
   }
@@ -191,6 +198,7 @@ class BatchRun {
       const Stopwatch stopwatch(&times_.writing);
       store_.Commit(outcome.record, outcome.staged);
     }
+    Keep(outcome.number, std::move(outcome.item));
     Finish(outcome.number, std::move(outcome.record.entry), false);
   }
 
@@ -218,6 +226,12 @@ class BatchRun {
     return is_current ? &found->second : nullptr;
   }
 
+  // Each job has a place of its own.
+  void Keep(std::int64_t number, std::optional<ComparisonItem> item) {
+    const auto place = static_cast<std::size_t>(number);
+    if (place < items_.size()) items_[place] = std::move(item);
+  }
+
   void Finish(std::int64_t number, BatchEntry entry, bool was_found) {
     const std::lock_guard<std::mutex> lock(mutex_);
     // The same file may be named otherwise now.
@@ -241,6 +255,7 @@ class BatchRun {
   BlockingQueue<RemoteOutcome> outcomes_;
   std::mutex mutex_;
   BatchSummary summary_;
+  std::vector<std::optional<ComparisonItem>> items_;
   BatchProgress progress_;
 };
 

@@ -126,7 +126,10 @@ Computed JobComputer::Compute(const PlannedJob& job) const {
     record.entry.status = BatchStatus::kFailed;
     record.entry.message = std::string("internal error: ") + error.what();
   }
-  if (!HasResult(record.entry)) computed.files.clear();
+  if (!HasResult(record.entry)) {
+    computed.files.clear();
+    computed.item.reset();
+  }
   return computed;
 }
 
@@ -141,7 +144,8 @@ JobConfig JobComputer::Read(const PlannedJob& job, BatchRecord* record) const {
 JobOutcome JobComputer::Calibrate(const JobConfig& config,
                                   const PlannedJob& job) const {
   const Stopwatch stopwatch(&times_.calibrating);
-  return RunJob(config, "alidade batch " + job.file, reading_.num_threads);
+  return RunJob(config, "alidade batch " + job.file, reading_.num_threads,
+                &cache_);
 }
 
 void JobComputer::Run(const PlannedJob& job, Computed* computed) const {
@@ -155,6 +159,7 @@ void JobComputer::Run(const PlannedJob& job, Computed* computed) const {
   if (!HasResult(record.entry)) return;
   computed->files = RenderResult(outcome, config.outputs);
   record.entry.directory = job.name;
+  computed->item = DescribeForComparison(job.name, outcome.result, "");
   for (const ReportFile& file : computed->files) {
     if (file.name != "result.json") continue;
     record.result_sha256 = Sha256(file.content);

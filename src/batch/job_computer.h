@@ -4,11 +4,14 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "alidade/batch/batch.h"
+#include "alidade/batch/identifiability_cache.h"
 #include "alidade/batch/job.h"
+#include "alidade/report/html_report.h"
 #include "alidade/report/report.h"
 
 namespace alidade {
@@ -50,6 +53,7 @@ struct WorkTimes {
 /// there is no usable one.
 struct Computed {
   BatchRecord record;
+  std::optional<ComparisonItem> item;
   std::vector<ReportFile> files;
 };
 
@@ -72,6 +76,7 @@ class JobComputer {
   const BatchOptions& options_;
   WorkTimes& times_;
   JobReading reading_;
+  mutable IdentifiabilityCache cache_;
 };
 
 }  // namespace alidade

@@ -62,13 +62,18 @@ std::string AskMessage() {
   return writer.Take();
 }
 
-std::string OutcomeMessage(std::int64_t number, const BatchRecord& record,
+std::string OutcomeMessage(std::int64_t number, const Computed& computed,
                            const std::string& staged) {
   ByteWriter writer;
   writer.Put(Topic::kOutcome);
   writer.Put(number);
-  writer.PutText(FormatBatchRecord(record));
+  writer.PutText(FormatBatchRecord(computed.record));
   writer.PutText(staged);
+  writer.Put(computed.item.has_value());
+  if (computed.item) {
+    const auto& [version, data, layout, head, tail] = *computed.item;
+    writer.PutTexts({version, data, layout, head, tail});
+  }
   return writer.Take();
 }
 
@@ -96,6 +101,11 @@ RemoteOutcome ReadOutcome(ByteReader* reader) {
   if (!record) throw std::logic_error("a record of another process is none");
   outcome.record = *std::move(record);
   outcome.staged = reader->GetText();
+  if (!reader->Get<bool>()) return outcome;
+  std::vector<std::string> texts = reader->GetTexts();
+  outcome.item = {std::move(texts.at(0)), std::move(texts.at(1)),
+                  std::move(texts.at(2)), std::move(texts.at(3)),
+                  std::move(texts.at(4))};
   return outcome;
 }
 
@@ -145,13 +155,13 @@ class Crew {
         computed = computer_.Compute(plan_.jobs[number]);
         // Before the next one is asked for: it may be the last.
         if (computed.files.empty()) {
-          Put(OutcomeMessage(number, computed.record, ""));
+          Put(OutcomeMessage(number, computed, ""));
           return true;
         }
       }
       const Stopwatch stopwatch(&times_->writing);
       const std::string staged = staging_->Stage(computed.files);
-      Put(OutcomeMessage(number, computed.record, staged));
+      Put(OutcomeMessage(number, computed, staged));
       return true;
     } catch (const std::exception& error) {
       Put(FailureMessage(error));

@@ -19,6 +19,7 @@ namespace alidade {
 struct RemoteOutcome {
   std::int64_t number = 0;
   BatchRecord record;
+  std::optional<ComparisonItem> item;
   std::string staged;
 };
 

@@ -156,6 +156,28 @@ TEST_F(BatchTest, ASecondRunDoesNothingAndTellsTheSame) {
   EXPECT_EQ(ReadWhole(Path("out/fleet/seed-1/result.json")), result);
 }
 
+TEST_F(BatchTest, ThePageOfResultsSaysTheSameOnceTheyAreRead) {
+  // Priors, sigmas that are estimated, held-out poses, a limit that is missed,
+  // and one without a result.
+  WriteWhole(Path("other.yaml"),
+             "format: alidade-job-1\nextends: fleet.yaml\nmatrix: ~\n"
+             "identifiability: {method: rank}\nvalidation: {fraction: 0.3}\n"
+             "data: {simulate: {poses: {random: {count: 40}}}}\n"
+             "measurement: {sigma: estimate}\n"
+             "acceptance: {train_rms: 1e-9}\n");
+  WriteWhole(Path("wrong.yaml"), "format: alidade-job-1\ntitel: x\n");
+  const std::vector<std::string> files = {"fleet.yaml", "other.yaml",
+                                          "wrong.yaml"};
+  const BatchSummary summary = Run(files);
+  EXPECT_EQ(summary.Count(BatchStatus::kDone), 3);
+  EXPECT_EQ(summary.Count(BatchStatus::kMissedLimits), 1)
+      << summary.entries[3].message;
+  const std::string page = ReadWhole(Path("out/comparison.html"));
+  Run(files);
+  EXPECT_THAT(ran_, ElementsAre("wrong"));
+  EXPECT_TRUE(ReadWhole(Path("out/comparison.html")) == page);
+}
+
 TEST_F(BatchTest, RunsWhatIsMissing) {
   Run({"fleet.yaml"});
   fs::remove_all(Path("out/fleet/seed-2"));
