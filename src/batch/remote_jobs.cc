@@ -41,14 +41,14 @@ class Pause {
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr std::chrono::microseconds kLeast{100};
+  static constexpr std::chrono::microseconds kLeast{300};
   static constexpr std::chrono::milliseconds kMost{10};
 
   Clock::time_point last_ = Clock::now();
 };
 
 // A worker that waits for an answer has its processor to itself.
-constexpr std::chrono::microseconds kUntilAnswer{30};
+constexpr std::chrono::microseconds kUntilAnswer{100};
 
 std::string NumberMessage(std::int64_t number) {
   ByteWriter writer;
