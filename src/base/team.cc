@@ -1,7 +1,6 @@
 #include "alidade/base/team.h"
 
 #include <algorithm>
-#include <exception>
 #include <new>
 #include <numeric>
 #include <stdexcept>
@@ -19,26 +18,28 @@ std::int64_t AsFailure(std::size_t length) {
 
 enum class ErrorKind { kInput, kMemory, kOther };
 
-std::string DescribeInput(const InputError& error) {
+}  // namespace
+
+std::string DescribeError(const std::exception& error) {
   ByteWriter writer;
-  writer.Put(ErrorKind::kInput);
-  const SourceLocation& location = error.location();
-  writer.PutText(location.file);
-  writer.Put(location.line);
-  writer.Put(location.column);
-  writer.PutText(location.key);
-  writer.PutText(error.message());
+  if (const auto* input = dynamic_cast<const InputError*>(&error)) {
+    writer.Put(ErrorKind::kInput);
+    const SourceLocation& location = input->location();
+    writer.PutText(location.file);
+    writer.Put(location.line);
+    writer.Put(location.column);
+    writer.PutText(location.key);
+    writer.PutText(input->message());
+  } else if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) {
+    writer.Put(ErrorKind::kMemory);
+  } else {
+    writer.Put(ErrorKind::kOther);
+    writer.PutText(error.what());
+  }
   return writer.Take();
 }
 
-std::string Describe(ErrorKind kind, const std::string& message) {
-  ByteWriter writer;
-  writer.Put(kind);
-  if (kind == ErrorKind::kOther) writer.PutText(message);
-  return writer.Take();
-}
-
-[[noreturn]] void Throw(const std::string& description) {
+void ThrowDescribed(const std::string& description) {
   ByteReader reader(description);
   const auto kind = reader.Get<ErrorKind>();
   if (kind == ErrorKind::kMemory) throw std::bad_alloc();
@@ -50,8 +51,6 @@ std::string Describe(ErrorKind kind, const std::string& message) {
   location.key = reader.GetText();
   throw InputError(location, reader.GetText());
 }
-
-}  // namespace
 
 template <typename Work>
 auto Team::InTransit(const Work& work) {
@@ -82,7 +81,7 @@ void Team::ThrowTogether(const std::vector<std::int64_t>& sizes,
     description.resize(static_cast<std::size_t>(-1 - sizes[lowest]));
   }
   Spread(lowest, &description);
-  Throw(description);
+  ThrowDescribed(description);
 }
 
 void Team::Fail(const std::string& error) {
@@ -135,6 +134,17 @@ std::int64_t Team::Sum(std::int64_t mine) {
   return sum;
 }
 
+void Team::Send(int to, const std::string& bytes) {
+  InTransit([&] {
+    Transmit(to, bytes);
+    return true;
+  });
+}
+
+std::optional<Team::Message> Team::Receive() {
+  return InTransit([&] { return Fetch(); });
+}
+
 void Team::RunTogether(const std::function<void()>& work) {
   has_failed_ = false;
   std::string error;
@@ -143,13 +153,7 @@ void Team::RunTogether(const std::function<void()>& work) {
   } catch (const std::exception& exception) {
     // What all have thrown together needs no more words.
     if (has_failed_) throw;
-    if (const auto* input = dynamic_cast<const InputError*>(&exception)) {
-      error = DescribeInput(*input);
-    } else if (dynamic_cast<const std::bad_alloc*>(&exception) != nullptr) {
-      error = Describe(ErrorKind::kMemory, "");
-    } else {
-      error = Describe(ErrorKind::kOther, exception.what());
-    }
+    error = DescribeError(exception);
   }
   if (!error.empty()) Fail(error);
   Agree(0);

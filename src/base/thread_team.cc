@@ -1,4 +1,5 @@
 #include <condition_variable>
+#include <deque>
 #include <exception>
 #include <mutex>
 #include <thread>
@@ -13,12 +14,29 @@ namespace {
 class Meeting {
  public:
   explicit Meeting(int size)
-      : numbers_(size), blobs_(size), failures_(size), size_(size) {}
+      : numbers_(size),
+        blobs_(size),
+        failures_(size),
+        mail_(size),
+        size_(size) {}
 
   int size() const { return size_; }
   std::vector<std::int64_t>& numbers() { return numbers_; }
   std::vector<std::string>& blobs() { return blobs_; }
   std::vector<std::exception_ptr>& failures() { return failures_; }
+
+  void Post(int to, Team::Message message) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    mail_[to].push_back(std::move(message));
+  }
+
+  std::optional<Team::Message> Collect(int by) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (mail_[by].empty()) return std::nullopt;
+    Team::Message message = std::move(mail_[by].front());
+    mail_[by].pop_front();
+    return message;
+  }
 
   // Returns once every thread is here.
   void Wait() {
@@ -37,6 +55,7 @@ class Meeting {
   std::vector<std::int64_t> numbers_;
   std::vector<std::string> blobs_;
   std::vector<std::exception_ptr> failures_;
+  std::vector<std::deque<Team::Message>> mail_;
   const int size_;
   std::mutex mutex_;
   std::condition_variable all_here_;
@@ -75,6 +94,12 @@ class ThreadTeam : public Team {
     *bytes = meeting_->blobs()[from];
     meeting_->Wait();
   }
+
+  void Transmit(int to, const std::string& bytes) override {
+    meeting_->Post(to, {rank(), bytes});
+  }
+
+  std::optional<Message> Fetch() override { return meeting_->Collect(rank()); }
 
   [[noreturn]] void Abandon(const std::string& /*why*/) override {
     std::terminate();

@@ -3,238 +3,69 @@
 #include <glog/logging.h>
 
 #include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <exception>
+#include <filesystem>
 #include <mutex>
-#include <new>
+#include <random>
+#include <thread>
 #include <utility>
 
 #include "alidade/base/error.h"
+#include "alidade/base/team.h"
 #include "alidade/base/version.h"
-#include "alidade/batch/job.h"
 #include "alidade/batch/report_page.h"
-#include "alidade/batch/result_directory.h"
-#include "alidade/batch/simulate.h"
 #include "alidade/io/batch_json.h"
 #include "alidade/io/files.h"
 #include "alidade/report/batch_csv.h"
-#include "alidade/report/format.h"
+#include "alidade/report/html_report.h"
+#include "job_computer.h"
 #include "journal.h"
+#include "remote_jobs.h"
 #include "result_store.h"
 #include "scheduler.h"
 
 namespace alidade {
 namespace {
 
-// The results of all jobs beside each other, those that came to none with what
-// stopped them.
-std::string CompareResults(const BatchSummary& summary,
-                           const std::string& directory) {
-  ComparisonPage page;
-  for (const BatchEntry& entry : summary.entries) {
-    if (entry.directory.empty()) {
-      page.AddFailure(entry.name, entry.message);
-    } else {
-      AddToComparison(directory + "/" + entry.directory, entry.name,
-                      directory + "/comparison.html", &page);
-    }
-  }
-  return page.Render(page.GuessKind());
+// As many as the page shows in full; what it needs of others is read again.
+constexpr std::size_t kMostItems = 2000;
+
+// Where there are fewer jobs than threads, each has several.
+int ThreadsEach(const BatchPlan& plan, const BatchOptions& options,
+                int num_members) {
+  const auto num_jobs = static_cast<std::int64_t>(plan.jobs.size());
+  const std::int64_t jobs_each = (num_jobs + num_members - 1) / num_members;
+  return static_cast<int>(std::max<std::int64_t>(
+      1, options.num_threads / std::max<std::int64_t>(jobs_each, 1)));
 }
 
-// Workers for each thread that computes: one computes, the others wait for the
-// disk, which takes about as long as a small job, and more where it is busy.
-constexpr int kWorkersPerThread = 4;
-
-std::string FingerprintOf(const BatchPlan& plan, const PlannedJob& job,
-                          const BatchOptions& options) {
-  std::string fingerprint = plan.matrices[job.matrix].FingerprintOf(job.number);
-  if (options.outputs) {
-    fingerprint += *options.outputs == JobOutputs::kFull ? "+full" : "+minimal";
-  }
-  return fingerprint;
-}
-
-BatchEntry EntryOf(const PlannedJob& job) {
-  BatchEntry entry;
-  entry.name = job.name;
-  entry.job_file = job.file;
-  return entry;
-}
-
-// What job files say of the job is in its fingerprint; what they say of others,
-// and comments, do not matter.
-std::vector<InputFile> WithoutJobFiles(std::vector<InputFile> inputs,
-                                       const JobMatrix& matrix) {
-  const std::vector<std::string>& files = matrix.files();
-  const auto is_job_file = [&files](const InputFile& input) {
-    return std::find(files.begin(), files.end(), input.path) != files.end();
-  };
-  inputs.erase(std::remove_if(inputs.begin(), inputs.end(), is_job_file),
-               inputs.end());
-  return inputs;
-}
-
-BatchStatus StatusOf(JobStatus status) {
-  if (status == JobStatus::kDone) return BatchStatus::kDone;
-  return status == JobStatus::kMissedLimits ? BatchStatus::kMissedLimits
-                                            : BatchStatus::kFailed;
-}
-
-void Describe(const JobOutcome& outcome, BatchEntry* entry) {
-  const JobResult& result = outcome.result;
-  entry->status = StatusOf(outcome.status);
-  entry->message = outcome.message;
-  entry->title = result.title;
-  entry->arm = result.arm;
-  entry->data = result.train.name;
-  entry->train_before = result.train.before;
-  entry->train_after = result.train.after;
-  if (result.heldout) {
-    entry->heldout_before = result.heldout->before;
-    entry->heldout_after = result.heldout->after;
-  }
-  entry->num_free = result.identifiability.num_free;
-  if (!result.runs.empty()) {
-    const SolverSummary& summary = result.runs.front().summary;
-    entry->solver_status = ToString(summary.status);
-    if (!summary.iterations.empty()) {
-      entry->iterations = summary.iterations.back().iteration;
-    }
-  }
-  if (result.estimated_sigma > 0.0) entry->sigma = result.estimated_sigma;
-  entry->reduced_chi_square = result.reduced_chi_square;
-  entry->num_outliers = static_cast<std::int64_t>(result.outliers.size());
-  entry->warnings = result.warnings;
-}
-
-// Seconds of a clock that a scope took, added to a sum when it ends.
-class Stopwatch {
+// The first error of several threads.
+class FirstFailure {
  public:
-  using Clock = std::chrono::steady_clock;
-
-  explicit Stopwatch(std::atomic<std::int64_t>* nanoseconds)
-      : nanoseconds_(nanoseconds) {}
-  ~Stopwatch() { *nanoseconds_ += (Clock::now() - start_).count(); }
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-
- private:
-  std::atomic<std::int64_t>* const nanoseconds_;
-  const Clock::time_point start_ = Clock::now();
-};
-
-/// Where the time of all workers goes, in nanoseconds.
-struct WorkTimes {
-  std::atomic<std::int64_t> reading{0};
-  std::atomic<std::int64_t> calibrating{0};
-  std::atomic<std::int64_t> writing{0};
-
-  std::string Format() const {
-    const auto seconds = [](std::int64_t nanoseconds) {
-      return FormatSignificant(1e-9 * static_cast<double>(nanoseconds), 3) +
-             " s";
-    };
-    return "reading " + seconds(reading) + ", calibrating " +
-           seconds(calibrating) + ", writing " + seconds(writing);
+  void Keep(std::exception_ptr failure) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!failure_) failure_ = std::move(failure);
   }
-};
-
-/// What came of a job: its record, and the files of its result, none where
-/// there is no usable one.
-struct Computed {
-  BatchRecord record;
-  std::vector<ReportFile> files;
-};
-
-bool HasResult(const BatchEntry& entry) {
-  return entry.status == BatchStatus::kDone ||
-         entry.status == BatchStatus::kMissedLimits;
-}
-
-class JobComputer {
- public:
-  JobComputer(const BatchPlan& plan, const BatchOptions& options,
-              WorkTimes* times)
-      : plan_(plan), options_(options), times_(*times) {
-    const auto num_jobs = static_cast<std::int64_t>(plan.jobs.size());
-    reading_.num_threads = static_cast<int>(std::max<std::int64_t>(
-        1, options.num_threads / std::max<std::int64_t>(num_jobs, 1)));
-    reading_.simulate = Simulate;
-  }
-
-  /// Throws nothing: what goes wrong is in the record.
-  Computed Compute(const PlannedJob& job) const {
-    Computed computed;
-    BatchRecord& record = computed.record;
-    record.entry = EntryOf(job);
-    record.version = Version();
-    try {
-      if (job.matrix < 0) {
-        record.entry.status = BatchStatus::kBadInput;
-        record.entry.message = job.error;
-      } else {
-        Run(job, &computed);
-      }
-    } catch (const InputError& error) {
-      record.entry.status = BatchStatus::kBadInput;
-      record.entry.message = error.what();
-    } catch (const std::bad_alloc&) {
-      record.entry.status = BatchStatus::kFailed;
-      record.entry.message = "out of memory";
-    } catch (const std::exception& error) {
-      record.entry.status = BatchStatus::kFailed;
-      record.entry.message = std::string("internal error: ") + error.what();
-    }
-    if (!HasResult(record.entry)) computed.files.clear();
-    return computed;
+  void Rethrow() const {
+    if (failure_) std::rethrow_exception(failure_);
   }
 
  private:
-  JobConfig Read(const PlannedJob& job, BatchRecord* record) const {
-    const Stopwatch stopwatch(&times_.reading);
-    record->fingerprint = FingerprintOf(plan_, job, options_);
-    JobConfig config = plan_.matrices[job.matrix].Load(job.number, reading_);
-    if (options_.outputs) config.outputs = *options_.outputs;
-    return config;
-  }
-
-  JobOutcome Calibrate(const JobConfig& config, const PlannedJob& job) const {
-    const Stopwatch stopwatch(&times_.calibrating);
-    return RunJob(config, "alidade batch " + job.file, reading_.num_threads);
-  }
-
-  void Run(const PlannedJob& job, Computed* computed) const {
-    BatchRecord& record = computed->record;
-    const JobConfig config = Read(job, &record);
-    const JobOutcome outcome = Calibrate(config, job);
-    const Stopwatch stopwatch(&times_.writing);
-    record.inputs =
-        WithoutJobFiles(outcome.result.inputs, plan_.matrices[job.matrix]);
-    Describe(outcome, &record.entry);
-    if (!HasResult(record.entry)) return;
-    computed->files = RenderResult(outcome, config.outputs);
-    record.entry.directory = job.name;
-    for (const ReportFile& file : computed->files) {
-      if (file.name != "result.json") continue;
-      record.result_sha256 = Sha256(file.content);
-    }
-  }
-
-  const BatchPlan& plan_;
-  const BatchOptions& options_;
-  WorkTimes& times_;
-  JobReading reading_;
+  std::mutex mutex_;
+  std::exception_ptr failure_;
 };
+
+// More members than that have their results wait for each other.
+constexpr int kMostCommitted = 16;
 
 class BatchRun {
  public:
-  BatchRun(const BatchPlan& plan, const BatchOptions& options)
+  BatchRun(const BatchPlan& plan, const BatchOptions& options, int num_members)
       : plan_(plan),
         options_(options),
         store_(options.directory),
-        computer_(plan, options, &times_),
+        computer_(plan, options, ThreadsEach(plan, options, num_members),
+                  &times_),
         permits_(options.num_threads),
         queue_(static_cast<std::int64_t>(plan.jobs.size())) {
     summary_.version = Version();
@@ -242,21 +73,95 @@ class BatchRun {
       store_.CheckName(job.name);
       summary_.entries.push_back(EntryOf(job));
     }
+    items_.resize(std::min(plan.jobs.size(), kMostItems));
     progress_.num_jobs = static_cast<std::int64_t>(plan.jobs.size());
   }
 
-  BatchSummary Run() {
-    RunWorkers(options_.num_threads * kWorkersPerThread, &queue_,
-               [this] { return Work(); });
+  /// `team`: null where this process is alone.
+  BatchSummary Run(Team* team) {
+    if (team == nullptr) {
+      RunLocal();
+    } else {
+      RunWithOthers(team);
+    }
     store_.WriteSummary("summary.csv", FormatBatchCsv(summary_));
     store_.WriteSummary("summary.json", FormatBatchSummary(summary_));
-    store_.WriteSummary("comparison.html",
-                        CompareResults(summary_, options_.directory));
+    store_.WriteSummary("comparison.html", CompareResults());
     LOG(INFO) << "time of all workers: " << times_.Format();
     return std::move(summary_);
   }
 
  private:
+  void RunLocal() {
+    RunWorkers(
+        options_.num_threads * kWorkersPerThread, [this] { queue_.Stop(); },
+        [this] { return Work(); });
+  }
+
+  // This thread speaks with other members, and others do what there is to do.
+  // Whatever fails, it listens until all members have left.
+  void RunWithOthers(Team* team) {
+    FirstFailure failure;
+    const auto guarded = [this, &failure](const auto& work) {
+      try {
+        work();
+      } catch (...) {
+        queue_.Stop();
+        failure.Keep(std::current_exception());
+      }
+    };
+    // As many results wait to be committed together as from as many threads.
+    const int num_committers =
+        kWorkersPerThread * std::min(team->size() - 1, kMostCommitted);
+    std::vector<std::thread> threads;
+    guarded([&] {
+      threads.emplace_back([&] { guarded([this] { RunLocal(); }); });
+      for (int i = 0; i < num_committers; ++i) {
+        threads.emplace_back([&] {
+          while (std::optional<RemoteOutcome> outcome = outcomes_.Take()) {
+            guarded([&] { Accept(*std::move(outcome)); });
+          }
+        });
+      }
+    });
+    JobDesk desk;
+    desk.take = [&] {
+      std::optional<std::int64_t> number;
+      guarded([&] { number = TakeForOther(); });
+      return number;
+    };
+    desk.finish = [&](RemoteOutcome outcome) {
+      StopWhereAsked(outcome.record.entry);
+      outcomes_.Put(std::move(outcome));
+    };
+    desk.fail = [&](const std::string& error) {
+      guarded([&] { ThrowDescribed(error); });
+    };
+    desk.add_times = [this](const WorkTimes& times) { times_.Add(times); };
+    ServeJobs(team, desk);
+    outcomes_.Close();
+    for (std::thread& thread : threads) thread.join();
+    failure.Rethrow();
+  }
+
+  // The results of all jobs beside each other, those that came to none with
+  // what stopped them.
+  std::string CompareResults() const {
+    ComparisonPage page;
+    for (std::size_t i = 0; i < summary_.entries.size(); ++i) {
+      const BatchEntry& entry = summary_.entries[i];
+      if (entry.directory.empty()) {
+        page.AddFailure(entry.name, entry.message);
+      } else if (i < items_.size() && items_[i]) {
+        page.Add(*items_[i]);
+      } else {
+        AddToComparison(options_.directory + "/" + entry.directory, entry.name,
+                        options_.directory + "/comparison.html", &page);
+      }
+    }
+    return page.Render(page.GuessKind());
+  }
+
   // Takes a job and does it; false where none is left.
   bool Work() {
     std::optional<std::int64_t> number;
@@ -265,18 +170,36 @@ class BatchRun {
       const Permits::Held permit(&permits_);
       number = queue_.Take();
       if (!number) return false;
-      const PlannedJob& job = plan_.jobs[*number];
-      if (const BatchRecord* const done = FindDone(job)) {
-        StopWhereAsked(done->entry);
-        Finish(*number, done->entry, true);
-        return true;
-      }
-      computed = computer_.Compute(job);
+      if (FinishIfDone(*number)) return true;
+      computed = computer_.Compute(plan_.jobs[*number]);
       StopWhereAsked(computed->record.entry);
     }
-    Write(*computed);
+    {
+      const Stopwatch stopwatch(&times_.writing);
+      std::string staged;
+      if (!computed->files.empty()) staged = store_.Stage(computed->files);
+      store_.Commit(computed->record, staged);
+    }
+    Keep(*number, std::move(computed->item));
     Finish(*number, std::move(computed->record.entry), false);
     return true;
+  }
+
+  // The next job that is not done.
+  std::optional<std::int64_t> TakeForOther() {
+    for (;;) {
+      const std::optional<std::int64_t> number = queue_.Take();
+      if (!number || !FinishIfDone(*number)) return number;
+    }
+  }
+
+  void Accept(RemoteOutcome outcome) {
+    {
+      const Stopwatch stopwatch(&times_.writing);
+      store_.Commit(outcome.record, outcome.staged);
+    }
+    Keep(outcome.number, std::move(outcome.item));
+    Finish(outcome.number, std::move(outcome.record.entry), false);
   }
 
   // Before the next job is taken.
@@ -284,11 +207,13 @@ class BatchRun {
     if (options_.fail_fast && entry.status != BatchStatus::kDone) queue_.Stop();
   }
 
-  void Write(const Computed& computed) {
-    const Stopwatch stopwatch(&times_.writing);
-    std::string staged;
-    if (!computed.files.empty()) staged = store_.Stage(computed.files);
-    store_.Commit(computed.record, staged);
+  // True where an earlier run has done the job.
+  bool FinishIfDone(std::int64_t number) {
+    const BatchRecord* const done = FindDone(plan_.jobs[number]);
+    if (done == nullptr) return false;
+    StopWhereAsked(done->entry);
+    Finish(number, done->entry, true);
+    return true;
   }
 
   const BatchRecord* FindDone(const PlannedJob& job) {
@@ -299,6 +224,12 @@ class BatchRun {
         IsCurrent(found->second, options_.directory,
                   FingerprintOf(plan_, job, options_), &hashes_);
     return is_current ? &found->second : nullptr;
+  }
+
+  // Each job has a place of its own.
+  void Keep(std::int64_t number, std::optional<ComparisonItem> item) {
+    const auto place = static_cast<std::size_t>(number);
+    if (place < items_.size()) items_[place] = std::move(item);
   }
 
   void Finish(std::int64_t number, BatchEntry entry, bool was_found) {
@@ -321,10 +252,67 @@ class BatchRun {
   Permits permits_;
   JobQueue queue_;
   FileHashes hashes_;
+  BlockingQueue<RemoteOutcome> outcomes_;
   std::mutex mutex_;
   BatchSummary summary_;
+  std::vector<std::optional<ComparisonItem>> items_;
   BatchProgress progress_;
 };
+
+// A job's number must mean the same to all.
+void RequireSamePlan(Team* team, const BatchPlan& plan) {
+  std::string all;
+  for (const PlannedJob& job : plan.jobs) all += job.name + "\n" + job.error;
+  for (const JobMatrix& matrix : plan.matrices) {
+    for (const std::string& file : matrix.files()) all += Sha256OfFile(file);
+  }
+  const std::vector<std::string> hashes = team->Gather(Sha256(all));
+  for (const std::string& hash : hashes) {
+    if (hash == hashes.front()) continue;
+    throw InputError(
+        {},
+        "the processes see different job files: put them where all "
+        "machines see the same");
+  }
+}
+
+// Tells this batch from an earlier one, of which processes may still be ending.
+std::string NewMark() {
+  std::random_device device;
+  return std::to_string(device()) + std::to_string(device());
+}
+
+BatchSummary RunAsFirst(const BatchPlan& plan, const BatchOptions& options,
+                        Team* team) {
+  BatchRun run(plan, options, team->size());
+  team->Broadcast(NewMark());
+  team->Sum(0);  // all see the directory
+  try {
+    BatchSummary summary = run.Run(team);
+    DismissMembers(team);
+    return summary;
+  } catch (...) {
+    DismissMembers(team);
+    throw;
+  }
+}
+
+void RunAsOther(const BatchPlan& plan, const BatchOptions& options,
+                Team* team) {
+  const std::string mark = team->Broadcast("");
+  StagingArea staging(options.directory,
+                      mark + "-" + std::to_string(team->rank()));
+  if (!std::filesystem::exists(staging.path())) {
+    throw InputError({staging.path(), 0, 0, ""},
+                     "is not there for one of the processes: choose an --out "
+                     "that all machines see");
+  }
+  team->Sum(0);
+  WorkTimes times;
+  const JobComputer computer(plan, options,
+                             ThreadsEach(plan, options, team->size()), &times);
+  WorkForFirst(team, plan, computer, options.num_threads, &staging, &times);
+}
 
 }  // namespace
 
@@ -342,8 +330,15 @@ std::vector<bool> FindDone(const BatchPlan& plan, const BatchOptions& options) {
   return done;
 }
 
-BatchSummary RunBatch(const BatchPlan& plan, const BatchOptions& options) {
-  return BatchRun(plan, options).Run();
+BatchSummary RunBatch(const BatchPlan& plan, const BatchOptions& options,
+                      Team* team) {
+  if (team == nullptr || team->size() == 1) {
+    return BatchRun(plan, options, 1).Run(nullptr);
+  }
+  RequireSamePlan(team, plan);
+  if (team->is_first()) return RunAsFirst(plan, options, team);
+  RunAsOther(plan, options, team);
+  return {};
 }
 
 }  // namespace alidade

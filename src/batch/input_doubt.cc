@@ -189,6 +189,28 @@ double Misfit(const Arm& arm, const Pairs& pairs) {
   return start ? start->misfit.median : std::numeric_limits<double>::infinity();
 }
 
+// Whether half of the positions are within `tolerated` with the target as the
+// arm states it and a base that fits all of them best: one way to place the
+// arm, found at a fraction of the cost of the best one.
+bool FitsAsStated(const Arm& arm, const Pairs& pairs, double tolerated) {
+  Arm in_base = arm;
+  in_base.instrument_from_base.setIdentity();
+  Eigen::Matrix3Xd targets(3, pairs.points.cols());
+  ChainAxes axes;
+  for (Eigen::Index i = 0; i < targets.cols(); ++i) {
+    ComputeChainAxes(in_base, pairs.joint_values.col(i).data(), &axes);
+    targets.col(i) = axes.instrument_from_target.translation();
+  }
+  const std::optional<RigidFit> fit = FitRigid(targets, pairs.points);
+  if (!fit) return false;
+  Eigen::VectorXd misfits =
+      (fit->b_from_a * targets - pairs.points).colwise().norm();
+  if (!misfits.allFinite()) return false;
+  double* const middle = misfits.data() + misfits.size() / 2;
+  std::nth_element(misfits.data(), middle, misfits.data() + misfits.size());
+  return *middle <= tolerated;
+}
+
 struct Slip {
   std::string text;  // what the user should do
   std::function<void(Pairs*)> mend;
@@ -252,10 +274,12 @@ std::vector<Slip> JointSlips(const Arm& arm) {
 InputDoubt DoubtInput(const Arm& arm, const Dataset& data) {
   const Positions positions(data);
   if (positions.count() < kFewest || !positions.are_finite()) return {};
-  const double misfit = Misfit(arm, positions.Paired(0));
   Arm at_origin = arm;
   at_origin.instrument_from_base.setIdentity();
   const double tolerated = kTolerated * Reach(at_origin);
+  const Pairs as_read = positions.Paired(0);
+  if (FitsAsStated(arm, as_read, tolerated)) return {};
+  const double misfit = Misfit(arm, as_read);
   if (!(misfit > tolerated) || !std::isfinite(misfit)) return {};
   std::vector<Slip> slips = UnitSlips(arm);
   for (Slip& slip : JointSlips(arm)) slips.push_back(std::move(slip));

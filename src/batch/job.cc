@@ -14,6 +14,7 @@
 #include "alidade/base/error.h"
 #include "alidade/base/version.h"
 #include "alidade/batch/evaluate.h"
+#include "alidade/batch/identifiability_cache.h"
 #include "alidade/identifiability/analysis.h"
 #include "alidade/identifiability/rules.h"
 #include "alidade/io/files.h"
@@ -181,8 +182,9 @@ std::vector<InputFile> HashInputs(const JobConfig& config) {
 
 class JobRunner {
  public:
-  JobRunner(JobConfig config, int num_threads)
+  JobRunner(JobConfig config, int num_threads, IdentifiabilityCache* cache)
       : config_(std::move(config)),
+        cache_(cache),
         frames_fitted_(FitFrames(&config_, num_threads)),
         sigmas_(config_.estimate_sigma ? EstimateSigmas(&config_, num_threads)
                                        : EstimatedSigmas()),
@@ -256,7 +258,10 @@ class JobRunner {
   bool Identify() {
     const auto begin = std::chrono::steady_clock::now();
     result().identifiability =
-        AnalyzeIdentifiability(model_, config_.data, config_.identifiability);
+        cache_ == nullptr
+            ? AnalyzeIdentifiability(model_, config_.data,
+                                     config_.identifiability)
+            : cache_->Analyze(model_, config_.data, config_.identifiability);
     result().identify_time_s = SecondsSince(begin);
     for (const std::string& warning : result().identifiability.warnings) {
       LOG(WARNING) << "warning: " << warning;
@@ -495,6 +500,7 @@ class JobRunner {
   const std::chrono::steady_clock::time_point start_ =
       std::chrono::steady_clock::now();
   JobConfig config_;
+  IdentifiabilityCache* const cache_;
   const bool frames_fitted_;
   const EstimatedSigmas sigmas_;
   MeasurementModel model_;
@@ -504,12 +510,12 @@ class JobRunner {
 
 }  // namespace
 
-JobOutcome RunJob(JobConfig config, const std::string& command,
-                  int num_threads) {
+JobOutcome RunJob(JobConfig config, const std::string& command, int num_threads,
+                  IdentifiabilityCache* cache) {
   const std::string doubt = RefuseSlips(config);
   std::optional<JobConfig> as_read;
   if (config.folds) as_read = config;
-  JobOutcome outcome = JobRunner(std::move(config), num_threads)
+  JobOutcome outcome = JobRunner(std::move(config), num_threads, cache)
                            .Run(command, as_read ? &*as_read : nullptr);
   if (!doubt.empty()) {
     outcome.result.warnings.push_back(doubt);

@@ -4,7 +4,6 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
@@ -20,8 +19,6 @@ namespace alidade {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr char kStaged[] = "staged-";
 
 [[noreturn]] void Fail(const std::string& path, const std::string& what,
                        int error) {
@@ -47,12 +44,6 @@ bool IsResult(const fs::path& path) {
   return fs::is_regular_file(path / "result.json", error);
 }
 
-// Takes down a directory that no reader may see half of: under another name.
-void RemoveStaged(const std::string& path) {
-  std::error_code ignored;
-  fs::remove_all(path, ignored);
-}
-
 // Puts `staged` at `place` and what was there at `staged`.
 void Exchange(const std::string& staged, const std::string& place) {
   if (renameat2(AT_FDCWD, staged.c_str(), AT_FDCWD, place.c_str(),
@@ -71,18 +62,15 @@ void Exchange(const std::string& staged, const std::string& place) {
 }  // namespace
 
 ResultStore::ResultStore(const std::string& directory)
-    : directory_(directory), work_directory_(directory + "/.batch") {
-  MakeDirectories(work_directory_);
-  lock_ = TakeLock(work_directory_ + "/lock");
-  for (const auto& entry : fs::directory_iterator(work_directory_)) {
-    if (entry.path().filename().string().rfind(kStaged, 0) == 0) {
-      RemoveStaged(entry.path().string());
-    }
-  }
-  const std::string journal = work_directory_ + "/journal.jsonl";
+    : directory_(directory), staging_(directory, "") {
+  const std::string& work_directory = staging_.path();
+  MakeDirectories(work_directory);
+  lock_ = TakeLock(work_directory + "/lock");
+  staging_.Clear();
+  const std::string journal = work_directory + "/journal.jsonl";
   records_ = ReadJournal(journal);
   journal_ = std::make_unique<JournalWriter>(journal);
-  SyncDirectory(work_directory_);
+  SyncDirectory(work_directory);
 }
 
 ResultStore::~ResultStore() {
@@ -100,26 +88,6 @@ void ResultStore::CheckName(const std::string& name) const {
   throw InputError({path.string(), 0, 0, ""},
                    "is there already and no result of a job, which the batch "
                    "would replace: choose another --out, or move it away");
-}
-
-std::string ResultStore::NewStagedName() {
-  return work_directory_ + "/" + kStaged +
-         std::to_string(next_staged_.fetch_add(1));
-}
-
-std::string ResultStore::Stage(const std::vector<ReportFile>& files) {
-  const std::string staged = NewStagedName();
-  try {
-    MakeDirectories(staged);
-    for (const ReportFile& file : files) {
-      WriteNewFile(staged + "/" + file.name, file.content);
-    }
-    SyncDirectory(staged);
-  } catch (...) {
-    RemoveStaged(staged);
-    throw;
-  }
-  return staged;
 }
 
 void ResultStore::Commit(const BatchRecord& record, const std::string& staged) {
@@ -172,7 +140,7 @@ void ResultStore::Place(const Pending& pending) {
   std::string staged = *pending.staged;
   if (staged.empty()) {
     if (!exists) return;
-    staged = NewStagedName();
+    staged = staging_.NewName();
     if (rename(place.c_str(), staged.c_str()) != 0) {
       Fail(place, "cannot be removed", errno);
     }
@@ -193,7 +161,7 @@ void ResultStore::Place(const Pending& pending) {
 
 void ResultStore::WriteSummary(const std::string& name,
                                const std::string& content) {
-  const std::string staged = NewStagedName();
+  const std::string staged = staging_.NewName();
   const std::string path = directory_ + "/" + name;
   WriteNewFile(staged, content);
   if (rename(staged.c_str(), path.c_str()) != 0) {

@@ -1,7 +1,6 @@
 #ifndef ALIDADE_SRC_BATCH_RESULT_STORE_H_
 #define ALIDADE_SRC_BATCH_RESULT_STORE_H_
 
-#include <atomic>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -11,6 +10,7 @@
 #include "alidade/report/report.h"
 #include "alidade/results/batch_summary.h"
 #include "journal.h"
+#include "staging_area.h"
 
 namespace alidade {
 
@@ -20,6 +20,9 @@ namespace alidade {
 ///     DIR/.batch/lock            held while a batch works here
 ///     DIR/.batch/journal.jsonl   what has been done (journal.h)
 ///     DIR/.batch/staged-N/       a result that is being written
+///
+/// (The result may be written by another process of the same batch:
+/// staging_area.h.)
 ///
 /// A result is written to a staged directory, and files and directory synced;
 /// then its record goes to the journal, synced; then the directory is renamed,
@@ -45,9 +48,10 @@ class ResultStore {
   /// result: it is not for a batch to replace.
   void CheckName(const std::string& name) const;
 
-  /// Writes files to a new staged directory and syncs them; returns its path.
-  /// @throws InputError.
-  std::string Stage(const std::vector<ReportFile>& files);
+  /// As StagingArea::Stage.
+  std::string Stage(const std::vector<ReportFile>& files) {
+    return staging_.Stage(files);
+  }
 
   /// Records an outcome and puts the staged directory in its place; where
   /// `staged` is empty, no result: an older one is removed. Returns when it
@@ -67,13 +71,11 @@ class ResultStore {
 
   void CommitAll(const std::vector<Pending*>& group);
   void Place(const Pending& pending);
-  std::string NewStagedName();
 
   const std::string directory_;
-  const std::string work_directory_;
+  StagingArea staging_;
   JournalRecords records_;
   int lock_ = -1;
-  std::atomic<int> next_staged_{0};
   std::unique_ptr<JournalWriter> journal_;
 
   std::mutex mutex_;

@@ -29,7 +29,7 @@ void Permits::Release() {
   released_.notify_one();
 }
 
-void RunWorkers(int num_workers, JobQueue* queue,
+void RunWorkers(int num_workers, const std::function<void()>& stop,
                 const std::function<bool()>& work) {
   // One block a worker: each stays until nothing is left.
   ParallelFor(num_workers, num_workers, 1, [&](std::int64_t, std::int64_t) {
@@ -37,7 +37,7 @@ void RunWorkers(int num_workers, JobQueue* queue,
       while (work()) {
       }
     } catch (...) {
-      queue->Stop();
+      stop();
       throw;
     }
   });

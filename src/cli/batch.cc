@@ -8,6 +8,7 @@
 #include "alidade/report/batch_csv.h"
 #include "batch_progress.h"
 #include "command.h"
+#include "launched_team.h"
 
 namespace alidade {
 namespace {
@@ -86,16 +87,16 @@ void PrintSummary(const BatchSummary& summary, const BatchOptions& options) {
             << "  " << options.directory << "/comparison.html\n";
 }
 
-}  // namespace
-
-ExitStatus RunBatchCommand(const CommandLine& line) {
+// `team` may be null. What is printed is so by member 0.
+ExitStatus Run(const CommandLine& line, Team* team) {
   BatchOptions options;
   options.directory = line.out.empty() ? kDefaultDirectory : line.out;
   options.num_threads = line.threads;
   options.fail_fast = line.fail_fast;
   options.outputs = OutputsOf(line);
+  const bool is_first = team == nullptr || team->is_first();
   const BatchPlan plan = PlanBatch(PathsOf(line));
-  if (line.dry_run) return PrintPlan(plan, options);
+  if (line.dry_run) return is_first ? PrintPlan(plan, options) : kExitDone;
   // Warnings are in the results and counted in the summary; those of a thousand
   // jobs would bury what else is said.
   if (FLAGS_minloglevel == google::GLOG_WARNING) {
@@ -105,10 +106,17 @@ ExitStatus RunBatchCommand(const CommandLine& line) {
   options.on_finished = [&reporter](const BatchProgress& progress) {
     reporter.Report(progress);
   };
-  const BatchSummary summary = RunBatch(plan, options);
+  const BatchSummary summary = RunBatch(plan, options, team);
+  if (!is_first) return kExitDone;
   reporter.End();
   PrintSummary(summary, options);
   return StatusOf(summary.Worst());
+}
+
+}  // namespace
+
+ExitStatus RunBatchCommand(const CommandLine& line) {
+  return RunAsLaunched([&line](Team* team) { return Run(line, team); });
 }
 
 }  // namespace alidade

@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <iostream>
-#include <memory>
 #include <set>
 #include <string>
 #include <utility>
@@ -13,11 +12,9 @@
 #include "alidade/batch/report_page.h"
 #include "alidade/batch/result_directory.h"
 #include "alidade/batch/simulate.h"
-#include "alidade/measurement/compression.h"
 #include "alidade/report/report.h"
 #include "command.h"
-#include "launch.h"
-#include "mpi_team.h"
+#include "launched_team.h"
 #include "progress_line.h"
 
 namespace alidade {
@@ -36,20 +33,6 @@ void PrintSummary(const JobResult& result,
   for (const std::string& path : paths) std::cout << "  " << path << "\n";
 }
 
-// Vector code adds up in another order where vectors have another length.
-void RequireSameMachines(Team* team) {
-  const std::string mine = VectorInstructions();
-  const std::vector<std::string> all = team->Gather(mine);
-  for (const std::string& each : all) {
-    if (each == all.front()) continue;
-    throw InputError(
-        {}, "the processes run on machines of different vector instructions (" +
-                all.front() + ", " + each +
-                "), and their bits would not agree: run them on machines of "
-                "one kind");
-  }
-}
-
 // More processes than files are no error: those without one go along.
 void WarnOfIdle(const JobConfig& config, const Team& team) {
   std::set<int> busy(config.readers.begin(), config.readers.end());
@@ -66,7 +49,6 @@ ExitStatus Calibrate(const CommandLine& line, Team* team) {
   const std::string& path = line.files.front();
   ProgressLine progress;
   progress.Show("reading " + path);
-  if (team != nullptr) RequireSameMachines(team);
   JobConfig config = ReadJob(path, line.threads, team);
   if (team != nullptr) WarnOfIdle(config, *team);
   ShowIterations(config.data.all_poses(), &progress, &config.solver_options);
@@ -103,12 +85,7 @@ ExitStatus Calibrate(const CommandLine& line, Team* team) {
 }  // namespace
 
 ExitStatus RunCalibrate(const CommandLine& line) {
-  const Launch launch = FindLaunch();
-  if (!launch.is_team()) return Calibrate(line, nullptr);
-  const std::unique_ptr<Team> team = JoinTeam(launch);
-  ExitStatus status = kExitDone;
-  team->RunTogether([&] { status = Calibrate(line, team.get()); });
-  return status;
+  return RunAsLaunched([&line](Team* team) { return Calibrate(line, team); });
 }
 
 }  // namespace alidade

@@ -161,12 +161,15 @@ std::vector<Command> FleetCommands() {
        "a job's `matrix`, --threads of them at a time, and writes each result\n"
        "directory below --out=DIR (default: results/batch), and summary.csv,\n"
        "summary.json and comparison.html, a page of all results. The same\n"
-       "command again runs only what is missing or changed. Exit status: the\n"
-       "highest of all jobs.",
+       "command again runs only what is missing or changed. Under mpirun, "
+       "which\n"
+       "starts several processes, the first hands out jobs as others become\n"
+       "free. Exit status: the highest of all jobs.",
        {"out", "list", "dry-run", "keep-going", "fail-fast", "outputs"},
        0,
        kAnyNumber,
-       RunBatchCommand},
+       RunBatchCommand,
+       true},
   };
 }
 

@@ -12,7 +12,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +24,9 @@ namespace {
 
 // MPI counts in int: longer messages go in pieces.
 constexpr std::size_t kMostBytes = std::size_t{1} << 30;
+
+constexpr int kPieceTag = 0;
+constexpr int kMessageTag = 1;
 
 // Calls send(first byte, count) for pieces of `bytes`.
 template <typename Transfer>
@@ -51,7 +56,7 @@ class MpiTeam : public Team {
     std::vector<std::string> all;
     if (!is_first()) {
       InPieces(&mine, [](char* data, int count) {
-        MPI_Send(data, count, MPI_BYTE, 0, 0, MPI_COMM_WORLD);
+        MPI_Send(data, count, MPI_BYTE, 0, kPieceTag, MPI_COMM_WORLD);
       });
       return all;
     }
@@ -60,7 +65,7 @@ class MpiTeam : public Team {
     for (int from = 1; from < size(); ++from) {
       all[from].resize(static_cast<std::size_t>(sizes[from]));
       InPieces(&all[from], [from](char* data, int count) {
-        MPI_Recv(data, count, MPI_BYTE, from, 0, MPI_COMM_WORLD,
+        MPI_Recv(data, count, MPI_BYTE, from, kPieceTag, MPI_COMM_WORLD,
                  MPI_STATUS_IGNORE);
       });
     }
@@ -73,11 +78,50 @@ class MpiTeam : public Team {
     });
   }
 
+  // Members that send to each other at once must not wait for each other: what
+  // arrives is taken in until the own message is gone.
+  void Transmit(int to, const std::string& bytes) override {
+    if (bytes.size() > kMostBytes) Abandon("a message is longer than 1 GiB");
+    MPI_Request request = MPI_REQUEST_NULL;
+    MPI_Isend(bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, to,
+              kMessageTag, MPI_COMM_WORLD, &request);
+    for (int is_gone = 0; is_gone == 0;) {
+      MPI_Test(&request, &is_gone, MPI_STATUS_IGNORE);
+      if (std::optional<Message> message = TakeIn()) {
+        arrived_.push_back(*std::move(message));
+      }
+    }
+  }
+
+  std::optional<Message> Fetch() override {
+    if (arrived_.empty()) return TakeIn();
+    Message message = std::move(arrived_.front());
+    arrived_.pop_front();
+    return message;
+  }
+
+  static std::optional<Message> TakeIn() {
+    int is_there = 0;
+    MPI_Status status;
+    MPI_Iprobe(MPI_ANY_SOURCE, kMessageTag, MPI_COMM_WORLD, &is_there, &status);
+    if (is_there == 0) return std::nullopt;
+    int count = 0;
+    MPI_Get_count(&status, MPI_BYTE, &count);
+    Message message;
+    message.from = status.MPI_SOURCE;
+    message.bytes.resize(static_cast<std::size_t>(count));
+    MPI_Recv(message.bytes.data(), count, MPI_BYTE, message.from, kMessageTag,
+             MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    return message;
+  }
+
   [[noreturn]] void Abandon(const std::string& why) override {
     std::cerr << "alidade: " << why << std::endl;
     MPI_Abort(MPI_COMM_WORLD, 3);
     std::abort();
   }
+
+  std::deque<Message> arrived_;
 };
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "alidade/measurement/observation_rows.h"
 
 #include <algorithm>
-#include <cstddef>
 
 #include "alidade/base/parallel.h"
 #include "kernel.h"
@@ -14,12 +13,13 @@ namespace {
 // Copies one lane of a tile to `out`, rows of the observation by columns.
 void CopyLane(TileRows* rows, int lane, Eigen::MatrixXd* out) {
   const int width = rows->num_derivatives() + 1;
-  out->resize(rows->height(), width);
+  const int height = rows->height();
+  const auto stride = rows->stride();
+  out->resize(height, width);
+  double* to = out->data();
   for (int column = 0; column < width; ++column) {
-    const double* const first = rows->rows() + column * rows->stride() + lane;
-    for (int row = 0; row < rows->height(); ++row) {
-      (*out)(row, column) = first[std::ptrdiff_t{row} * kTile];
-    }
+    const double* from = rows->rows() + column * stride + lane;
+    for (int row = 0; row < height; ++row, from += kTile) *to++ = *from;
   }
 }
 

@@ -135,35 +135,45 @@ const char* KeyOf(ComparisonKind kind) {
 
 }  // namespace
 
-void ComparisonPage::Add(const std::string& label, const JobResult& result,
-                         const std::string& link) {
-  version_ = result.version;
-  data_.push_back(DataKey(result));
-  if (results_.size() >= kMostResults) {
-    ++left_out_;
-    return;
-  }
-  const std::string layout = LayoutJson(result.parameters);
-  const auto found = std::find(layouts_.begin(), layouts_.end(), layout);
+ComparisonItem DescribeForComparison(const std::string& label,
+                                     const JobResult& result,
+                                     const std::string& link) {
   const auto missed =
       std::count_if(result.acceptance.begin(), result.acceptance.end(),
                     [](const AcceptanceCheck& check) { return !check.met(); });
-  std::string json =
-      "{\"label\":" + JsonText(label) + ",\"title\":" + JsonText(result.title) +
-      ",\"arm\":" + JsonText(result.arm) +
-      (link.empty() ? "" : ",\"href\":" + JsonText(link)) +
-      Integer("layout", found - layouts_.begin()) +
+  ComparisonItem item;
+  item.version = result.version;
+  item.data = DataKey(result);
+  item.layout = LayoutJson(result.parameters);
+  item.head = "{\"label\":" + JsonText(label) +
+              ",\"title\":" + JsonText(result.title) +
+              ",\"arm\":" + JsonText(result.arm) +
+              (link.empty() ? "" : ",\"href\":" + JsonText(link));
+  item.tail =
       Integer("limits", static_cast<std::int64_t>(result.acceptance.size())) +
       Integer("missed", missed) +
       Integer("warnings", static_cast<std::int64_t>(result.warnings.size())) +
       Integer("num_free", result.identifiability.num_free) +
       ",\"runs\":" + RunsJson(result.runs) +
       ",\"train\":" + SetJson(result.train);
-  if (found == layouts_.end()) layouts_.push_back(layout);
   if (result.heldout && result.heldout->after.n > 0) {
-    json += ",\"heldout\":" + SetJson(*result.heldout);
+    item.tail += ",\"heldout\":" + SetJson(*result.heldout);
   }
-  results_.push_back(json + ParametersJson(result) + "}");
+  item.tail += ParametersJson(result) + "}";
+  return item;
+}
+
+void ComparisonPage::Add(const ComparisonItem& item) {
+  version_ = item.version;
+  data_.push_back(item.data);
+  if (results_.size() >= kMostResults) {
+    ++left_out_;
+    return;
+  }
+  const auto found = std::find(layouts_.begin(), layouts_.end(), item.layout);
+  results_.push_back(item.head + Integer("layout", found - layouts_.begin()) +
+                     item.tail);
+  if (found == layouts_.end()) layouts_.push_back(item.layout);
 }
 
 void ComparisonPage::AddFailure(const std::string& label,

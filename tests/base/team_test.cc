@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <new>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -125,6 +126,36 @@ TEST(TeamTest, OneErrorOfAllIsThatOfTheFirst) {
   const std::string expected = "shard0.csv:7:2: x_mm: is no number";
   EXPECT_THAT(ErrorsOf(2, [](Team* team) { throw Wrong(team->rank()); }),
               ElementsAre(expected, expected));
+}
+
+TEST(TeamTest, MessagesOfOneMemberComeInTheirOrder) {
+  RunAsTeam(3, [](Team* team) {
+    if (!team->is_first()) {
+      for (const char* text : {"a", "", "ccc"}) team->Send(0, text);
+      return;
+    }
+    std::vector<std::string> from_all(3);
+    for (int count = 0; count < 6;) {
+      const std::optional<Team::Message> message = team->Receive();
+      if (!message) continue;
+      ++count;
+      from_all[message->from] += message->bytes + ";";
+    }
+    EXPECT_THAT(from_all, ElementsAre("", "a;;ccc;", "a;;ccc;"));
+    EXPECT_FALSE(team->Receive());
+  });
+}
+
+TEST(TeamTest, MessagesDoNotMeetCollectiveCalls) {
+  RunAsTeam(2, [](Team* team) {
+    const int other = 1 - team->rank();
+    team->Send(other, "before " + std::to_string(team->rank()));
+    EXPECT_EQ(team->Sum(1), 2);
+    const std::optional<Team::Message> message = team->Receive();
+    ASSERT_TRUE(message);
+    EXPECT_EQ(message->from, other);
+    EXPECT_EQ(message->bytes, "before " + std::to_string(other));
+  });
 }
 
 }  // namespace

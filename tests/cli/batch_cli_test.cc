@@ -9,13 +9,13 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
-#include <map>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "alidade/base/random.h"
 #include "alidade/io/arm_file.h"
+#include "tests/support/batch_outcome.h"
 #include "tests/support/process.h"
 #include "tests/support/without_times.h"
 
@@ -25,6 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 using ::testing::AllOf;
+using testing::BatchOutcome;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -182,23 +183,6 @@ class BatchProcess {
   pid_t process_ = 0;
 };
 
-// Everything below a batch's directory but its own records, times aside.
-std::map<std::string, std::string> Outcome(const std::string& out) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(out)) {
-    const std::string name = fs::relative(entry.path(), out).string();
-    if (!entry.is_regular_file() || name.rfind(".batch", 0) == 0) continue;
-    if (name == "comparison.html") {
-      files[name] = "";  // times of solves are in it
-      continue;
-    }
-    files[name] = entry.path().filename() == "result.json"
-                      ? WithoutTimes(entry.path().string())
-                      : ReadWhole(entry.path());
-  }
-  return files;
-}
-
 // Whatever result is there is whole.
 void ExpectWholeResults(const std::string& out) {
   if (!fs::exists(out + "/few")) return;
@@ -229,14 +213,14 @@ class BatchCrashTest : public BatchCliTest {
         ++kills;
         ExpectWholeResults(Out());
       } else {
-        EXPECT_EQ(Outcome(Out()), Outcome(undisturbed));
+        EXPECT_EQ(BatchOutcome(Out()), BatchOutcome(undisturbed));
         fs::remove_all(Out());
       }
     }
     const ProcessResult last = Batch(few + " --threads=2 --out=" + Out());
     EXPECT_EQ(last.status, 0) << last.err;
-    EXPECT_EQ(Outcome(Out()), Outcome(undisturbed));
-    EXPECT_EQ(Outcome(Out()).size(), 2U * num_jobs + 3U);
+    EXPECT_EQ(BatchOutcome(Out()), BatchOutcome(undisturbed));
+    EXPECT_EQ(BatchOutcome(Out()).size(), 2U * num_jobs + 3U);
   }
 };
 

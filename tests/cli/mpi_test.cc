@@ -3,13 +3,17 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <regex>
 #include <string>
 #include <vector>
 
+#include "alidade/base/random.h"
+#include "tests/support/batch_outcome.h"
 #include "tests/support/process.h"
 
 namespace alidade {
@@ -133,6 +137,148 @@ TEST_F(MpiTest, OtherCommandsRunAlone) {
   EXPECT_EQ(Count(result.err, "alidade: "), 1) << result.err;
   EXPECT_THAT(result.err, HasSubstr("2 were started together"));
   EXPECT_THAT(result.out, Not(HasSubstr("shards")));
+}
+
+const std::string kThousand =
+    std::string(ALIDADE_SOURCE_DIR) + "/configs/batches/rv2aj_1000.yaml";
+
+// Batches by processes of one thread each.
+class MpiBatchTest : public ::testing::Test {
+ protected:
+  // So many of the repository's thousand.
+  std::string WriteFew(int count) const {
+    const std::string path = scratch_ / "few.yaml";
+    testing::WriteWhole(path, "format: alidade-job-1\nextends: " + kThousand +
+                                  "\nmatrix: {data.simulate.seed: {range: " +
+                                  std::to_string(count) + "}}\n");
+    return path;
+  }
+
+  // `launcher`: what comes before the program.
+  ProcessResult Batch(const std::string& launcher, const std::string& words,
+                      const std::string& out) const {
+    return testing::RunProcess(launcher + ALIDADE_BINARY + " batch " + words +
+                               " --out=" + (scratch_ / out));
+  }
+
+  std::map<std::string, std::string> Outcome(const std::string& out) const {
+    return testing::BatchOutcome(scratch_ / out);
+  }
+
+  const testing::TemporaryDirectory scratch_;
+};
+
+TEST_F(MpiBatchTest, ProcessesWriteTheBytesOfThreads) {
+  const std::string wrong = scratch_ / "wrong.yaml";
+  testing::WriteWhole(wrong, "format: alidade-job-1\ntitel: x\n");
+  const std::string jobs = WriteFew(12) + " " + wrong + " nowhere.yaml";
+  const ProcessResult threads = Batch("", jobs + " --threads=2", "threads");
+  EXPECT_EQ(threads.status, 2) << threads.err;
+  EXPECT_EQ(Outcome("threads").size(), 2U * 12U + 3U);
+  for (const int processes : {2, 3}) {
+    const std::string out = "processes" + std::to_string(processes);
+    const ProcessResult result = Batch(Mpirun(processes), jobs, out);
+    EXPECT_EQ(result.status, 2) << result.err;
+    EXPECT_EQ(std::regex_replace(result.out, std::regex(out), "threads"),
+              threads.out);
+    // Each job that is wrong is told once.
+    EXPECT_EQ(Count(result.err, "alidade: "), 2) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("alidade: wrong: bad input: "));
+    EXPECT_THAT(result.err, HasSubstr("alidade: nowhere: bad input: "));
+    EXPECT_EQ(Outcome(out), Outcome("threads"));
+  }
+}
+
+TEST_F(MpiBatchTest, DryRunIsPrintedOnce) {
+  const std::string jobs = WriteFew(2) + " --dry-run";
+  const ProcessResult alone = Batch("", jobs, "out");
+  const ProcessResult both = Batch(Mpirun(2), jobs, "out");
+  EXPECT_EQ(both.status, 0) << both.err;
+  EXPECT_EQ(both.out, alone.out);
+  EXPECT_FALSE(fs::exists(scratch_ / "out"));
+}
+
+TEST_F(MpiBatchTest, WhatEndsTheBatchEndsAllWithOneMessage) {
+  const std::string few = WriteFew(6);
+  const ProcessResult unwritable = testing::RunProcess(
+      Mpirun(2) + ALIDADE_BINARY + " batch " + few + " --out=/dev/null/x");
+  EXPECT_EQ(unwritable.status, 2);
+  EXPECT_EQ(Count(unwritable.err, "alidade: "), 1) << unwritable.err;
+  EXPECT_THAT(unwritable.err, HasSubstr("directory cannot be made"));
+  // Files of more than 4 kB cannot be written by any process.
+  const ProcessResult full = testing::RunProcess(
+      "echo \"trap '' XFSZ; ulimit -f 8; exec \\\"\\$@\\\"\" >" +
+      (scratch_ / "full.sh") + "; " + Mpirun(3) + "bash " +
+      (scratch_ / "full.sh") + " " + ALIDADE_BINARY + " batch " + few +
+      " --out=" + (scratch_ / "full"));
+  EXPECT_EQ(full.status, 2);
+  EXPECT_EQ(Count(full.err, "alidade: "), 1) << full.err;
+  EXPECT_THAT(full.err, HasSubstr("result.json: cannot be written: File"));
+  EXPECT_FALSE(fs::exists(scratch_ / "full/few"));
+  // Once there is room, the same command does the rest.
+  EXPECT_EQ(Batch(Mpirun(2), few, "full").status, 0);
+  EXPECT_TRUE(fs::exists(scratch_ / "full/few/seed-6/result.json"));
+}
+
+TEST_F(MpiBatchTest, FailFastEndsAll) {
+  std::string jobs;
+  for (int i = 0; i < 100; ++i) jobs += "no" + std::to_string(i) + ".yaml ";
+  const ProcessResult result = Batch(Mpirun(3), jobs + "--fail-fast", "out");
+  EXPECT_EQ(result.status, 2) << result.err;
+  EXPECT_THAT(result.out, HasSubstr(" not run"));
+  EXPECT_LE(Count(result.err, "alidade: "), 20) << result.err;
+}
+
+// Processes of a killed mpirun may still be ending when the next one begins.
+bool IsHeldByAnother(const ProcessResult& result) {
+  return result.status == 2 &&
+         result.err.find("another batch is writing") != std::string::npos;
+}
+
+TEST_F(MpiBatchTest, KilledAtAnyMomentItGoesOn) {
+  const std::string few = WriteFew(12);
+  ASSERT_EQ(Batch("", few + " --threads=2", "undisturbed").status, 0);
+  Random random(7);
+  int kills = 0;
+  while (kills < 5) {
+    const double seconds = random.Uniform(0.3, 1.0);
+    const ProcessResult result =
+        Batch("timeout --signal=KILL " + std::to_string(seconds) + " env " +
+                  Mpirun(2),
+              few, "out");
+    if (IsHeldByAnother(result)) continue;
+    if (result.status == 0) {
+      EXPECT_EQ(Outcome("out"), Outcome("undisturbed"));
+      fs::remove_all(scratch_ / "out");
+    } else {
+      EXPECT_EQ(result.status, 128 + SIGKILL) << result.err;
+      ++kills;
+    }
+  }
+  ProcessResult last;
+  do {
+    last = Batch(Mpirun(2), few, "out");
+  } while (IsHeldByAnother(last));
+  EXPECT_EQ(last.status, 0) << last.err;
+  EXPECT_EQ(Outcome("out"), Outcome("undisturbed"));
+}
+
+TEST_F(MpiBatchTest, AProcessThatDiesEndsTheRunAndTheNextGoesOn) {
+  const std::string few = WriteFew(40);
+  ASSERT_EQ(Batch("", few + " --threads=2", "undisturbed").status, 0);
+  // The second of two kills itself in the middle of its work.
+  testing::WriteWhole(scratch_ / "dies.sh",
+                      "if [ \"$OMPI_COMM_WORLD_RANK\" = 1 ]; then\n"
+                      "  (while [ ! -e \"" +
+                          (scratch_ / "out/few") +
+                          "\" ]; do :; done\n"
+                          "   kill -9 $$) &\nfi\nexec \"$@\"\n");
+  const ProcessResult died =
+      Batch(Mpirun(2) + "bash " + (scratch_ / "dies.sh") + " ", few, "out");
+  EXPECT_NE(died.status, 0);
+  EXPECT_FALSE(fs::exists(scratch_ / "out/summary.json"));
+  EXPECT_EQ(Batch(Mpirun(2), few, "out").status, 0);
+  EXPECT_EQ(Outcome("out"), Outcome("undisturbed"));
 }
 
 }  // namespace

@@ -2,7 +2,9 @@
 #define ALIDADE_BASE_TEAM_H_
 
 #include <cstdint>
+#include <exception>
 #include <functional>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -21,9 +23,18 @@ namespace alidade {
 /// is done within RunTogether, which then takes part in its place: on every
 /// other member that call throws the same error.
 ///
+/// Messages go from one member to another and are not collective: for work that
+/// members do each at a pace of its own, between two collective calls. Whoever
+/// sends must know that the other one comes to receive.
+///
 /// Not to be used by several threads of a member at once.
 class Team {
  public:
+  struct Message {
+    int from = 0;
+    std::string bytes;
+  };
+
   virtual ~Team() = default;
   Team(const Team&) = delete;
   Team& operator=(const Team&) = delete;
@@ -50,6 +61,13 @@ class Team {
     return ByteReader(Broadcast(writer.Take())).Get<T>();
   }
 
+  /// Not collective: sends to member `to`, another one. Returns once the
+  /// message is on its way; what arrives here meanwhile is kept for Receive.
+  void Send(int to, const std::string& bytes);
+  /// Not collective, does not wait: a message that has arrived, those of one
+  /// member in the order that they were sent; nothing where there is none.
+  std::optional<Message> Receive();
+
   /// Collective: work() on every member. Where it throws on some members, the
   /// error of the lowest of their ranks is thrown on all: InputError with its
   /// location, std::bad_alloc, or std::runtime_error for all else.
@@ -67,6 +85,8 @@ class Team {
   /// The bytes of member `from` on every member. Their size is known: `bytes`
   /// has it.
   virtual void Spread(int from, std::string* bytes) = 0;
+  virtual void Transmit(int to, const std::string& bytes) = 0;
+  virtual std::optional<Message> Fetch() = 0;
   /// Ends all members at once: no agreement is possible any more.
   [[noreturn]] virtual void Abandon(const std::string& why) = 0;
 
@@ -86,6 +106,11 @@ class Team {
   const int size_;
   bool has_failed_ = false;
 };
+
+/// An error as bytes, for another member to throw: InputError with its
+/// location, std::bad_alloc, or std::runtime_error for all else.
+std::string DescribeError(const std::exception& error);
+[[noreturn]] void ThrowDescribed(const std::string& description);
 
 /// A team of `size` threads of this process: calls work(member) in each of
 /// them, within RunTogether. Returns when all are done. @throws what

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "alidade/base/team.h"
 #include "alidade/io/job_config.h"
 #include "alidade/io/job_matrix.h"
 #include "alidade/results/batch_summary.h"
@@ -51,8 +52,8 @@ struct BatchProgress {
 
 struct BatchOptions {
   std::string directory;  ///< results go below it
-  /// Jobs at a time. Where there are fewer jobs, each gets several threads; its
-  /// result does not depend on it.
+  /// Jobs at a time, of each member of a team. Where there are fewer jobs, each
+  /// gets several threads; its result does not depend on it.
   int num_threads = 1;
   /// Hand out no more jobs once one is not done. Otherwise all are run.
   bool fail_fast = false;
@@ -76,9 +77,16 @@ std::vector<bool> FindDone(const BatchPlan& plan, const BatchOptions& options);
 /// (`time_s` and others in result.json, report.txt and iterations.csv).
 ///
 /// Writes summary.json, summary.csv and comparison.html at the end.
+///
+/// `team`: null, or members that share the work, each with so many threads, in
+/// a directory that all see; to be called by all, within Team::RunTogether.
+/// Member 0 hands out jobs as members become free, keeps the journal, gives
+/// results their names and has the summary; other members return an empty one.
+/// The bytes are those of one process.
 /// @throws InputError where the directory cannot be written or another process
 /// works in it. What was finished before stays.
-BatchSummary RunBatch(const BatchPlan& plan, const BatchOptions& options);
+BatchSummary RunBatch(const BatchPlan& plan, const BatchOptions& options,
+                      Team* team = nullptr);
 
 }  // namespace alidade
 

@@ -9,6 +9,8 @@
 
 namespace alidade {
 
+class IdentifiabilityCache;
+
 enum class JobStatus {
   kDone,          ///< calibrated, all acceptance limits met
   kMissedLimits,  ///< calibrated, but an acceptance limit is missed
@@ -35,11 +37,14 @@ struct JobOutcome {
 /// the same steps and has the same outcome, but for what has an entry for each
 /// pose, observation or outlier, which member 0 alone has. It is what one
 /// process would find, to the bit.
+///
+/// `cache`: null, or what jobs of one arm and the same poses share; the outcome
+/// is the same.
 /// @throws InputError where an input file cannot be read again for its hash, or
 /// where the measured positions fit the nominal arm nowhere and one slip
 /// explains it (units, columns, signs), which the message names.
-JobOutcome RunJob(JobConfig config, const std::string& command,
-                  int num_threads);
+JobOutcome RunJob(JobConfig config, const std::string& command, int num_threads,
+                  IdentifiabilityCache* cache = nullptr);
 
 /// The identifiability part of a job alone.
 IdentifiabilityResult IdentifyJob(const JobConfig& config, int num_threads);

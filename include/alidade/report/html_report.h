@@ -66,13 +66,30 @@ enum class ComparisonKind {
   kWays,   ///< the same measurements, calibrated in several ways
 };
 
+/// What a comparison page needs of a result: text, no numbers to compute with.
+struct ComparisonItem {
+  std::string version;
+  std::string data;    ///< what it was measured on
+  std::string layout;  ///< JSON of names, units and nominals
+  std::string head;    ///< JSON before the layout's number
+  std::string tail;    ///< JSON behind it
+};
+
+/// `link` leads from the page to the result's own; empty = there is none.
+ComparisonItem DescribeForComparison(const std::string& label,
+                                     const JobResult& result,
+                                     const std::string& link);
+
 /// One page of several results. 1 to 2 kB of page a result; it holds what it
 /// needs of each, not the results.
 class ComparisonPage {
  public:
-  /// `link` leads from the page to the result's own; empty = there is none.
+  void Add(const ComparisonItem& item);
+  /// As DescribeForComparison.
   void Add(const std::string& label, const JobResult& result,
-           const std::string& link);
+           const std::string& link) {
+    Add(DescribeForComparison(label, result, link));
+  }
   /// A job that came to no result, and why.
   void AddFailure(const std::string& label, const std::string& message);
 

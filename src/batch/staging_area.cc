@@ -1,0 +1,52 @@
+#include "staging_area.h"
+
+#include <filesystem>
+#include <system_error>
+
+#include "alidade/io/files.h"
+
+namespace alidade {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kStaged[] = "staged-";
+
+}  // namespace
+
+StagingArea::StagingArea(const std::string& directory, const std::string& mark)
+    : path_(directory + "/.batch"), mark_(mark.empty() ? "" : mark + "-") {}
+
+void StagingArea::Clear() const {
+  for (const auto& entry : fs::directory_iterator(path_)) {
+    if (entry.path().filename().string().rfind(kStaged, 0) == 0) {
+      RemoveStaged(entry.path().string());
+    }
+  }
+}
+
+std::string StagingArea::NewName() {
+  return path_ + "/" + kStaged + mark_ + std::to_string(next_.fetch_add(1));
+}
+
+std::string StagingArea::Stage(const std::vector<ReportFile>& files) {
+  const std::string staged = NewName();
+  try {
+    MakeDirectories(staged);
+    for (const ReportFile& file : files) {
+      WriteNewFile(staged + "/" + file.name, file.content);
+    }
+    SyncDirectory(staged);
+  } catch (...) {
+    RemoveStaged(staged);
+    throw;
+  }
+  return staged;
+}
+
+void RemoveStaged(const std::string& path) {
+  std::error_code ignored;
+  fs::remove_all(path, ignored);
+}
+
+}  // namespace alidade
