@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "alidade/base/distributions.h"
+#include "alidade/base/parallel.h"
 #include "alidade/measurement/observation_rows.h"
 #include "alidade/measurement/share.h"
 #include "alidade/model/forward_kinematics.h"
@@ -66,6 +67,53 @@ Eigen::Matrix3d Unknown() {
   return Eigen::Vector3d::Constant(kInfinity).asDiagonal();
 }
 
+// Poses whose Jacobians are in memory at once, and of those that are multiplied
+// with the root at once.
+constexpr Eigen::Index kPosesAtOnce = 4096;
+constexpr Eigen::Index kPosesPerProduct = 64;
+
+// Of three columns: S = root^T J^T has S^T S = J C J^T.
+Eigen::Matrix3d CovarianceOf(
+    const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
+    const Eigen::Ref<const Eigen::MatrixXd>& spread,
+    const Eigen::Ref<const Eigen::MatrixXd>& along_untold) {
+  if (along_untold.rows() > 0 &&
+      along_untold.norm() > kNotSeen * jacobian.norm()) {
+    return Unknown();
+  }
+  return spread.transpose().lazyProduct(spread);
+}
+
+// The covariances of `poses`, of which there are kPosesAtOnce at most.
+void PredictSome(const MeasurementModel& model, const Eigen::VectorXd& values,
+                 const ParameterCovariance& covariance, const Dataset& poses,
+                 PoseCovariance* predicted) {
+  const auto p = static_cast<Eigen::Index>(covariance.size());
+  Eigen::MatrixXd jacobians(p, 6 * poses.num_poses());
+  ForEachObservation(
+      model, values, poses, covariance.columns,
+      [&](int, Eigen::Index i, const Eigen::Ref<const Eigen::MatrixXd>& rows) {
+        jacobians.middleCols(6 * i, 6) = rows.leftCols(p).transpose();
+      });
+  const auto work = [&](std::int64_t begin, std::int64_t end) {
+    const auto some = jacobians.middleCols(6 * begin, 6 * (end - begin));
+    const Eigen::MatrixXd spread = covariance.root.transpose() * some;
+    Eigen::MatrixXd untold(0, some.cols());
+    if (covariance.untold.cols() > 0) {
+      untold = covariance.untold.transpose() * some;
+    }
+    for (std::int64_t k = begin; k < end; ++k) {
+      for (const int half : {0, 3}) {
+        const Eigen::Index first = 6 * (k - begin) + half;
+        (half == 0 ? predicted[k].position : predicted[k].rotation) =
+            CovarianceOf(some.middleCols(first, 3), spread.middleCols(first, 3),
+                         untold.middleCols(first, 3));
+      }
+    }
+  };
+  ParallelFor(model.num_threads(), poses.num_poses(), kPosesPerProduct, work);
+}
+
 // Rows that were measured.
 std::vector<Eigen::Index> MeasuredRows(const ObservationBlock& block,
                                        Eigen::Index i) {
@@ -93,24 +141,14 @@ std::vector<PoseCovariance> PredictCovariances(
   std::vector<PoseCovariance> predicted(
       joint_values.cols(), {Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero()});
   if (covariance.size() == 0) return predicted;
-  const Dataset poses = PosesOf(model, values, joint_values, target);
-  ForEachObservation(
-      model, values, poses, covariance.columns,
-      [&](int, Eigen::Index i, const Eigen::Ref<const Eigen::MatrixXd>& rows) {
-        const auto p = static_cast<Eigen::Index>(covariance.size());
-        const SpreadRows position =
-            Spread(covariance, rows.topLeftCorner(3, p));
-        const SpreadRows rotation =
-            Spread(covariance, rows.bottomLeftCorner(3, p));
-        predicted[i].position =
-            position.is_told
-                ? Eigen::Matrix3d(position.rows * position.rows.transpose())
-                : Unknown();
-        predicted[i].rotation =
-            rotation.is_told
-                ? Eigen::Matrix3d(rotation.rows * rotation.rows.transpose())
-                : Unknown();
-      });
+  for (Eigen::Index begin = 0; begin < joint_values.cols();
+       begin += kPosesAtOnce) {
+    const Eigen::Index count =
+        std::min(kPosesAtOnce, joint_values.cols() - begin);
+    const Dataset poses =
+        PosesOf(model, values, joint_values.middleCols(begin, count), target);
+    PredictSome(model, values, covariance, poses, &predicted[begin]);
+  }
   return predicted;
 }
 
