@@ -152,7 +152,7 @@ class Assessment {
     if (residuals.reduced_chi_square < kMuchSmaller) return;
     if (residuals.normality.p_value < kUnlikely && fit_.losses.empty()) {
       result_.warnings.push_back(
-          "the residuals are not Gaussian: look for outliers (`solver: "
+          "the residuals are not Gaussian: look for outliers (`robust: "
           "{loss: huber}`) and for errors that the parameters do not "
           "describe");
     }

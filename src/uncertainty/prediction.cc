@@ -47,22 +47,6 @@ Dataset PosesOf(const MeasurementModel& model, const Eigen::VectorXd& values,
   return data;
 }
 
-// Rows of the Jacobian times the root, and whether they see what is not told.
-struct SpreadRows {
-  Eigen::MatrixXd rows;
-  bool is_told = true;
-};
-
-SpreadRows Spread(const ParameterCovariance& covariance,
-                  const Eigen::Ref<const Eigen::MatrixXd>& jacobian) {
-  SpreadRows spread{jacobian * covariance.root};
-  if (covariance.untold.cols() > 0) {
-    spread.is_told =
-        (jacobian * covariance.untold).norm() <= kNotSeen * jacobian.norm();
-  }
-  return spread;
-}
-
 Eigen::Matrix3d Unknown() {
   return Eigen::Vector3d::Constant(kInfinity).asDiagonal();
 }
@@ -112,24 +96,6 @@ void PredictSome(const MeasurementModel& model, const Eigen::VectorXd& values,
     }
   };
   ParallelFor(model.num_threads(), poses.num_poses(), kPosesPerProduct, work);
-}
-
-// Rows that were measured.
-std::vector<Eigen::Index> MeasuredRows(const ObservationBlock& block,
-                                       Eigen::Index i) {
-  std::vector<Eigen::Index> rows;
-  for (Eigen::Index row = 0; row < block.rows_each(); ++row) {
-    if (std::isfinite(block.sigmas(row, i))) rows.push_back(row);
-  }
-  return rows;
-}
-
-// Where sigma is told by residuals, too few or too many deviations are.
-std::string Verdict(const PredictionCheck& check) {
-  if (check.axes.n == 0) return "nothing to compare";
-  if (check.axes.upper < check.confidence) return "larger";
-  if (check.axes.lower > check.confidence) return "smaller";
-  return "agree";
 }
 
 }  // namespace
@@ -187,78 +153,6 @@ PredictedMap MapPrediction(const MeasurementModel& model,
     map.true_summary = SummarizeErrors(map.true_error);
   }
   return map;
-}
-
-PredictionCheck CheckPrediction(const MeasurementModel& model,
-                                const Eigen::VectorXd& values,
-                                const ParameterCovariance& covariance,
-                                const Dataset& heldout, double confidence) {
-  PredictionCheck check;
-  check.confidence = confidence;
-  const double dof = covariance.degrees_of_freedom;
-  const double bound = StudentTQuantile(0.5 + 0.5 * confidence, dof);
-  // Of an observation: its z-scores, and whether a position's ellipsoid holds.
-  struct Scores {
-    std::vector<double> z;
-    int held = -1;
-  };
-  std::vector<Scores> scores(heldout.num_observations());
-  const std::vector<Eigen::Index> first = FirstObservations(heldout);
-  const double ellipsoid = 3.0 * FisherQuantile(confidence, 3.0, dof);
-  ForEachObservation(
-      model, values, heldout, covariance.columns,
-      [&](int, Eigen::Index i, const Eigen::Ref<const Eigen::MatrixXd>& rows) {
-        const auto b =
-            std::upper_bound(first.begin(), first.end(), i) - first.begin() - 1;
-        const ObservationBlock& block = heldout.blocks[b];
-        if (block.kind == MeasurementKind::kPointDistance) return;
-        const std::vector<Eigen::Index> measured =
-            MeasuredRows(block, i - first[b]);
-        const Eigen::Index p = rows.cols() - 1;
-        const SpreadRows spread = Spread(covariance, rows.leftCols(p));
-        if (measured.empty() || !spread.is_told) return;
-        const Eigen::MatrixXd variance =
-            Eigen::MatrixXd::Identity(rows.rows(), rows.rows()) +
-            spread.rows * spread.rows.transpose();
-        for (const Eigen::Index row : measured) {
-          scores[i].z.push_back(rows(row, p) / std::sqrt(variance(row, row)));
-        }
-        if (!HoldsPosition(block.kind) || measured.size() < 3) return;
-        if (measured[2] != 2) return;
-        const Eigen::Vector3d error = rows.col(p).head<3>();
-        const Eigen::Matrix3d of_position = variance.topLeftCorner<3, 3>();
-        scores[i].held =
-            error.dot(of_position.llt().solve(error)) <= ellipsoid ? 1 : 0;
-      });
-  std::vector<std::vector<double>> z_of(heldout.blocks.size());
-  std::int64_t mine_held = 0;
-  std::int64_t mine = 0;
-  for (std::size_t b = 0; b < z_of.size(); ++b) {
-    for (Eigen::Index i = first[b]; i < first[b + 1]; ++i) {
-      const Scores& one = scores[i];
-      z_of[b].insert(z_of[b].end(), one.z.begin(), one.z.end());
-      mine += one.held >= 0 ? 1 : 0;
-      mine_held += one.held > 0 ? 1 : 0;
-    }
-  }
-  const std::vector<double> z = InOrder(heldout, std::move(z_of));
-  check.ellipsoids.n = SumOverMembers(heldout, mine);
-  check.ellipsoids.held = SumOverMembers(heldout, mine_held);
-  check.z_scores = Eigen::Map<const Eigen::VectorXd>(
-      z.data(), static_cast<Eigen::Index>(z.size()));
-  check.axes.n = check.z_scores.size();
-  check.axes.held = (check.z_scores.array().abs() <= bound).count();
-  for (Coverage* coverage : {&check.axes, &check.ellipsoids}) {
-    std::tie(coverage->lower, coverage->upper) =
-        RateInterval(coverage->held, coverage->n, 0.95);
-  }
-  if (check.axes.n > 0) {
-    check.rms_z = std::sqrt(check.z_scores.squaredNorm() /
-                            static_cast<double>(check.axes.n));
-  }
-  check.histogram = CountStandardised(check.z_scores);
-  check.verdict = Verdict(check);
-  return check;
 }
 
 }  // namespace alidade

@@ -103,8 +103,10 @@ struct PredictedMap {
   Accuracy true_summary;  ///< of true_error; n = 0 without
 };
 
-/// How often something predicted held, with the interval of its true rate
-/// (Clopper and Pearson, 95 %).
+/// How often something predicted held. In a study of many calibrations the
+/// interval is that of the true rate (Clopper and Pearson, 95 %); of one
+/// calibration it says between which rates 95 % of all come out where the
+/// prediction is right.
 struct Coverage {
   std::int64_t held = 0;
   std::int64_t n = 0;

@@ -43,7 +43,10 @@ PredictedMap MapPrediction(const MeasurementModel& model,
 /// seen: every measured row r of an observation whose predicted standard
 /// deviation is known, r / sqrt(1 + (J cov J^T)), in whitened units, and every
 /// whole position as |L^-1 r|^2 with L L^T = I + J cov J^T. Intervals are
-/// Student's t, ellipsoids Fisher's F where sigma is estimated. O(N p^2).
+/// Student's t, ellipsoids Fisher's F where sigma is estimated. The verdict:
+/// the share of rows within their intervals is what 95 % of all right
+/// predictions come to, all rows of one sharing the error of its parameters
+/// ("agree"), or they are too few ("larger") or too many. O(N p^2).
 PredictionCheck CheckPrediction(const MeasurementModel& model,
                                 const Eigen::VectorXd& values,
                                 const ParameterCovariance& covariance,

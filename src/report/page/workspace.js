@@ -146,8 +146,8 @@ function zScoreFigure(uncertainty) {
 function checkText(check) {
   if (!check || !check.axes || check.axes.n === 0) return null;
   const share = (coverage) => `${percent(coverage.held / coverage.n)} of ` +
-      `${grouped(coverage.n)} (95 % interval of that share: ` +
-      `${percent(coverage.lower)} to ${percent(coverage.upper)})`;
+      `${grouped(coverage.n)} (${percent(coverage.lower)} to ` +
+      `${percent(coverage.upper)} by chance)`;
   const parts = [];
   if (check.axes && check.axes.n > 0) {
     parts.push(

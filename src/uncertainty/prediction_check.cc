@@ -1,0 +1,201 @@
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "alidade/base/distributions.h"
+#include "alidade/measurement/observation_rows.h"
+#include "alidade/measurement/share.h"
+#include "alidade/uncertainty/prediction.h"
+#include "src/uncertainty/expected_share.h"
+
+namespace alidade {
+namespace {
+
+// Rounding leaves so much of a direction that rows do not see.
+constexpr double kNotSeen = 1e-6;
+
+// Observations that the expected shares are computed from, of all at most.
+constexpr Eigen::Index kMostSampled = 100;
+
+// Rows that were measured.
+std::vector<Eigen::Index> MeasuredRows(const ObservationBlock& block,
+                                       Eigen::Index i) {
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index row = 0; row < block.rows_each(); ++row) {
+    if (std::isfinite(block.sigmas(row, i))) rows.push_back(row);
+  }
+  return rows;
+}
+
+// What held-out observations say, collected by several threads.
+class HeldOut {
+ public:
+  HeldOut(const ParameterCovariance& covariance, const Dataset& data,
+          double confidence)
+      : covariance_(covariance),
+        data_(data),
+        ellipsoid_(3.0 * FisherQuantile(confidence, 3.0,
+                                        covariance.degrees_of_freedom)),
+        first_(FirstObservations(data)),
+        stride_((data.all_observations() + kMostSampled - 1) / kMostSampled),
+        scores_(data.num_observations()) {}
+
+  // `rows`: whitened derivatives of observation i, and its residual.
+  void Add(Eigen::Index i, const Eigen::Ref<const Eigen::MatrixXd>& rows) {
+    const auto b =
+        std::upper_bound(first_.begin(), first_.end(), i) - first_.begin() - 1;
+    const ObservationBlock& block = data_.blocks[b];
+    if (block.kind == MeasurementKind::kPointDistance) return;
+    const Eigen::Index p = rows.cols() - 1;
+    const std::vector<Eigen::Index> measured =
+        MeasuredRows(block, i - first_[b]);
+    if (measured.empty() || !IsTold(rows.leftCols(p))) return;
+    const Eigen::MatrixXd spread = rows.leftCols(p) * covariance_.root;
+    const Eigen::MatrixXd variance =
+        Eigen::MatrixXd::Identity(rows.rows(), rows.rows()) +
+        spread * spread.transpose();
+    Scores& scores = scores_[i];
+    for (const Eigen::Index row : measured) {
+      scores.z.push_back(rows(row, p) / std::sqrt(variance(row, row)));
+    }
+    const bool is_position =
+        HoldsPosition(block.kind) && measured.size() >= 3 && measured[2] == 2;
+    if (is_position) {
+      const Eigen::Vector3d error = rows.col(p).head<3>();
+      const Eigen::Matrix3d of_position = variance.topLeftCorner<3, 3>();
+      scores.held =
+          error.dot(of_position.llt().solve(error)) <= ellipsoid_ ? 1 : 0;
+    }
+    if (ObservationInAll(data_, b, i - first_[b]) % stride_ != 0) return;
+    for (const Eigen::Index row : measured) {
+      for (Eigen::Index k = 0; k < p; ++k) {
+        scores.spread.push_back(spread(row, k));
+      }
+    }
+    scores.is_whole_position = is_position;
+  }
+
+  // Collective; complete on the first member.
+  std::vector<double> ZScores() const {
+    return Gather([](const Scores& one) { return one.z; });
+  }
+  PredictedRows SampledRows(std::int64_t all) const {
+    return {AsRows(Gather([](const Scores& one) { return one.spread; })), all};
+  }
+  PredictedRows SampledPositions(std::int64_t all) const {
+    const auto three_rows = static_cast<std::ptrdiff_t>(3 * covariance_.size());
+    return {AsRows(Gather([&](const Scores& one) {
+              return one.is_whole_position
+                         ? std::vector<double>(one.spread.begin(),
+                                               one.spread.begin() + three_rows)
+                         : std::vector<double>();
+            })),
+            all};
+  }
+  std::int64_t Positions(bool held_alone) const {
+    const auto mine =
+        std::count_if(scores_.begin(), scores_.end(), [&](const Scores& one) {
+          return held_alone ? one.held > 0 : one.held >= 0;
+        });
+    return SumOverMembers(data_, static_cast<std::int64_t>(mine));
+  }
+
+ private:
+  // Of an observation.
+  struct Scores {
+    std::vector<double> z;
+    int held = -1;               // whether a position's ellipsoid holds
+    std::vector<double> spread;  // J root, row by row, of those sampled
+    bool is_whole_position = false;
+  };
+
+  bool IsTold(const Eigen::Ref<const Eigen::MatrixXd>& jacobian) const {
+    return covariance_.untold.cols() == 0 ||
+           (jacobian * covariance_.untold).norm() <= kNotSeen * jacobian.norm();
+  }
+
+  template <typename Pick>
+  std::vector<double> Gather(const Pick& pick) const {
+    std::vector<std::vector<double>> by_block(data_.blocks.size());
+    for (std::size_t b = 0; b < by_block.size(); ++b) {
+      for (Eigen::Index i = first_[b]; i < first_[b + 1]; ++i) {
+        const std::vector<double> more = pick(scores_[i]);
+        by_block[b].insert(by_block[b].end(), more.begin(), more.end());
+      }
+    }
+    return InOrder(data_, std::move(by_block));
+  }
+
+  Eigen::MatrixXd AsRows(const std::vector<double>& numbers) const {
+    const auto p = static_cast<Eigen::Index>(covariance_.size());
+    const auto size = static_cast<Eigen::Index>(numbers.size());
+    return Eigen::Map<const Eigen::MatrixXd>(numbers.data(), p,
+                                             p > 0 ? size / p : 0)
+        .transpose();
+  }
+
+  const ParameterCovariance& covariance_;
+  const Dataset& data_;
+  const double ellipsoid_;
+  const std::vector<Eigen::Index> first_;
+  const Eigen::Index stride_;
+  std::vector<Scores> scores_;
+};
+
+void CountHeld(const HeldOut& heldout, double dof, PredictionCheck* check) {
+  check->axes.n = check->z_scores.size();
+  const double bound = StudentTQuantile(0.5 + 0.5 * check->confidence, dof);
+  check->axes.held = (check->z_scores.array().abs() <= bound).count();
+  check->ellipsoids.n = heldout.Positions(false);
+  check->ellipsoids.held = heldout.Positions(true);
+  const PredictedRows rows = heldout.SampledRows(check->axes.n);
+  const PredictedRows positions = heldout.SampledPositions(check->ellipsoids.n);
+  if (rows.spread.rows() > 0) {
+    std::tie(check->axes.lower, check->axes.upper) =
+        ExpectedShares(rows, check->confidence, dof);
+  }
+  if (positions.spread.rows() > 0) {
+    std::tie(check->ellipsoids.lower, check->ellipsoids.upper) =
+        ExpectedEllipsoidShares(positions, check->confidence, dof);
+  }
+}
+
+std::string Verdict(const PredictionCheck& check) {
+  if (check.axes.n == 0) return "nothing to compare";
+  if (check.axes.rate() < check.axes.lower) return "larger";
+  if (check.axes.rate() > check.axes.upper) return "smaller";
+  return "agree";
+}
+
+}  // namespace
+
+PredictionCheck CheckPrediction(const MeasurementModel& model,
+                                const Eigen::VectorXd& values,
+                                const ParameterCovariance& covariance,
+                                const Dataset& heldout, double confidence) {
+  HeldOut scores(covariance, heldout, confidence);
+  ForEachObservation(
+      model, values, heldout, covariance.columns,
+      [&](int, Eigen::Index i, const Eigen::Ref<const Eigen::MatrixXd>& rows) {
+        scores.Add(i, rows);
+      });
+  PredictionCheck check;
+  check.confidence = confidence;
+  const std::vector<double> z = scores.ZScores();
+  check.z_scores = Eigen::Map<const Eigen::VectorXd>(
+      z.data(), static_cast<Eigen::Index>(z.size()));
+  CountHeld(scores, covariance.degrees_of_freedom, &check);
+  if (check.axes.n > 0) {
+    check.rms_z = std::sqrt(check.z_scores.squaredNorm() /
+                            static_cast<double>(check.axes.n));
+  }
+  check.histogram = CountStandardised(check.z_scores);
+  check.verdict = Verdict(check);
+  return check;
+}
+
+}  // namespace alidade
