@@ -98,7 +98,7 @@ class PoseResidual : public ceres::CostFunction {
   const Eigen::Index pose_;
 };
 
-// Stops where SolveCeres does: a step that is predicted to lower the cost by
+// Stops where SolveLevenbergMarquardt does: a step that is predicted to lower the cost by
 // less than the function tolerance.
 class StopByPrediction : public ceres::IterationCallback {
  public:

@@ -200,7 +200,7 @@ class Rv2ajStudy {
   void PrintTimes(int n) const {
     std::cout << "| candidates | rows [s] | plan [s] | microseconds a "
                  "candidate |\n|---|---|---|---|\n";
-    for (const int count : {1000, 3000, 10000, 30000}) {
+    for (const int count : {1000, 3000, 10000, 30000, 100000}) {
       const double begin = CpuSeconds();
       const DesignProblem problem = ProblemOf(count);
       const double rows = CpuSeconds() - begin;

@@ -96,7 +96,7 @@ void Solve(benchmark::State& state) {
   for (auto unused : state) {
     Eigen::VectorXd values = problem.model.NominalValues();
     benchmark::DoNotOptimize(
-        SolveCeres({problem.model, problem.data, problem.columns}, options,
+        SolveLevenbergMarquardt({problem.model, problem.data, problem.columns}, options,
                    &values)
             .final_cost);
   }

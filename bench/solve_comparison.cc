@@ -148,7 +148,7 @@ class Comparison {
     SolverOptions options = options_;
     options.evaluation = evaluation;
     Eigen::VectorXd values = model.NominalValues();
-    return OutcomeOf(SolveCeres({model, measured_.data, measured_.columns},
+    return OutcomeOf(SolveLevenbergMarquardt({model, measured_.data, measured_.columns},
                                 options, &values));
   }
 

@@ -75,23 +75,38 @@ def solve_tables(path: Path) -> str:
     return "\n".join(lines)
 
 
-def kernel_table(path: Path, unit_of_rate: str) -> str:
-    """Medians of Google Benchmark's repetitions."""
+def medians(path: Path) -> list[dict]:
+    """Of Google Benchmark's repetitions."""
     with open(path, encoding="utf-8") as file:
         runs = json.load(file)["benchmarks"]
-    lines = [f"| benchmark | CPU time | {unit_of_rate} |", "|---|---|---|"]
+    return [run for run in runs if run["aggregate_name"] == "median"]
+
+
+def rate_of(run: dict) -> str:
+    """What a benchmark counts, in the unit of its table's last column."""
+    if "items_per_second" in run:
+        return f"{1e9 / run['items_per_second']:.3g}"
+    if "bytes_per_second" in run:
+        return f"{run['bytes_per_second'] / 1e6:.0f}"
+    if "allocations" in run:
+        return f"{run['allocations']:.0f}"
+    return "-"
+
+
+def kernel_table(path: Path, unit_of_rate: str, without_avx512: Path | None = None) -> str:
+    """Times and rates, and rates on a machine without AVX-512."""
+    runs = medians(path)
+    others = medians(without_avx512) if without_avx512 else []
+    last = f" {unit_of_rate} with AVX2 |" if others else ""
+    lines = [f"| benchmark | CPU time | {unit_of_rate} |{last}"]
+    lines.append("|---|---|---|" + ("---|" if others else ""))
+    other_rates = {run["run_name"]: rate_of(run) for run in others}
     for run in runs:
-        if run["aggregate_name"] != "median":
-            continue
-        rate = "-"
-        if "items_per_second" in run:
-            rate = f"{1e9 / run['items_per_second']:.3g}"
-        if "bytes_per_second" in run:
-            rate = f"{run['bytes_per_second'] / 1e6:.0f}"
-        if "allocations" in run:
-            rate = f"{run['allocations']:.0f}"
         name = run["run_name"].removesuffix("/real_time")
-        lines.append(f"| {name} | {run['cpu_time']:.4g} {run['time_unit']} | {rate} |")
+        cells = [name, f"{run['cpu_time']:.4g} {run['time_unit']}", rate_of(run)]
+        if others:
+            cells.append(other_rates[run["run_name"]])
+        lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)
 
 
@@ -134,7 +149,10 @@ def main() -> int:
     text = insert(text, "machine", machine)
     check_costs(work / "solves.csv")
     text = insert(text, "solves", solve_tables(work / "solves.csv"))
-    text = insert(text, "kernels", kernel_table(work / "kernels.json", "ns per pose"))
+    kernels = kernel_table(
+        work / "kernels.json", "ns per pose", work / "kernels_avx2.json"
+    )
+    text = insert(text, "kernels", kernels)
     text = insert(
         text, "small", kernel_table(work / "small_calibration.json", "allocations")
     )

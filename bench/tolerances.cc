@@ -52,7 +52,7 @@ void RunVariant(const CalibrationProblem& problem, Variant* variant) {
       variant->radius_factor / problem.start_rank.SmallestCounted();
   options.initial_trust_region_radius =
       variant->radius_factor > 0.0 ? scale * scale : 1e10;
-  variant->worst.Add(SolveCeres(problem, options, &values));
+  variant->worst.Add(SolveLevenbergMarquardt(problem, options, &values));
 }
 
 void Run(const std::string& simulation, const std::vector<std::string>& fix) {

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <functional>
 #include <mutex>
-#include <thread>
-#include <vector>
+#include <utility>
+
+#include "worker_pool.h"
 
 namespace alidade {
 
@@ -28,11 +30,18 @@ void ParallelFor(int num_threads, std::int64_t count, std::int64_t block_size,
       }
     }
   };
-  const auto helpers = std::min<std::int64_t>(num_threads - 1, num_blocks - 1);
-  std::vector<std::thread> threads;
-  for (std::int64_t i = 0; i < helpers; ++i) threads.emplace_back(take_blocks);
-  take_blocks();
-  for (std::thread& thread : threads) thread.join();
+  const auto helpers = std::min<std::int64_t>(num_threads, num_blocks) - 1;
+  if (helpers <= 0) {
+    take_blocks();
+  } else {
+    const std::function<void()> task = std::ref(take_blocks);
+    WorkerPool& pool = WorkerPool::Instance();
+    auto workers = pool.Borrow(static_cast<std::size_t>(helpers));
+    for (const auto& worker : workers) worker->Start(&task);
+    take_blocks();
+    for (const auto& worker : workers) worker->Finish();
+    pool.Return(std::move(workers));
+  }
   if (failure) std::rethrow_exception(failure);
 }
 

@@ -35,7 +35,7 @@ Resolve ResolveByCeres(const CalibrationProblem& problem,
     std::vector<int>& free = rest.free_columns;
     free.erase(std::remove(free.begin(), free.end(), fixed_column), free.end());
     rest.start_rank = {};
-    const SolverSummary summary = SolveCeres(rest, quiet, values);
+    const SolverSummary summary = SolveLevenbergMarquardt(rest, quiet, values);
     if (!summary.IsSolutionUsable()) return std::nullopt;
     return summary.final_cost + PriorCost(problem, fixed_column, *values);
   };

@@ -174,7 +174,7 @@ class MonteCarlo {
     problem.losses.clear();
     values = model_.NominalValues();
     const SolverSummary summary =
-        SolveCeres(problem, config_.solver_options, &values);
+        SolveLevenbergMarquardt(problem, config_.solver_options, &values);
     return summary.IsSolutionUsable() ? values : truth_;
   }
 
@@ -278,7 +278,7 @@ class MonteCarlo {
     values = around.NominalValues();
     CalibrationProblem problem{around, exact, calibration_.free_columns()};
     problem.priors = calibration_.priors();
-    SolveCeres(problem, config_.solver_options, &values);
+    SolveLevenbergMarquardt(problem, config_.solver_options, &values);
     return values;
   }
 

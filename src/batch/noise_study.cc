@@ -46,9 +46,9 @@ class NoiseStudy {
     const std::vector<Method> methods = {
         Prepare("published: rules, pseudo-inverse",
                 IdentifiabilityMethod::kRules, WeakPolicy::kKeep),
-        Prepare("default: rank, priors, Ceres", IdentifiabilityMethod::kRank,
+        Prepare("default: rank, priors", IdentifiabilityMethod::kRank,
                 WeakPolicy::kPrior),
-        Prepare("rank, weak ones frozen, Ceres", IdentifiabilityMethod::kRank,
+        Prepare("rank, weak ones frozen", IdentifiabilityMethod::kRank,
                 WeakPolicy::kFreeze)};
     NoiseStudyResult result;
     result.trials = study_.trials;
@@ -113,7 +113,7 @@ class NoiseStudy {
     options.on_iteration = {};  // not for many threads at once
     const SolverSummary summary =
         method.solver == SolverName::kCeres
-            ? SolveCeres(problem, options, values)
+            ? SolveLevenbergMarquardt(problem, options, values)
             : SolvePseudoInverse(problem, options, values);
     return summary.IsSolutionUsable();
   }

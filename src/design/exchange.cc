@@ -13,9 +13,10 @@
 namespace alidade {
 namespace {
 
-// What an exchange must add to the logarithm of the criterion to count, above
-// what rounding errors do.
-constexpr double kSmallestGain = 1e-9;
+// What an exchange must add to the logarithm of the criterion to count. Below,
+// no predicted deviation changes in its fourth digit, and the more candidates
+// there are, the longer such exchanges would go on.
+constexpr double kSmallestGain = 1e-5;
 
 // Stands for what nothing is known of, times the mean information of a pose
 // about a parameter: so small that it does not weigh against one pose.
@@ -33,6 +34,11 @@ constexpr int kFewestActive = 800;
 // Rounds of exchanges among the active candidates, which change with the plan,
 // before all are looked at.
 constexpr int kActiveRounds = 8;
+
+void SortWithoutRepeats(std::vector<int>* indices) {
+  std::sort(indices->begin(), indices->end());
+  indices->erase(std::unique(indices->begin(), indices->end()), indices->end());
+}
 
 // The exchange over one set of candidates, from the poses that a state has.
 class Exchange {
@@ -80,6 +86,26 @@ class Exchange {
     Evaluate(result);
   }
 
+  // The candidates that would improve a plan in some place, in ascending order.
+  std::vector<int> Improving(const std::vector<int>& chosen) const {
+    const PlanState state(problem_, options_, ridge_, chosen);
+    if (options_.criterion == DesignCriterion::kD) {
+      return state.Improving(kSmallestGain);
+    }
+    CriterionEvaluator criterion(options_.criterion, problem_.region);
+    std::vector<int> found;
+    for (int place = 0; place < options_.num_poses; ++place) {
+      const Values values = ValuesInPlace(place, state, &criterion);
+      for (std::size_t k = 0; k < values.candidates.size(); ++k) {
+        if (values.with[k] > values.now + kSmallestGain) {
+          found.push_back(values.candidates[k]);
+        }
+      }
+    }
+    SortWithoutRepeats(&found);
+    return found;
+  }
+
   void Evaluate(DesignResult* result) const {
     result->information =
         problem_.known + InformationOf(problem_.candidates, result->chosen);
@@ -118,25 +144,41 @@ class Exchange {
     return 1;
   }
 
-  int ImproveValue(int place, CriterionEvaluator* criterion,
-                   PlanState* state) const {
+  // A criterion of the plan, and with some candidates in one of its places.
+  struct Values {
+    double now = 0.0;
+    std::vector<int> candidates;
+    std::vector<double> with;
+  };
+
+  Values ValuesInPlace(int place, const PlanState& state,
+                       CriterionEvaluator* criterion) const {
     const PoseRows& rows = problem_.candidates;
-    const auto old_rows = rows.Pose(state->chosen()[place]);
-    criterion->SetBase(state->information() - old_rows * old_rows.transpose());
-    const double value = criterion->Value(state->information());
-    const std::vector<int> shortlist = state->Shortlist(
-        criterion->Slope(state->information()), place, options_.shortlist);
-    std::vector<double> values(shortlist.size());
+    const auto old_rows = rows.Pose(state.chosen()[place]);
+    criterion->SetBase(state.information() - old_rows * old_rows.transpose());
+    Values values;
+    values.now = criterion->Value(state.information());
+    values.candidates = state.Shortlist(criterion->Slope(state.information()),
+                                        place, options_.shortlist);
+    values.with.resize(values.candidates.size());
     const auto work = [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t i = begin; i < end; ++i) {
-        values[i] = criterion->ValueWith(rows.Pose(shortlist[i]));
+        values.with[i] = criterion->ValueWith(rows.Pose(values.candidates[i]));
       }
     };
     ParallelFor(options_.num_threads,
-                static_cast<std::int64_t>(shortlist.size()), 1, work);
-    const auto best = std::max_element(values.begin(), values.end());
-    if (best == values.end() || !(*best > value + kSmallestGain)) return 0;
-    state->Replace(place, shortlist[best - values.begin()]);
+                static_cast<std::int64_t>(values.with.size()), 1, work);
+    return values;
+  }
+
+  int ImproveValue(int place, CriterionEvaluator* criterion,
+                   PlanState* state) const {
+    const Values values = ValuesInPlace(place, *state, criterion);
+    const auto best = std::max_element(values.with.begin(), values.with.end());
+    if (best == values.with.end() || !(*best > values.now + kSmallestGain)) {
+      return 0;
+    }
+    state->Replace(place, values.candidates[best - values.with.begin()]);
     return 1;
   }
 
@@ -161,16 +203,18 @@ std::vector<int> PlacesIn(const std::vector<int>& all,
   return places;
 }
 
+// The candidates that a plan tells worst, its own and `more`.
 std::vector<int> ActiveCandidates(const DesignProblem& problem,
                                   const DesignOptions& options, double ridge,
-                                  const std::vector<int>& chosen) {
+                                  const std::vector<int>& chosen,
+                                  const std::vector<int>& more) {
   const PlanState state(problem, options, ridge, chosen);
   std::vector<int> active = state.MostInformative(
       std::max({kFewestActive, kActiveForEach * options.num_poses,
                 problem.candidates.size() / kActiveOfAll}));
   active.insert(active.end(), chosen.begin(), chosen.end());
-  std::sort(active.begin(), active.end());
-  active.erase(std::unique(active.begin(), active.end()), active.end());
+  active.insert(active.end(), more.begin(), more.end());
+  SortWithoutRepeats(&active);
   return active;
 }
 
@@ -192,13 +236,14 @@ DesignResult BestOfStarts(const Exchange& exchange,
   return best;
 }
 
-// Exchanges among the candidates that the plan tells worst, again and again.
+// Exchanges among the candidates that the plan tells worst and `more`, again
+// and again.
 void ImproveAmongActive(const DesignProblem& problem,
                         const DesignOptions& options, double ridge,
-                        DesignResult* result) {
+                        const std::vector<int>& more, DesignResult* result) {
   for (int round = 0; round < kActiveRounds; ++round) {
     const std::vector<int> active =
-        ActiveCandidates(problem, options, ridge, result->chosen);
+        ActiveCandidates(problem, options, ridge, result->chosen, more);
     const DesignProblem part = RestrictCandidates(problem, active);
     const int exchanges = result->exchanges;
     result->chosen = PlacesIn(active, result->chosen);
@@ -208,17 +253,20 @@ void ImproveAmongActive(const DesignProblem& problem,
   }
 }
 
-// Exchanges until a pass over all candidates finds none. What a pass finds
-// moves the plan's worst told candidates, so these come first again.
+// Until no candidate of all would improve the plan. Those that would are active
+// from then on: how often all are looked at hardly depends on how many they
+// are.
 void ImproveAmongAll(const DesignProblem& problem, const DesignOptions& options,
                      double ridge, DesignResult* result) {
-  DesignOptions once = options;
-  once.max_passes = 1;
-  const Exchange exchange(problem, once, ridge);
+  const Exchange exchange(problem, options, ridge);
+  std::vector<int> found;
   for (int pass = 0; pass < options.max_passes; ++pass) {
-    ImproveAmongActive(problem, options, ridge, result);
-    exchange.Improve(false, result);
-    if (result->status == DesignStatus::kConverged) return;
+    ImproveAmongActive(problem, options, ridge, found, result);
+    const std::vector<int> improving = exchange.Improving(result->chosen);
+    result->status =
+        improving.empty() ? DesignStatus::kConverged : DesignStatus::kPassLimit;
+    if (improving.empty()) return;
+    found.insert(found.end(), improving.begin(), improving.end());
   }
 }
 
@@ -255,7 +303,7 @@ DesignResult ChoosePoses(const DesignProblem& problem,
   exchange.Evaluate(&greedy);
 
   const std::vector<int> active =
-      ActiveCandidates(problem, options, ridge, greedy.chosen);
+      ActiveCandidates(problem, options, ridge, greedy.chosen, {});
   const DesignProblem part = RestrictCandidates(problem, active);
   DesignResult result = BestOfStarts(Exchange(part, options, ridge), options,
                                      PlacesIn(active, greedy.chosen));

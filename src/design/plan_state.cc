@@ -178,14 +178,95 @@ BestCandidate PlanState::BestReplacement(int place) const {
   double pivot = 0.0;
   const Eigen::MatrixXd removal = UpdateOf(chosen_[place], -1.0, &pivot);
   if (!(pivot > kSmallestPivot)) return {};
-  // det(I + V) of the pose that is there, itself taken out of V, is
-  // 1 / det(I - V).
+  BestCandidate best = BestBy(removal, place);
+  best.gain /= OwnGain(place, removal);
+  return best;
+}
+
+// It is 1 / det(I - V_i) too, which loses digits.
+double PlanState::OwnGain(int place, const Eigen::MatrixXd& removal) const {
   const auto rows = problem_.candidates.Pose(chosen_[place]);
   Eigen::MatrixXd without =
       rows.transpose() * (inverse_ + removal * removal.transpose()) * rows;
-  BestCandidate best = BestBy(removal, place);
-  best.gain /= DetPlusIdentity(rows_each_, without.data());
-  return best;
+  return DetPlusIdentity(rows_each_, without.data());
+}
+
+// The places of the plan, the pose of each taken out in turn.
+struct PlanState::Vacancies {
+  struct Vacancy {
+    int place = 0;
+    double wanted = 0.0;          // what det(I + V_k') must be above
+    double smallest_trace = 0.0;  // which no V_k' below can be
+  };
+  std::vector<Vacancy> all;
+  Eigen::MatrixXd removals;  // U^T of each, one below the other
+};
+
+PlanState::Vacancies PlanState::TakeOut(double smallest_gain) const {
+  Vacancies vacancies;
+  const auto places = static_cast<int>(chosen_.size());
+  const Eigen::Index m = rows_each_;
+  vacancies.removals.resize(places * m, information_.rows());
+  Eigen::Index rows = 0;
+  for (int place = 0; place < places; ++place) {
+    double pivot = 0.0;
+    const Eigen::MatrixXd removal = UpdateOf(chosen_[place], -1.0, &pivot);
+    if (!(pivot > kSmallestPivot)) continue;
+    const double wanted = OwnGain(place, removal) * std::exp(smallest_gain);
+    const double mean = std::pow(wanted, 1.0 / rows_each_);
+    vacancies.all.push_back({place, wanted, rows_each_ * (mean - 1.0)});
+    vacancies.removals.middleRows(rows, m) = removal.transpose();
+    rows += m;
+  }
+  vacancies.removals.conservativeResize(rows, Eigen::NoChange);
+  return vacancies;
+}
+
+// `products`: the removals times the candidate's rows.
+bool PlanState::Improves(
+    int candidate, const Vacancies& vacancies,
+    const Eigen::Ref<const Eigen::MatrixXd>& products) const {
+  const Eigen::Index m = rows_each_;
+  const auto own = variances_.middleCols(candidate * m, m);
+  const double trace = own.trace();
+  Eigen::MatrixXd variance;
+  for (std::size_t i = 0; i < vacancies.all.size(); ++i) {
+    const Vacancies::Vacancy& vacancy = vacancies.all[i];
+    const auto product =
+        products.middleRows(static_cast<Eigen::Index>(i) * m, m);
+    if (trace + product.squaredNorm() < vacancy.smallest_trace) continue;
+    variance = own;
+    variance.noalias() += product.transpose().lazyProduct(product);
+    if (DetPlusIdentity(rows_each_, variance.data()) > vacancy.wanted &&
+        IsAllowed(candidate, vacancy.place)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+std::vector<int> PlanState::Improving(double smallest_gain) const {
+  // Products of so many stay in the second-level cache.
+  constexpr std::int64_t kBlock = 32;
+  const Vacancies vacancies = TakeOut(smallest_gain);
+  const int count = problem_.candidates.size();
+  const Eigen::Index m = rows_each_;
+  std::vector<char> improves(count, 0);
+  const auto work = [&](std::int64_t begin, std::int64_t end) {
+    const Eigen::MatrixXd products =
+        vacancies.removals *
+        problem_.candidates.transposed.middleCols(begin * m, (end - begin) * m);
+    for (std::int64_t k = begin; k < end; ++k) {
+      improves[k] = Improves(static_cast<int>(k), vacancies,
+                             products.middleCols((k - begin) * m, m));
+    }
+  };
+  ParallelFor(options_.num_threads, count, kBlock, work);
+  std::vector<int> found;
+  for (int k = 0; k < count; ++k) {
+    if (improves[k] != 0) found.push_back(k);
+  }
+  return found;
 }
 
 // The largest det(I + V_k + (J_k U)(J_k U)^T), U of the pose that is taken

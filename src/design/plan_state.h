@@ -43,6 +43,16 @@ class PlanState {
   /// not tell all parameters apart.
   BestCandidate BestReplacement(int place) const;
 
+  /// The candidates that would add more than `smallest_gain` to log det M in
+  /// some place of the plan, in ascending order. O(p N m^2) each, N poses of m
+  /// rows in the plan; determinants are taken only where
+  ///
+  ///   det(I + V_k') <= (1 + tr V_k' / m)^m,
+  ///
+  /// V_k' without the pose of the place, lets expect that they are large
+  /// enough.
+  std::vector<int> Improving(double smallest_gain) const;
+
   /// The candidates with the largest scores sum_i weights_i |J f_i|^2, largest
   /// first; those that may be in this place of the plan.
   std::vector<int> Shortlist(const DesignSlope& slope, int place,
@@ -62,6 +72,12 @@ class PlanState {
   Eigen::MatrixXd UpdateOf(int candidate, double sign, double* pivot) const;
   void Change(int candidate, double sign);
   BestCandidate BestBy(const Eigen::MatrixXd& removal, int place) const;
+  // det(I + V_i') of the pose in a place, itself taken out of M.
+  double OwnGain(int place, const Eigen::MatrixXd& removal) const;
+  struct Vacancies;
+  Vacancies TakeOut(double smallest_gain) const;
+  bool Improves(int candidate, const Vacancies& vacancies,
+                const Eigen::Ref<const Eigen::MatrixXd>& products) const;
   void Count(int candidate, int change);
   bool Conflicts(int candidate, int other) const;
 

@@ -10,27 +10,44 @@
 namespace alidade {
 namespace {
 
-// Below, products instead of transformations gain nothing.
-constexpr Eigen::Index kFewestForGram = 1000;
-
 // The largest condition that products are good enough for.
 constexpr double kGramCondition = 1e4;
 
-// |S| |S^-1| in Frobenius' norm, S being `factor` with columns of norm 1; no
-// less than the condition of S. `scaled` and `inverse` are scratch.
-double ScaledCondition(const Eigen::MatrixXd& factor, Eigen::MatrixXd* scaled,
-                       Eigen::MatrixXd* inverse) {
-  const Eigen::Index p = factor.cols();
-  *scaled = factor;
-  for (Eigen::Index k = 0; k < p; ++k) {
-    scaled->col(k) /= scaled->col(k).norm();
+// Of fewer observations a sample would cost as much as it saves.
+constexpr Eigen::Index kFewestForSample = 1000;
+
+// |S| |S^-1| in Frobenius' norm, S being an upper triangle with its columns
+// made of norm 1; no less than the condition of S.
+class ScaledCondition {
+ public:
+  // p^3 / 6 multiply-adds.
+  double operator()(const Eigen::MatrixXd& factor) {
+    const Eigen::Index p = factor.cols();
+    norms_ = factor.colwise().squaredNorm();
+    double squares = 0.0;
+    for (Eigen::Index j = 0; j < p; ++j) {
+      SolveForUnit(factor, j);
+      squares += column_.head(j + 1).cwiseAbs2().dot(norms_.head(j + 1));
+    }
+    const double condition = std::sqrt(static_cast<double>(p) * squares);
+    return std::isfinite(condition) ? condition
+                                    : std::numeric_limits<double>::infinity();
   }
-  inverse->setIdentity(p, p);
-  scaled->triangularView<Eigen::Upper>().solveInPlace(*inverse);
-  const double condition = std::sqrt(static_cast<double>(p)) * inverse->norm();
-  return std::isfinite(condition) ? condition
-                                  : std::numeric_limits<double>::infinity();
-}
+
+ private:
+  // column <- column j of the inverse, down to the diagonal.
+  void SolveForUnit(const Eigen::MatrixXd& factor, Eigen::Index j) {
+    column_.setZero(factor.cols());
+    column_[j] = 1.0;
+    for (Eigen::Index i = j; i >= 0; --i) {
+      column_[i] /= factor(i, i);
+      column_.head(i) -= column_[i] * factor.col(i).head(i);
+    }
+  }
+
+  Eigen::VectorXd norms_;
+  Eigen::VectorXd column_;
+};
 
 }  // namespace
 
@@ -76,17 +93,17 @@ class Compressor::Implementation {
         no_columns_(model.layout(), {}),
         losses_(losses),
         factorization_(options.factorization),
-        may_use_gram_(options.factorization == Factorization::kGram),
-        is_large_(data.all_observations() >= kFewestForGram) {}
+        may_use_gram_(options.factorization != Factorization::kOrthogonal),
+        is_large_(data.all_observations() >= kFewestForSample) {}
 
   void Compress(const Eigen::VectorXd& values, CompressedProblem* problem) {
-    used_gram_ = may_use_gram_ && CompressByProducts(values, problem);
+    used_gram_ = may_use_gram_ && SampleIsGood(values, problem) &&
+                 CompressByProducts(values, problem);
     if (!used_gram_) CompressByReflections(values, problem);
     Remember(values);
     problem->cost = summary_.cost;
     // Products that were kept have shown it already.
-    if (factorization_ == Factorization::kAutomatic && is_large_ &&
-        !used_gram_) {
+    if (factorization_ == Factorization::kAutomatic && !used_gram_) {
       may_use_gram_ = HasGoodCondition(problem->factor);
     }
   }
@@ -112,7 +129,7 @@ class Compressor::Implementation {
   }
 
   bool HasGoodCondition(const Eigen::MatrixXd& factor) {
-    return ScaledCondition(factor, &scaled_, &inverse_) <= kGramCondition;
+    return condition_(factor) <= kGramCondition;
   }
 
   void CompressByReflections(const Eigen::VectorXd& values,
@@ -127,14 +144,24 @@ class Compressor::Implementation {
     problem->projected = triangle_.topRightCorner(p, 1);
   }
 
+  // Before anything is known of the columns: whether a few tiles of many let
+  // expect that products will do, lest a whole pass be made in vain.
+  bool SampleIsGood(const Eigen::VectorXd& values, CompressedProblem* problem) {
+    const bool is_first = summarized_.size() == 0;
+    return !is_first || !is_large_ || factorization_ == Factorization::kGram ||
+           CompressByProducts(values, problem, PartedData::Extent::kSample);
+  }
+
   // False where the products have no Cholesky factor, or one that shows that
   // they are not good enough.
-  bool CompressByProducts(const Eigen::VectorXd& values,
-                          CompressedProblem* problem) {
-    parted_.ForEachTile(values, columns_, [this](Part* part, TileRows* rows) {
+  bool CompressByProducts(
+      const Eigen::VectorXd& values, CompressedProblem* problem,
+      PartedData::Extent extent = PartedData::Extent::kAll) {
+    const auto add = [this](Part* part, TileRows* rows) {
       part->AddCost(losses_, true, rows);
       part->AddProducts(rows);
-    });
+    };
+    parted_.ForEachTile(values, columns_, add, extent);
     parted_.SumProducts(&triangle_);
     const Eigen::Index p = triangle_.cols() - 1;
     cholesky_.compute(
@@ -145,8 +172,13 @@ class Compressor::Implementation {
         !HasGoodCondition(problem->factor)) {
       return false;
     }
+    // R^T projected = J^T r.
     problem->projected = triangle_.topRightCorner(p, 1);
-    cholesky_.matrixL().solveInPlace(problem->projected);
+    for (Eigen::Index k = 0; k < p; ++k) {
+      const auto above = problem->factor.col(k).head(k);
+      problem->projected[k] -= above.dot(problem->projected.head(k));
+      problem->projected[k] /= problem->factor(k, k);
+    }
     return true;
   }
 
@@ -155,12 +187,11 @@ class Compressor::Implementation {
   const kernel::Columns no_columns_;
   const std::vector<RobustLoss> losses_;
   const Factorization factorization_;
-  bool may_use_gram_ = false;
+  bool may_use_gram_;
   const bool is_large_;
   bool used_gram_ = false;
   Eigen::MatrixXd triangle_;
-  Eigen::MatrixXd scaled_;
-  Eigen::MatrixXd inverse_;
+  ScaledCondition condition_;
   Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> cholesky_;
   Eigen::VectorXd summarized_;
   ResidualSummary summary_;
@@ -185,17 +216,5 @@ const ResidualSummary& Compressor::Summarize(const Eigen::VectorXd& values) {
 }
 
 bool Compressor::used_gram() const { return implementation_->used_gram(); }
-
-CompressedProblem Compress(const MeasurementModel& model,
-                           const Eigen::VectorXd& values, const Dataset& data,
-                           const std::vector<int>& columns,
-                           const std::vector<RobustLoss>& losses) {
-  CompressorOptions options;
-  options.cache_bytes = 0;
-  Compressor compressor(model, data, columns, losses, options);
-  CompressedProblem problem;
-  compressor.Compress(values, &problem);
-  return problem;
-}
 
 }  // namespace alidade

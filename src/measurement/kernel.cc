@@ -10,17 +10,15 @@
 #define HWY_TARGET_INCLUDE "src/measurement/kernel.cc"
 #include <hwy/foreach_target.h>
 //
-#include "vectors-inl.h"
+#include <hwy/cache_control.h>
+
+#include "rows-inl.h"
 
 // Compiled once, before the sources of the instruction sets.
 #ifndef ALIDADE_SRC_MEASUREMENT_KERNEL_CC_ONCE
 #define ALIDADE_SRC_MEASUREMENT_KERNEL_CC_ONCE
 namespace alidade::kernel {
 namespace {
-
-// Arrays of a joint in the scratch: the axes of beta, alpha and the joint, the
-// origins before the joint and on its axis; three numbers each.
-constexpr std::size_t kArraysPerJoint = 15;
 
 // Orientations of a vector's length, an array for each entry.
 struct Turns {
@@ -50,292 +48,6 @@ void TakeLogarithms(std::size_t lanes, Turns* turns) {
 HWY_BEFORE_NAMESPACE();
 namespace alidade::kernel::HWY_NAMESPACE {
 namespace {
-
-// ---------------------------------------------------------------- vectors
-
-struct V3 {
-  V x, y, z;
-};
-
-HWY_INLINE V Broadcast(double value) { return hn::Set(kTag, value); }
-
-HWY_INLINE V3 Broadcast(const Eigen::Vector3d& v) {
-  return {Broadcast(v.x()), Broadcast(v.y()), Broadcast(v.z())};
-}
-
-HWY_INLINE V3 operator+(const V3& a, const V3& b) {
-  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
-}
-
-HWY_INLINE V3 operator-(const V3& a, const V3& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-
-HWY_INLINE V3 Scale(V s, const V3& a) {
-  return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)};
-}
-
-// s a + b
-HWY_INLINE V3 AddScaled(V s, const V3& a, const V3& b) {
-  return {hn::MulAdd(s, a.x, b.x), hn::MulAdd(s, a.y, b.y),
-          hn::MulAdd(s, a.z, b.z)};
-}
-
-HWY_INLINE V Dot(const V3& a, const V3& b) {
-  return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
-}
-
-HWY_INLINE V3 Cross(const V3& a, const V3& b) {
-  return {hn::MulSub(a.y, b.z, hn::Mul(a.z, b.y)),
-          hn::MulSub(a.z, b.x, hn::Mul(a.x, b.z)),
-          hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
-}
-
-HWY_INLINE V3 Load3(const double* from, std::size_t stride) {
-  return {hn::Load(kTag, from), hn::Load(kTag, from + stride),
-          hn::Load(kTag, from + 2 * stride)};
-}
-
-HWY_INLINE void Store3(const V3& v, double* to, std::size_t stride) {
-  hn::Store(v.x, kTag, to);
-  hn::Store(v.y, kTag, to + stride);
-  hn::Store(v.z, kTag, to + 2 * stride);
-}
-
-// ------------------------------------------------------------------ chain
-
-// The axes x, y, z and the origin of a frame, in the instrument's frame.
-struct Frame {
-  V3 x, y, z, origin;
-};
-
-// Turns the axes a and b in their plane, from a towards b.
-HWY_INLINE void Turn(V cosine, V sine, V3* a, V3* b) {
-  const V3 before = *a;
-  *a = AddScaled(sine, *b, Scale(cosine, before));
-  *b = {hn::NegMulAdd(sine, before.x, hn::Mul(cosine, b->x)),
-        hn::NegMulAdd(sine, before.y, hn::Mul(cosine, b->y)),
-        hn::NegMulAdd(sine, before.z, hn::Mul(cosine, b->z))};
-}
-
-// The frame of a matrix whose columns are the axes.
-HWY_INLINE Frame FrameOf(const Eigen::Matrix3d& axes,
-                         const Eigen::Vector3d& origin) {
-  return {Broadcast(Eigen::Vector3d(axes.col(0))),
-          Broadcast(Eigen::Vector3d(axes.col(1))),
-          Broadcast(Eigen::Vector3d(axes.col(2))), Broadcast(origin)};
-}
-
-// The lines of one joint, as ChainAxes has them. Of those that no column asks
-// for nothing is kept.
-struct JointLines {
-  double* beta_axis;
-  double* alpha_axis;
-  double* joint_axis;
-  double* origin_before;
-  double* origin_on_axis;
-};
-
-HWY_INLINE JointLines LinesOf(double* scratch, int joint) {
-  const std::size_t lanes = hn::Lanes(kTag);
-  double* const first =
-      scratch + static_cast<std::size_t>(joint) * kArraysPerJoint * lanes;
-  return {first, first + 3 * lanes, first + 6 * lanes, first + 9 * lanes,
-          first + 12 * lanes};
-}
-
-// Walks one vector of poses from the base to the last frame. `joints` are the
-// tile's sines and cosines from the first lane of the vector on.
-HWY_INLINE Frame WalkChain(const Constants& constants, const Columns& columns,
-                           const double* joints, double* scratch) {
-  const std::size_t lanes = hn::Lanes(kTag);
-  Frame frame = FrameOf(constants.base_rotation, constants.base_translation);
-  for (int j = 0; j < columns.num_joints(); ++j) {
-    const JointConstants& joint = constants.joints[j];
-    const Columns::OfJoint& wanted = columns.joint(j);
-    const JointLines lines = LinesOf(scratch, j);
-    if (wanted.HasTurnBefore()) {
-      Store3(frame.origin, lines.origin_before, lanes);
-    }
-    if (wanted.beta >= 0) Store3(frame.y, lines.beta_axis, lanes);
-    if (joint.sin_beta != 0.0 || joint.cos_beta != 1.0) {
-      Turn(Broadcast(joint.cos_beta), Broadcast(joint.sin_beta), &frame.z,
-           &frame.x);
-    }
-    if (wanted.HasAlphaAxis()) Store3(frame.x, lines.alpha_axis, lanes);
-    if (joint.sin_alpha != 0.0 || joint.cos_alpha != 1.0) {
-      Turn(Broadcast(joint.cos_alpha), Broadcast(joint.sin_alpha), &frame.y,
-           &frame.z);
-    }
-    frame.origin = AddScaled(Broadcast(joint.d), frame.x, frame.origin);
-    if (wanted.theta >= 0) Store3(frame.origin, lines.origin_on_axis, lanes);
-    if (wanted.HasJointAxis()) Store3(frame.z, lines.joint_axis, lanes);
-    const V first = hn::Load(kTag, joints + std::ptrdiff_t{2} * j * kTile);
-    V cosine = Broadcast(joint.cos_theta);
-    V sine = Broadcast(joint.sin_theta);
-    V length = Broadcast(joint.r);
-    if (joint.is_revolute) {
-      // sin and cos of theta + q.
-      const V second =
-          hn::Load(kTag, joints + (std::ptrdiff_t{2} * j + 1) * kTile);
-      const V turned = hn::MulAdd(cosine, first, hn::Mul(sine, second));
-      cosine = hn::MulSub(cosine, second, hn::Mul(sine, first));
-      sine = turned;
-    } else {
-      length = hn::Add(length, first);
-    }
-    Turn(cosine, sine, &frame.x, &frame.y);
-    frame.origin = AddScaled(length, frame.z, frame.origin);
-  }
-  return frame;
-}
-
-// Where a target's point is.
-HWY_INLINE V3 PointOf(const Frame& frame, const Eigen::Vector3d& point) {
-  V3 p = frame.origin;
-  if (point.isZero(0.0)) return p;
-  p = AddScaled(Broadcast(point.x()), frame.x, p);
-  p = AddScaled(Broadcast(point.y()), frame.y, p);
-  return AddScaled(Broadcast(point.z()), frame.z, p);
-}
-
-// a x + b y + c z of a frame's axes.
-HWY_INLINE V3 Combine(const Frame& frame, const Eigen::Vector3d& weights) {
-  return AddScaled(Broadcast(weights.z()), frame.z,
-                   AddScaled(Broadcast(weights.y()), frame.y,
-                             Scale(Broadcast(weights.x()), frame.x)));
-}
-
-// ------------------------------------------------------------------- rows
-
-// Writes the rows of one vector of observations.
-template <MeasurementKind kKind>
-struct Writer {
-  static constexpr bool kIsLength = kKind == MeasurementKind::kDistance ||
-                                    kKind == MeasurementKind::kPlane ||
-                                    kKind == MeasurementKind::kPointDistance;
-  static constexpr bool kHasTurn = kKind == MeasurementKind::kPose;
-  static constexpr std::size_t kRows = kIsLength ? 1 : (kHasTurn ? 6 : 3);
-
-  double* rows;       // of this vector's first lane
-  V3 weights;         // of the rows in lengths; x alone where there is one
-  V3 turn_weights;    // of an orientation's
-  V3 direction;       // in which a length grows
-  V3 log_by_turn[3];  // rows of the derivative of the logarithm
-  bool subtracts = false;
-
-  HWY_INLINE double* At(int column) const {
-    return rows + static_cast<std::size_t>(column) * kRows * kTile;
-  }
-
-  // The target moves by dp.
-  HWY_INLINE void Move(int column, const V3& dp) const {
-    double* const to = At(column);
-    if constexpr (kIsLength) {
-      hn::Store(hn::Mul(weights.x, Dot(direction, dp)), kTag, to);
-    } else {
-      V3 row = {hn::Mul(weights.x, dp.x), hn::Mul(weights.y, dp.y),
-                hn::Mul(weights.z, dp.z)};
-      if constexpr (kKind == MeasurementKind::kDifference) {
-        if (subtracts) row = Load3(to, kTile) - row;
-      }
-      Store3(row, to, kTile);
-    }
-    if constexpr (kHasTurn) {
-      const V zero = hn::Zero(kTag);
-      Store3({zero, zero, zero}, to + 3 * kTile, kTile);
-    }
-  }
-
-  // The target turns about `axis` (rad) besides.
-  HWY_INLINE void Turn(int column, const V3& dp, const V3& axis) const {
-    Move(column, dp);
-    if constexpr (kHasTurn) {
-      const V3 log = {Dot(log_by_turn[0], axis), Dot(log_by_turn[1], axis),
-                      Dot(log_by_turn[2], axis)};
-      Store3({hn::Mul(turn_weights.x, log.x), hn::Mul(turn_weights.y, log.y),
-              hn::Mul(turn_weights.z, log.z)},
-             At(column) + 3 * kTile, kTile);
-    }
-  }
-
-  // The columns of joints and base; p is where the target is.
-  HWY_INLINE void WriteArm(const Constants& constants, const Columns& columns,
-                           const V3& p, double* scratch) const {
-    if (!columns.HasArm()) return;
-    const std::size_t lanes = hn::Lanes(kTag);
-    for (int j = 0; j < columns.num_joints(); ++j) {
-      const Columns::OfJoint& column = columns.joint(j);
-      const JointLines lines = LinesOf(scratch, j);
-      if (column.HasTurnBefore()) {
-        const V3 arm = p - Load3(lines.origin_before, lanes);
-        if (column.beta >= 0) {
-          const V3 axis = Load3(lines.beta_axis, lanes);
-          Turn(column.beta, Cross(axis, arm), axis);
-        }
-        if (column.alpha >= 0) {
-          const V3 axis = Load3(lines.alpha_axis, lanes);
-          Turn(column.alpha, Cross(axis, arm), axis);
-        }
-      }
-      if (column.d >= 0) Move(column.d, Load3(lines.alpha_axis, lanes));
-      if (!column.HasJointAxis()) continue;
-      const V3 axis = Load3(lines.joint_axis, lanes);
-      if (column.r >= 0) Move(column.r, axis);
-      if (column.theta >= 0) {
-        const V3 arm = p - Load3(lines.origin_on_axis, lanes);
-        Turn(column.theta, Cross(axis, arm), axis);
-      }
-    }
-    const V3 arm = p - Broadcast(constants.base_translation);
-    for (int k = 0; k < 3; ++k) {
-      const int move = columns.base_translation()[k];
-      const int turn = columns.base_rotation()[k];
-      if (move >= 0) {
-        Move(move, Broadcast(Eigen::Vector3d(Eigen::Vector3d::Unit(k))));
-      }
-      if (turn >= 0) {
-        const V3 axis = Broadcast(Eigen::Vector3d(constants.base_axes.col(k)));
-        Turn(turn, Cross(axis, arm), axis);
-      }
-    }
-  }
-
-  HWY_INLINE void WriteTool(const Constants& constants, const Columns& columns,
-                            int target, const Frame& last) const {
-    const V zero = hn::Zero(kTag);
-    for (int k = 0; k < 3; ++k) {
-      const int move = columns.tool_translation(target)[k];
-      const int turn = columns.tool_rotation(target)[k];
-      if (move >= 0) Move(move, k == 0 ? last.x : (k == 1 ? last.y : last.z));
-      if (turn >= 0) {
-        Turn(turn, {zero, zero, zero},
-             Combine(last, constants.targets[target].axes.col(k)));
-      }
-    }
-  }
-
-  // The columns of a point that moves the residual by `sign` times its own
-  // move.
-  HWY_INLINE void WritePoint(const Columns::Triple& point, double sign) const {
-    for (int k = 0; k < 3; ++k) {
-      if (point[k] < 0) continue;
-      Move(point[k],
-           Broadcast(Eigen::Vector3d(sign * Eigen::Vector3d::Unit(k))));
-    }
-  }
-
-  HWY_INLINE void WritePlane(const Columns::Triple& plane,
-                             const PlaneConstants& constants,
-                             const V3& p) const {
-    for (int k = 0; k < 2; ++k) {
-      if (plane[k] < 0) continue;
-      const V3 tilt = Broadcast(constants.normal_by_tilt[k]);
-      hn::Store(hn::Mul(weights.x, Dot(tilt, p)), kTag, At(plane[k]));
-    }
-    if (plane[2] >= 0) hn::Store(hn::Neg(weights.x), kTag, At(plane[2]));
-  }
-};
 
 // What all of EvaluateTile needs, for one vector of its lanes.
 struct Job {
@@ -499,10 +211,23 @@ HWY_INLINE void EvaluateVector(const Job& job, int t) {
   }
 }
 
+// Asks for the part of the next tile that belongs to these lanes. All of it at
+// once would fill the queue to the memory and wait for it.
+HWY_INLINE void PrefetchShare(const Tile& tile, int t, int lanes) {
+  constexpr int kLine = 64 / sizeof(double);
+  const double* const first = tile.next + std::ptrdiff_t{tile.next_arrays} * t;
+  for (int k = 0; k < tile.next_arrays * lanes; k += kLine) {
+    hwy::Prefetch(first + k);
+  }
+}
+
 template <MeasurementKind kKind>
 HWY_NOINLINE void EvaluateKind(const Job& job) {
   const int lanes = static_cast<int>(hn::Lanes(kTag));
-  for (int t = 0; t < kTile; t += lanes) EvaluateVector<kKind>(job, t);
+  for (int t = 0; t < kTile; t += lanes) {
+    PrefetchShare(job.tile, t, lanes);
+    EvaluateVector<kKind>(job, t);
+  }
 }
 
 void EvaluateTile(const Constants& constants, const Columns& columns,

@@ -100,6 +100,10 @@ class Columns {
   std::vector<int> object_columns_;
 };
 
+/// Vectors of a joint in the scratch: the axes of beta, alpha and the joint,
+/// the origins before the joint and on its axis; three numbers each.
+constexpr std::size_t kArraysPerJoint = 15;
+
 /// Doubles of scratch that EvaluateTile needs for an arm of so many joints.
 std::size_t ScratchSize(int num_joints);
 

@@ -320,11 +320,17 @@ HWY_INLINE void MultiplyColumns(const Stack& stack, int a, int b) {
   }
 }
 
+// Columns that four others are multiplied with at a time: with the sums no more
+// vectors than there are registers, 16 with AVX2 and SSE4.
+constexpr int kWide = HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_SSE4 ? 3 : 4;
+
 // The products of kA columns from `a` on with all from there on.
 template <int kA>
 HWY_INLINE void MultiplyFrom(const Stack& stack, int a) {
   int b = a;
-  for (; b + 4 <= stack.columns; b += 4) MultiplyColumns<kA, 4>(stack, a, b);
+  for (; b + kWide <= stack.columns; b += kWide) {
+    MultiplyColumns<kA, kWide>(stack, a, b);
+  }
   switch (stack.columns - b) {
     case 3:
       return MultiplyColumns<kA, 3>(stack, a, b);
@@ -417,9 +423,9 @@ void SumLanes(int columns, const double* triangle, Eigen::MatrixXd* sum) {
   for (int i = 0; i < columns; ++i) {
     for (int j = i; j < columns; ++j) {
       const double* const entry = triangle + (RowStart(columns, i) + j) * lanes;
-      for (std::size_t lane = 0; lane < lanes; ++lane) {
-        (*sum)(i, j) += entry[lane];
-      }
+      double total = 0.0;
+      for (std::size_t lane = 0; lane < lanes; ++lane) total += entry[lane];
+      (*sum)(i, j) = total;
     }
   }
 }

@@ -1,20 +1,24 @@
 #include "alidade/measurement/measurement_model.h"
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
 #include "alidade/base/parallel.h"
 #include "alidade/measurement/observation_rows.h"
-#include "alidade/model/forward_kinematics.h"
+#include "kernel.h"
 #include "observation_residual.h"
+#include "tile_rows.h"
+#include "tiles.h"
 
 namespace alidade {
 namespace {
 
-// Small enough to balance threads, large enough that a thread's start does not
-// show.
-constexpr int kPosesPerBlock = 256;
+// Small enough to balance threads, large enough that memory for a tile's rows
+// does not show.
+constexpr std::int64_t kTilesPerBlock = 32;
 
 // The row of the stacked residual at which each observation begins.
 std::vector<Eigen::Index> FirstRowOfEach(const Dataset& data) {
@@ -33,20 +37,6 @@ std::vector<Eigen::Index> FirstRowOfEach(const Dataset& data) {
 LayoutShape ShapeOf(const Arm& arm, const References& references) {
   return {arm.num_joints(), arm.num_targets(), references.num_points(),
           references.num_planes()};
-}
-
-// The residual of observation i of a block; rows that were not measured are
-// zero.
-void FillError(const MeasurementModel& model, const Eigen::VectorXd& values,
-               const Dataset& data, const ObservationBlock& block,
-               Eigen::Index i, Eigen::Ref<Eigen::VectorXd> error) {
-  const ObservationResidual residual(model, data, block, i);
-  residual.Evaluate<double>(
-      ViewOf(model.layout(), values.data(), block.target(i)),
-      residual.ReferencesIn(values), error.data());
-  for (Eigen::Index row = 0; row < error.size(); ++row) {
-    if (std::isinf(block.sigmas(row, i))) error[row] = 0.0;
-  }
 }
 
 // Calls visit(block, i, first row) for every observation.
@@ -101,33 +91,43 @@ References MeasurementModel::ReferencesAt(const Eigen::VectorXd& values) const {
 Eigen::Matrix3Xd MeasurementModel::Predict(const Eigen::VectorXd& values,
                                            const Eigen::MatrixXd& joint_values,
                                            int target) const {
-  const GeometryView<double> geometry = ViewOf(layout_, values.data(), target);
-  Eigen::Matrix3Xd predicted(3, joint_values.cols());
-  ParallelFor(num_threads_, joint_values.cols(), kPosesPerBlock,
-              [&](std::int64_t begin, std::int64_t end) {
-                for (Eigen::Index i = begin; i < end; ++i) {
-                  predicted.col(i) = TargetPosition(nominal_, geometry,
-                                                    joint_values.col(i).data());
-                }
-              });
-  return predicted;
+  // Errors of what was measured at the origin.
+  const Eigen::Index poses = joint_values.cols();
+  Dataset at_origin =
+      MakePositions(joint_values, Eigen::Matrix3Xd::Zero(3, poses),
+                    Eigen::Matrix3Xd::Ones(3, poses));
+  if (target != 0) at_origin.blocks.front().targets.assign(poses, target);
+  return Errors(values, at_origin).reshaped(3, poses);
 }
 
 Eigen::VectorXd MeasurementModel::Errors(const Eigen::VectorXd& values,
                                          const Dataset& data) const {
-  Eigen::VectorXd errors(data.num_rows());
-  Eigen::Index row = 0;
+  Tiles tiles(nominal_, data, 0, RowScale::kUnit);
+  const kernel::Columns no_columns(layout_, {});
+  kernel::Constants constants;
+  kernel::ComputeConstants(*this, values, &constants);
+  std::vector<Eigen::Index> first_rows;
+  Eigen::Index num_rows = 0;
   for (const ObservationBlock& block : data.blocks) {
-    const int height = block.rows_each();
-    ParallelFor(num_threads_, block.size(), kPosesPerBlock,
-                [&](std::int64_t begin, std::int64_t end) {
-                  for (Eigen::Index i = begin; i < end; ++i) {
-                    FillError(*this, values, data, block, i,
-                              errors.segment(row + i * height, height));
-                  }
-                });
-    row += block.size() * height;
+    first_rows.push_back(num_rows);
+    num_rows += block.size() * block.rows_each();
   }
+  Eigen::VectorXd errors(num_rows);
+  const auto work = [&](std::int64_t begin, std::int64_t end) {
+    TileRows rows(&tiles, layout_.num_joints(), 0);
+    for (std::int64_t tile = begin; tile < end; ++tile) {
+      rows.Evaluate(constants, no_columns, tile);
+      const int height = rows.height();
+      for (int lane = 0; lane < rows.tile().count; ++lane) {
+        double* const to = &errors[first_rows[rows.tile().block] +
+                                   tiles.Observation(tile, lane) * height];
+        for (int row = 0; row < height; ++row) {
+          to[row] = rows.residual()[std::ptrdiff_t{row} * kTile + lane];
+        }
+      }
+    }
+  };
+  ParallelFor(num_threads_, tiles.size(), kTilesPerBlock, work);
   return errors;
 }
 

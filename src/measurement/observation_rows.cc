@@ -37,7 +37,7 @@ void ForEachObservation(const MeasurementModel& model,
                         const Eigen::VectorXd& values, const Dataset& data,
                         const std::vector<int>& columns,
                         const VisitRows& visit) {
-  const Tiles tiles(model.nominal(), data, 0, 1);
+  Tiles tiles(model.nominal(), data, 0);
   const kernel::Columns wanted(model.layout(), columns);
   kernel::Constants constants;
   kernel::ComputeConstants(model, values, &constants);
@@ -45,7 +45,7 @@ void ForEachObservation(const MeasurementModel& model,
   const std::int64_t part_size =
       std::max<std::int64_t>(1, (tiles.size() + kRowParts - 1) / kRowParts);
   const auto work = [&](std::int64_t begin, std::int64_t end) {
-    TileRows rows(tiles, model.layout().num_joints(),
+    TileRows rows(&tiles, model.layout().num_joints(),
                   static_cast<int>(columns.size()));
     Eigen::MatrixXd out;
     for (std::int64_t tile = begin; tile < end; ++tile) {

@@ -85,7 +85,7 @@ void Part::AddProducts(TileRows* rows) {
 PartedData::PartedData(const MeasurementModel& model, const Dataset& data,
                        int width, std::size_t cache_bytes)
     : model_(model),
-      tiles_(model.nominal(), data, cache_bytes, model.num_threads()),
+      tiles_(model.nominal(), data, cache_bytes),
       width_(width),
       team_(data.share.team),
       all_observations_(data.all_observations()),
@@ -103,8 +103,8 @@ PartedData::PartedData(const MeasurementModel& model, const Dataset& data,
   const std::int64_t users =
       std::min<std::int64_t>(count, std::max(1, model.num_threads()));
   for (std::int64_t k = 0; k < users; ++k) {
-    all_rows_.push_back(
-        std::make_unique<TileRows>(tiles_, model.layout().num_joints(), width));
+    all_rows_.push_back(std::make_unique<TileRows>(
+        &tiles_, model.layout().num_joints(), width));
     free_rows_.push_back(all_rows_.back().get());
   }
 }

@@ -2,6 +2,7 @@
 #define ALIDADE_SRC_MEASUREMENT_PARTED_DATA_H_
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -61,19 +62,25 @@ class PartedData {
   PartedData(const MeasurementModel& model, const Dataset& data, int width,
              std::size_t cache_bytes);
 
+  /// Which tiles are looked at: all, or the first of each part.
+  enum class Extent { kAll, kSample };
+
   /// Calls visit(part, rows) for every tile.
   template <typename Visit>
   void ForEachTile(const Eigen::VectorXd& values,
-                   const kernel::Columns& columns, const Visit& visit) {
+                   const kernel::Columns& columns, const Visit& visit,
+                   Extent extent = Extent::kAll) {
     kernel::ComputeConstants(model_, values, &constants_);
-    const auto work = [this, &columns, &visit](std::int64_t part,
-                                               std::int64_t /*end*/) {
+    const auto work = [this, &columns, &visit, extent](std::int64_t part,
+                                                       std::int64_t /*end*/) {
       Part& mine = parts_[part];
       mine.Reset();
       const BorrowedRows rows(this);
-      const Range& range = ranges_[part];
+      Range range = ranges_[part];
+      if (extent == Extent::kSample) {
+        range.end = std::min(range.end, range.begin + 1);
+      }
       for (std::int64_t tile = range.begin; tile < range.end; ++tile) {
-        tiles_.Prefetch(tile + 1);
         rows->Evaluate(constants_, columns, tile);
         visit(&mine, rows.get());
       }
@@ -138,7 +145,7 @@ class PartedData {
   void Summarize(const Sums& sums);
 
   const MeasurementModel& model_;
-  const Tiles tiles_;
+  Tiles tiles_;
   const int width_;
   Team* const team_;
   const Eigen::Index all_observations_;

@@ -36,10 +36,10 @@ double RobustScale(const Eigen::VectorXd& norms, const FitRows& rows) {
 }
 
 Eigen::VectorXd RobustWeights(const Eigen::VectorXd& norms, double scale,
-                              RobustLoss loss) {
+                              FitWeighting weighting) {
   Eigen::VectorXd weights(norms.size());
   for (Eigen::Index i = 0; i < norms.size(); ++i) {
-    if (loss == RobustLoss::kHuber) {
+    if (weighting == FitWeighting::kHuber) {
       weights[i] = std::min(1.0, 2.0 * scale / norms[i]);
     } else {
       const double ratio = norms[i] / (kTukeyCut * scale);

@@ -22,7 +22,8 @@ struct FitRows {
   Eigen::MatrixXd jacobian;   ///< as many rows
 };
 
-enum class RobustLoss { kHuber, kTukey };
+/// Of a start: less is asked of it than of a loss in a solve (robust_loss.h).
+enum class FitWeighting { kHuber, kTukey };
 
 /// The norms of consecutive blocks.
 Eigen::VectorXd BlockNorms(const Eigen::VectorXd& residuals, int block_size);
@@ -36,7 +37,7 @@ constexpr double kTukeyCut = 6.0;
 
 /// The observations' weights, in [0, 1].
 Eigen::VectorXd RobustWeights(const Eigen::VectorXd& norms, double scale,
-                              RobustLoss loss);
+                              FitWeighting weighting);
 
 /// Multiplies the rows by the square roots of their observations' weights, and
 /// appends those of the targets' prior.
@@ -49,14 +50,14 @@ Eigen::VectorXd FitStep(const FitRows& rows, double damping);
 
 /// Improves the model until steps vanish.
 template <typename Model>
-void Refine(RobustLoss loss, int max_iterations, Model* model) {
+void Refine(FitWeighting weighting, int max_iterations, Model* model) {
   double damping = 1e-4;
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     FitRows rows;
     model->Linearize(&rows);
     const Eigen::VectorXd norms = BlockNorms(rows.residuals, Model::kBlockSize);
     const double scale = RobustScale(norms, rows);
-    const Eigen::VectorXd weights = RobustWeights(norms, scale, loss);
+    const Eigen::VectorXd weights = RobustWeights(norms, scale, weighting);
     WeighRows(weights, scale, model->targets, Model::kTargetColumn, &rows);
     const Eigen::VectorXd step = FitStep(rows, damping);
     if (!step.allFinite()) return;
@@ -84,7 +85,7 @@ std::optional<Model> FitFromStarts(const std::vector<Model>& starts) {
   std::optional<Model> best;
   double best_sum = std::numeric_limits<double>::infinity();
   for (Model model : starts) {
-    Refine(RobustLoss::kHuber, 40, &model);
+    Refine(FitWeighting::kHuber, 40, &model);
     FitRows rows;
     model.Linearize(&rows);
     const Eigen::VectorXd norms = BlockNorms(rows.residuals, Model::kBlockSize);
@@ -93,7 +94,7 @@ std::optional<Model> FitFromStarts(const std::vector<Model>& starts) {
     best_sum = norms.sum();
     best = model;
   }
-  if (best) Refine(RobustLoss::kTukey, 60, &*best);
+  if (best) Refine(FitWeighting::kTukey, 60, &*best);
   return best;
 }
 

@@ -15,12 +15,12 @@ int HighestRows(const Dataset& data) {
 
 }  // namespace
 
-TileRows::TileRows(const Tiles& tiles, int num_joints, int most_derivatives)
-    : tiles_(tiles),
-      arrays_(AllocateDoubles(tiles.scratch_size())),
+TileRows::TileRows(Tiles* tiles, int num_joints, int most_derivatives)
+    : tiles_(*tiles),
+      arrays_(AllocateDoubles(tiles->scratch_size())),
       scratch_(AllocateDoubles(kernel::ScratchSize(num_joints))),
       rows_(AllocateDoubles(
-          static_cast<std::size_t>(HighestRows(tiles.data())) * kTile *
+          static_cast<std::size_t>(HighestRows(tiles->data())) * kTile *
           (static_cast<std::size_t>(most_derivatives) + 1))),
       lengths_(AllocateDoubles(kTile)) {}
 
@@ -30,7 +30,8 @@ void TileRows::Evaluate(const kernel::Constants& constants,
   tile_ = tiles_.Get(tile, arrays_.get());
   kernel::EvaluateTile(constants, columns, tile_, scratch_.get(), rows_.get(),
                        lengths_.get());
-  if (!tiles_.data().blocks[tile_.block].whiteners.empty()) {
+  if (tiles_.scale() == RowScale::kWhitened &&
+      !tiles_.data().blocks[tile_.block].whiteners.empty()) {
     ApplyWhiteners(tile);
   }
 }

@@ -16,7 +16,7 @@ namespace alidade {
 class TileRows {
  public:
   /// For so many derivatives at most. `tiles` outlives the object.
-  TileRows(const Tiles& tiles, int num_joints, int most_derivatives);
+  TileRows(Tiles* tiles, int num_joints, int most_derivatives);
 
   /// The residual and the derivatives of `columns` at the parameters of
   /// `constants`.
@@ -41,7 +41,7 @@ class TileRows {
  private:
   void ApplyWhiteners(std::int64_t tile);
 
-  const Tiles& tiles_;
+  Tiles& tiles_;
   int num_derivatives_ = 0;
   Tile tile_;
   AlignedDoubles arrays_;  // of a tile not cached

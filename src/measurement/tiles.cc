@@ -1,7 +1,6 @@
 #include "tiles.h"
 
 #include <glog/logging.h>
-#include <hwy/cache_control.h>
 
 #ifdef __linux__
 #include <sys/mman.h>
@@ -13,15 +12,11 @@
 #include <limits>
 #include <numeric>
 
-#include "alidade/base/parallel.h"
 #include "alidade/model/rotation.h"
 #include "sine.h"
 
 namespace alidade {
 namespace {
-
-// Tiles that one thread fills at a time.
-constexpr std::int64_t kTilesPerBlock = 64;
 
 // Arrays that hold the measured values of an observation.
 std::size_t MeasuredArrays(MeasurementKind kind) {
@@ -50,18 +45,17 @@ void AskForLargePages([[maybe_unused]] double* first,
   constexpr std::uintptr_t kPage = 4096;
   if (size * sizeof(double) < kWorthwhile) return;
   const auto begin = reinterpret_cast<std::uintptr_t>(first);
-  const std::uintptr_t aligned = (begin + kPage - 1) / kPage * kPage;
-  const std::uintptr_t end = begin + size * sizeof(double);
-  if (end <= aligned) return;
-  madvise(reinterpret_cast<void*>(aligned), end - aligned, MADV_HUGEPAGE);
+  const std::size_t skipped = (kPage - begin % kPage) % kPage;
+  madvise(reinterpret_cast<char*>(first) + skipped,
+          size * sizeof(double) - skipped, MADV_HUGEPAGE);
 #endif
 }
 
 }  // namespace
 
 Tiles::Tiles(const Arm& arm, const Dataset& data, std::size_t cache_bytes,
-             int num_threads)
-    : data_(data), orders_(data.blocks.size()) {
+             RowScale scale)
+    : data_(data), scale_(scale), orders_(data.blocks.size()) {
   for (const Joint& joint : arm.joints) {
     is_revolute_.push_back(joint.type == JointType::kRevolute);
   }
@@ -71,7 +65,7 @@ Tiles::Tiles(const Arm& arm, const Dataset& data, std::size_t cache_bytes,
     }
     shard_ends_.push_back(num_tiles_);
   }
-  FillCache(cache_bytes, num_threads);
+  AllocateCache(cache_bytes);
 }
 
 void Tiles::AppendGroup(const Group& group) {
@@ -145,7 +139,7 @@ Eigen::Index Tiles::Observation(std::int64_t tile, int lane) const {
   return InBlock(group, (tile - group.first_tile) * kTile + lane);
 }
 
-void Tiles::FillCache(std::size_t cache_bytes, int num_threads) {
+void Tiles::AllocateCache(std::size_t cache_bytes) {
   std::size_t size = 0;
   for (const Group& group : groups_) {
     offsets_.push_back(size);
@@ -161,31 +155,26 @@ void Tiles::FillCache(std::size_t cache_bytes, int num_threads) {
   if (num_cached_ == 0) return;
   cache_ = AllocateDoubles(size);
   AskForLargePages(cache_.get(), size);
-  const auto fill = [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t tile = begin; tile < end; ++tile) {
-      Fill(tile, Cached(tile));
-    }
-  };
-  ParallelFor(num_threads, num_cached_, kTilesPerBlock, fill);
+  is_filled_.assign(static_cast<std::size_t>(num_cached_), 0);
 }
 
-Tile Tiles::Get(std::int64_t tile, double* scratch) const {
+Tile Tiles::Get(std::int64_t tile, double* scratch) {
   if (tile >= num_cached_) return Fill(tile, scratch);
-  return Layout(tile, Cached(tile));
+  double* const arrays = Cached(tile);
+  char& is_filled = is_filled_[static_cast<std::size_t>(tile)];
+  Tile cached = is_filled != 0 ? Layout(tile, arrays) : Fill(tile, arrays);
+  is_filled = 1;
+  if (tile + 1 < num_cached_) {
+    cached.next = Cached(tile + 1);
+    cached.next_arrays = static_cast<int>(SizeOf(GroupOf(tile + 1)) / kTile);
+  }
+  return cached;
 }
 
 double* Tiles::Cached(std::int64_t tile) const {
   const Group& group = GroupOf(tile);
   return cache_.get() + offsets_[&group - groups_.data()] +
          SizeOf(group) * static_cast<std::size_t>(tile - group.first_tile);
-}
-
-void Tiles::Prefetch(std::int64_t tile) const {
-  if (tile >= num_cached_) return;
-  constexpr std::size_t kLine = 64 / sizeof(double);
-  const double* const first = Cached(tile);
-  const std::size_t size = SizeOf(GroupOf(tile));
-  for (std::size_t k = 0; k < size; k += kLine) hwy::Prefetch(first + k);
 }
 
 Tile Tiles::Layout(std::int64_t tile, const double* arrays) const {
@@ -254,13 +243,14 @@ void Tiles::FillMeasured(const Group& group, Eigen::Index first, int count,
   std::fill(inverse_sigmas, inverse_sigmas + IndexOf(rows, 0), 0.0);
   for (int lane = 0; lane < count; ++lane) {
     const Eigen::Index i = InBlock(group, first + lane);
-    const bool has_whitener =
-        !block.whiteners.empty() && block.whiteners[i].size() > 0;
+    const bool is_scaled_later =
+        scale_ == RowScale::kUnit ||
+        (!block.whiteners.empty() && block.whiteners[i].size() > 0);
     for (int row = 0; row < rows; ++row) {
       const double sigma = block.sigmas(row, i);
       const bool is_measured = !std::isinf(sigma);
       inverse_sigmas[IndexOf(row, lane)] =
-          has_whitener ? (is_measured ? 1.0 : 0.0) : 1.0 / sigma;
+          is_scaled_later ? (is_measured ? 1.0 : 0.0) : 1.0 / sigma;
       // What was not measured may be anything in the data, NaN too.
       if (row < 3 && is_measured) {
         measured[IndexOf(row, lane)] = block.measured(row, i);

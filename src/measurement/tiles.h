@@ -37,19 +37,30 @@ struct Tile {
   /// An array for each row: 1 / sigma, 0 where the row was not measured; 1
   /// instead of 1 / sigma for observations with a whitener.
   const double* inverse_sigmas = nullptr;
+  /// All arrays of the tile behind it, where they are cached: the kernel asks
+  /// the memory for them while it works on this one.
+  const double* next = nullptr;
+  int next_arrays = 0;
 };
 
-/// A data set cut into tiles. Sines and cosines are taken once, and kept for as
-/// many tiles as the cache may hold; of later tiles they are taken anew at
-/// every call of Get. Holds references: arm's joint types and data must not
-/// change.
+/// What the kernel's rows are multiplied by.
+enum class RowScale {
+  kWhitened,  ///< 1 / sigma, or what a covariance makes of them
+  kUnit,      ///< 1 where a row was measured: errors in m and rad
+};
+
+/// A data set cut into tiles. Sines and cosines are taken once, when a tile is
+/// first asked for, and kept for as many tiles as the cache may hold; of later
+/// tiles they are taken anew at every call of Get. Holds references: arm's
+/// joint types and data must not change.
 class Tiles {
  public:
   /// `cache_bytes`: what all cached tiles may take together.
   Tiles(const Arm& arm, const Dataset& data, std::size_t cache_bytes,
-        int num_threads);
+        RowScale scale = RowScale::kWhitened);
 
   const Dataset& data() const { return data_; }
+  RowScale scale() const { return scale_; }
   std::int64_t size() const { return num_tiles_; }
   /// Where the tiles of each shard end; those of the first begin at 0. A tile
   /// is of one shard.
@@ -57,12 +68,9 @@ class Tiles {
   /// Doubles that Get needs where it cannot take them from the cache.
   std::size_t scratch_size() const { return largest_; }
 
+  /// Not for the same tile from two threads at once.
   /// @pre scratch: scratch_size() doubles, aligned to 64 bytes.
-  Tile Get(std::int64_t tile, double* scratch) const;
-
-  /// Asks for a tile's memory, so that it is there when Get needs it. One
-  /// behind the last tile will do. @pre tile >= 0.
-  void Prefetch(std::int64_t tile) const;
+  Tile Get(std::int64_t tile, double* scratch);
 
   /// The observation of the tile's block in lane `lane` of the tile.
   Eigen::Index Observation(std::int64_t tile, int lane) const;
@@ -86,7 +94,7 @@ class Tiles {
   // Where a tile is in the cache.
   double* Cached(std::int64_t tile) const;
   Eigen::Index InBlock(const Group& group, Eigen::Index i) const;
-  void FillCache(std::size_t cache_bytes, int num_threads);
+  void AllocateCache(std::size_t cache_bytes);
   // Writes the arrays of a tile and returns where they are.
   Tile Fill(std::int64_t tile, double* arrays) const;
   void FillJoints(const Group& group, Eigen::Index first, int count,
@@ -96,6 +104,7 @@ class Tiles {
   Tile Layout(std::int64_t tile, const double* arrays) const;
 
   const Dataset& data_;
+  const RowScale scale_;
   std::vector<bool> is_revolute_;
   std::vector<Group> groups_;
   // For each block its observations, sorted by group; empty: as they are.
@@ -108,6 +117,7 @@ class Tiles {
   // Where the tiles of each group begin in the cache.
   std::vector<std::size_t> offsets_;
   std::int64_t num_cached_ = 0;
+  std::vector<char> is_filled_;  // of each tile that has room in the cache
 };
 
 }  // namespace alidade

@@ -5,17 +5,17 @@
 
 namespace alidade {
 
-/// A solver as people call it: "ceres" is "Ceres Levenberg-Marquardt"; a name
+/// A solver as people call it: "ceres" is "Levenberg-Marquardt"; a name
 /// that is not known here stays.
 inline std::string SolverTitle(const std::string& solver) {
-  if (solver == "ceres") return "Ceres Levenberg-Marquardt";
+  if (solver == "ceres") return "Levenberg-Marquardt";
   if (solver == "pseudo_inverse") return "iterated pseudo-inverse";
   return solver;
 }
 
 /// The same in short, for lines that name several.
 inline std::string ShortSolverTitle(const std::string& solver) {
-  if (solver == "ceres") return "Ceres";
+  if (solver == "ceres") return "Levenberg-Marquardt";
   if (solver == "pseudo_inverse") return "pseudo-inverse";
   return solver;
 }

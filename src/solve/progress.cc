@@ -88,12 +88,14 @@ bool Progress::CheckProblem(const Eigen::VectorXd& values) {
   return !stopped();
 }
 
-bool Progress::Start(const Eigen::VectorXd& values) {
+bool Progress::Start(const Eigen::VectorXd& values,
+                     CompressedProblem* compressed) {
   if (!CheckProblem(values)) return false;
   floor_cost_ = FloorCost();
   compressor_.emplace(problem_.model, problem_.data, problem_.free_columns,
                       problem_.losses);
-  IterationRecord record = Evaluate(values);
+  if (compressed != nullptr) compressor_->Compress(values, compressed);
+  const IterationRecord record = Evaluate(values);
   summary_.initial_cost = record.cost;
   Tell(record);
   if (!std::isfinite(record.cost)) {
@@ -104,10 +106,14 @@ bool Progress::Start(const Eigen::VectorXd& values) {
   return !stopped();
 }
 
+double Progress::Cost(const Eigen::VectorXd& values) {
+  return compressor_->Summarize(values).cost + PriorCost(values);
+}
+
 IterationRecord Progress::Evaluate(const Eigen::VectorXd& values) {
-  const ResidualSummary& residuals = compressor_->Summarize(values);
   IterationRecord record;
-  record.cost = residuals.cost + PriorCost(values);
+  record.cost = Cost(values);
+  const ResidualSummary& residuals = compressor_->Summarize(values);
   record.max_error = residuals.max_error;
   record.rms_error = residuals.rms_error;
   record.time_s = stopwatch_.Seconds();
@@ -138,6 +144,21 @@ constexpr double kExactData = 100.0;
 
 }  // namespace
 
+bool Progress::IsBelowFloor(double predicted_decrease) const {
+  return options_.rounding_floor_factor > 0.0 &&
+         predicted_decrease <= floor_cost_;
+}
+
+bool Progress::IsBelowTolerance(double predicted_decrease, double cost) const {
+  return options_.function_tolerance > 0.0 &&
+         predicted_decrease <= options_.function_tolerance * cost;
+}
+
+bool Progress::WouldStop(double predicted_decrease) const {
+  return IsBelowFloor(predicted_decrease) ||
+         IsBelowTolerance(predicted_decrease, cost());
+}
+
 bool Progress::Record(const IterationStep& step,
                       const Eigen::VectorXd& values) {
   IterationRecord record = Evaluate(values);
@@ -153,17 +174,14 @@ bool Progress::Record(const IterationStep& step,
   } else if (step.accepted && options_.wanted_precision > 0.0 &&
              ReachedPrecision(record)) {
     return true;
-  } else if (options_.rounding_floor_factor > 0.0 &&
-             step.predicted_decrease <= floor_cost_) {
+  } else if (IsBelowFloor(step.predicted_decrease)) {
     // With noise in the data the cost is far above the floor: a minimum, found
     // as exactly as rounding allows.
     const bool exact_data = record.cost <= kExactData * floor_cost_;
     Stop(exact_data ? SolverStatus::kRoundingFloor : SolverStatus::kConverged,
          "the last step changed the residuals by less than their rounding "
          "errors");
-  } else if (options_.function_tolerance > 0.0 &&
-             step.predicted_decrease <=
-                 options_.function_tolerance * record.cost) {
+  } else if (IsBelowTolerance(step.predicted_decrease, record.cost)) {
     Stop(SolverStatus::kConverged,
          "the last step lowered the cost by less than function_tolerance");
   } else if (!step.accepted &&

@@ -45,7 +45,17 @@ class Progress {
 
   /// Evaluates the starting point and records it as iteration 0. False where
   /// there is nothing to solve or it cannot be solved: the status says so.
-  bool Start(const Eigen::VectorXd& values);
+  /// `compressed`: filled besides, in the same pass over the data.
+  bool Start(const Eigen::VectorXd& values,
+             CompressedProblem* compressed = nullptr);
+
+  /// The cost at `values`, priors included. O(N), or known (compression.h).
+  double Cost(const Eigen::VectorXd& values);
+  /// That of the last record.
+  double cost() const { return summary_.iterations.back().cost; }
+  /// Whether a step that is predicted to lower the cost by so much ends the
+  /// solve, whatever it does.
+  bool WouldStop(double predicted_decrease) const;
 
   /// Records an iteration whose outcome is `values`. True: stop; status and
   /// message are set.
@@ -62,6 +72,8 @@ class Progress {
 
  private:
   double FloorCost() const;
+  bool IsBelowFloor(double predicted_decrease) const;
+  bool IsBelowTolerance(double predicted_decrease, double cost) const;
   bool CheckProblem(const Eigen::VectorXd& values);
   IterationRecord Evaluate(const Eigen::VectorXd& values);
   void Tell(const IterationRecord& record);

@@ -94,7 +94,7 @@ SolverSummary SolveRobust(const CalibrationProblem& problem, LossKind loss,
   CalibrationProblem stage = problem;
   for (const LossKind kind : StagesTo(loss)) {
     stage.losses = TunedLosses(kind);
-    SolverSummary next = SolveCeres(stage, options, &current);
+    SolverSummary next = SolveLevenbergMarquardt(stage, options, &current);
     Prepend(summary, &next);
     summary = std::move(next);
     if (!summary.IsSolutionUsable()) return summary;

@@ -7,12 +7,15 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <stdexcept>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
+
+#include "src/base/worker_pool.h"
 
 namespace alidade {
 namespace {
@@ -100,6 +103,58 @@ TEST(ParallelForFixedTest, TwoThreadsWorkAtTheSameTime) {
     }
   });
   EXPECT_TRUE(all_met);
+}
+
+// Blocks that hand out work themselves, from several threads at once, again and
+// again: no call gets another one's worker, or waits for ever.
+TEST(ParallelForFixedTest, CallsMayBeNestedConcurrentAndMany) {
+  constexpr int kCallers = 3;
+  constexpr int kCalls = 200;
+  std::atomic<int> sum{0};
+  std::vector<std::thread> callers;
+  for (int k = 0; k < kCallers; ++k) {
+    callers.emplace_back([&sum] {
+      for (int call = 0; call < kCalls; ++call) {
+        ParallelFor(2, 2, 1, [&sum](std::int64_t, std::int64_t) {
+          ParallelFor(2, 5, 1, [&sum](std::int64_t begin, std::int64_t) {
+            sum += static_cast<int>(begin);
+          });
+        });
+      }
+    });
+  }
+  for (std::thread& caller : callers) caller.join();
+  EXPECT_EQ(sum, kCallers * kCalls * 2 * (0 + 1 + 2 + 3 + 4));
+}
+
+TEST(WorkerTest, TaskThatWasNotBegunIsTakenBack) {
+  std::atomic<int> runs{0};
+  const std::function<void()> task = [&runs] { ++runs; };
+  for (int k = 0; k < 1000; ++k) {
+    Worker worker;
+    worker.Start(&task);
+    worker.Finish();
+    // From here on the task may be gone.
+    const int before = runs;
+    std::this_thread::yield();
+    EXPECT_EQ(runs, before);
+  }
+}
+
+TEST(WorkerTest, EndsBehindTheTaskThatRuns) {
+  std::atomic<bool> runs{false};
+  std::atomic<bool> has_ended{false};
+  const std::function<void()> task = [&] {
+    runs = true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    has_ended = true;
+  };
+  {
+    Worker worker;
+    worker.Start(&task);
+    while (!runs) std::this_thread::yield();
+  }
+  EXPECT_TRUE(has_ended);
 }
 
 TEST(ParallelForFixedTest, RethrowsAnExceptionWithItsType) {

@@ -426,7 +426,7 @@ class Pages(unittest.TestCase):
         run_alidade("report", self.study, other, f"--out={page}")
         self.open(page, scheme="dark")
         rows = self.table("ways")
-        self.assertEqual(["Ceres Levenberg-Marquardt", "iterated pseudo-inverse"],
+        self.assertEqual(["Levenberg-Marquardt", "iterated pseudo-inverse"],
                          [row[1][0] for row in rows[:2]])
         self.js("document.querySelector('[data-kind=fleet]').click()")
         self.assertEqual("A fleet of arms", self.text("h1"))

@@ -213,7 +213,8 @@ TEST_F(StudyTest, FlangeIsRefusedWithoutAChoiceAndSolvedWithOne) {
 TEST_F(StudyTest, CompareShowsBothSolvers) {
   const ProcessResult result = Alidade("compare " + kStudy);
   ASSERT_EQ(result.status, 0) << result.err;
-  EXPECT_THAT(result.out, AllOf(HasSubstr("Ceres"), HasSubstr("pseudo-inverse"),
+  EXPECT_THAT(result.out, AllOf(HasSubstr("Levenberg-Marquardt"),
+                                HasSubstr("pseudo-inverse"),
                                 HasSubstr("stopped at the rounding")));
 }
 

@@ -39,7 +39,7 @@ int main() {
     return 1;
   }
   Eigen::VectorXd values = model.NominalValues();
-  const auto summary = alidade::SolveCeres(
+  const auto summary = alidade::SolveLevenbergMarquardt(
       {model, data, alidade::FreeColumns(pass), pass.nominal_rank},
       alidade::SolverOptions(), &values);
 

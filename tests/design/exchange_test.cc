@@ -113,6 +113,45 @@ TEST(PlanStateTest, GainsAreRatiosOfDeterminants) {
   }
 }
 
+// Against determinants of every plan that one exchange leads to. The gains
+// between which candidates are told apart are those of half of the exchanges,
+// so that neither all nor none improve the plan.
+TEST(PlanStateTest, ImprovingCandidatesAreThoseOfDeterminants) {
+  Random random(11);
+  for (const int rows_each : {1, 2, 3}) {
+    const DesignProblem problem = RandomProblem(4, rows_each, 40, 0.5, &random);
+    DesignOptions options;
+    options.allow_repeats = rows_each != 2;
+    const std::vector<int> chosen = {3, 8, 17, 21, 30};
+    const PlanState state(problem, options, 0.0, chosen);
+    const double now = LogDeterminant(state.information());
+    std::vector<double> best(problem.candidates.size(),
+                             -std::numeric_limits<double>::infinity());
+    for (int k = 0; k < problem.candidates.size(); ++k) {
+      for (int place = 0; place < 5; ++place) {
+        std::vector<int> plan = chosen;
+        plan[place] = k;
+        const bool repeats = std::count(plan.begin(), plan.end(), k) > 1;
+        if (repeats && !options.allow_repeats) continue;
+        const double gain =
+            LogDeterminant(problem.known +
+                           InformationOf(problem.candidates, plan)) -
+            now;
+        best[k] = std::max(best[k], gain);
+      }
+    }
+    std::vector<double> sorted = best;
+    std::sort(sorted.begin(), sorted.end());
+    const double limit = 0.5 * (sorted[19] + sorted[20]);
+    ASSERT_LT(sorted[19], sorted[20]);
+    std::vector<int> expected;
+    for (int k = 0; k < problem.candidates.size(); ++k) {
+      if (best[k] > limit) expected.push_back(k);
+    }
+    EXPECT_EQ(state.Improving(limit), expected) << rows_each;
+  }
+}
+
 TEST(ChoosePosesTest, ThreadsChangeNothing) {
   Random random(4);
   const DesignProblem problem = RandomProblem(6, 3, 1500, 0.0, &random);

@@ -136,6 +136,19 @@ void ExpectFactorOf(const MatrixXl& exact, const Eigen::MatrixXd& factor) {
 
 class CompressTest : public ::testing::TestWithParam<LossKind> {};
 
+CompressedProblem Compress(const MeasurementModel& model,
+                           const Eigen::VectorXd& values, const Dataset& data,
+                           const std::vector<int>& columns,
+                           const std::vector<RobustLoss>& losses) {
+  CompressorOptions options;
+  options.factorization = Factorization::kOrthogonal;
+  options.cache_bytes = 0;
+  Compressor compressor(model, data, columns, losses, options);
+  CompressedProblem problem;
+  compressor.Compress(values, &problem);
+  return problem;
+}
+
 TEST_P(CompressTest, KeepsGaussNewtonMatrixGradientAndCost) {
   const std::vector<RobustLoss> losses = LossesOf(GetParam());
   for (const int repeats : {1, 180}) {

@@ -334,7 +334,7 @@ TEST(FormatStudyTableTest, ComparesTimes) {
 TEST(FormatComparisonTest, ShowsSolversSideBySide) {
   const std::string text = FormatComparison(MakeResult());
   const std::string flat = Flat(text);
-  EXPECT_TRUE(Contains(flat, "solver Ceres pseudo-inverse"));
+  EXPECT_TRUE(Contains(flat, "solver Levenberg-Marquardt pseudo-inverse"));
   EXPECT_TRUE(Contains(flat, "iterations 3 2"));
   EXPECT_TRUE(Contains(flat, "chi-square before 1000 1000"));
   EXPECT_TRUE(Contains(flat, "time to solve 4.20 ms 4.20 ms"));
@@ -368,7 +368,7 @@ TEST(FormatReportTest, BeginsWithTheVerdict) {
       head,
       "The largest position error falls from 5.21 mm to 2.10e-13 mm at the 5 "
       "training poses and from 5.00 mm to 3.00e-13 mm at the 20 validation "
-      "poses; Ceres Levenberg-Marquardt stopped at the rounding floor after 3 "
+      "poses; Levenberg-Marquardt stopped at the rounding floor after 3 "
       "iterations; all acceptance limits are met."));
 }
 
@@ -405,7 +405,7 @@ TEST(FormatReportTest, SaysThatAnUnusableSolutionIsUnusable) {
   JobResult result = MakeResult();
   result.runs[0].summary.status = SolverStatus::kFailed;
   EXPECT_TRUE(Contains(Flat(FormatReport(result)),
-                       "NOT USABLE: Ceres Levenberg-Marquardt failed"));
+                       "NOT USABLE: Levenberg-Marquardt failed"));
 }
 
 TEST(FormatReportTest, WorksOnAnEmptyResult) {

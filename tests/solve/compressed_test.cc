@@ -1,6 +1,6 @@
 // The compressed evaluation against the reference, one autodiff residual per
-// observation: the two give Ceres the same cost, gradient and Gauss-Newton
-// matrix, so that it takes the same steps but for rounding.
+// observation that Ceres solves: cost, gradient and Gauss-Newton matrix are the
+// same, so that both take the same steps but for rounding.
 
 #include <gtest/gtest.h>
 
@@ -145,7 +145,7 @@ Outcome SolveBy(Evaluation evaluation, const CalibrationProblem& problem,
   options.evaluation = evaluation;
   options.max_iterations = max_iterations;
   Outcome outcome{{}, start};
-  outcome.summary = SolveCeres(problem, options, &outcome.values);
+  outcome.summary = SolveLevenbergMarquardt(problem, options, &outcome.values);
   return outcome;
 }
 

@@ -82,7 +82,8 @@ TEST_P(PriorsTest, TightPriorHoldsAParameterAndAWideOneDoesNothing) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Both, PriorsTest,
-                         ::testing::Values(&SolveCeres, &SolvePseudoInverse));
+                         ::testing::Values(&SolveLevenbergMarquardt,
+                                           &SolvePseudoInverse));
 
 }  // namespace
 }  // namespace alidade

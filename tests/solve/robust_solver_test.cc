@@ -43,11 +43,11 @@ Outcome Solve(const Calibration& calibration, LossKind loss) {
   return outcome;
 }
 
-TEST(SolveRobustTest, WithoutALossIsSolveCeresToTheBit) {
+TEST(SolveRobustTest, WithoutALossIsSolveLevenbergMarquardtToTheBit) {
   const Calibration calibration = NoisyFlangeCalibration(3, kPoses);
   const Outcome robust = Solve(calibration, LossKind::kNone);
   Eigen::VectorXd values = calibration.model.NominalValues();
-  SolveCeres(calibration.Problem(), SolverOptions(), &values);
+  SolveLevenbergMarquardt(calibration.Problem(), SolverOptions(), &values);
   EXPECT_EQ(robust.values, values);
 }
 

@@ -41,7 +41,7 @@ inline void PrintTo(const SolverCase& solver, std::ostream* out) {
   *out << solver.name;
 }
 
-inline const SolverCase kCeres = {"Ceres", SolveCeres};
+inline const SolverCase kCeres = {"Ceres", SolveLevenbergMarquardt};
 inline const SolverCase kPseudoInverse = {"PseudoInverse", SolvePseudoInverse};
 
 inline std::string NameOfSolver(

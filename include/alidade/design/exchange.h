@@ -66,16 +66,17 @@ struct DesignResult {
 /// candidate that makes the criterion largest, until no replacement does
 /// (Fedorov 1972, in the order of Cook and Nachtsheim 1980, "A comparison of
 /// algorithms for constructing exact D-optimal designs"). Where there are many,
-/// all starts exchange among the candidates that the greedy plan tells worst;
-/// the best start goes on by passes over all, and among those that it tells
-/// worst in between, until a pass over all finds nothing.
+/// all starts exchange among the candidates that the greedy plan tells worst.
+/// For the best start all are looked at again and again: those that would
+/// improve the plan in some place join the exchange, until there are none. What
+/// adds less than 1e-5 to the criterion's logarithm does not count.
 ///
 /// D: V_k = J_k M^-1 J_k^T of every candidate is kept. With
 /// U U^T = M^-1 J^T (I -+ V)^-1 J M^-1 of the pose that goes or comes,
 ///
 ///   V_k(after) = V_k +- (J_k U)(J_k U)^T,   det M' / det M = det(I + V_k),
 ///
-/// so that an exchange over all candidates costs O(candidates p) for each row.
+/// so that an exchange costs O(candidates p) for each row.
 /// All other criteria: the slope of the criterion (DesignSlope) says which
 /// candidates are worth an evaluation by eigenvalues or over the region, in
 /// O(candidates p^2). Ties go to the candidate with the smaller number; bits do

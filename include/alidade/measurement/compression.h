@@ -52,11 +52,13 @@ struct ResidualSummary {
 
 /// How the rows of a data set are brought down to a triangle.
 enum class Factorization {
-  /// Householder's transformations until their R shows that products do, then
-  /// those: where |S| |S^-1| <= 1e4 in Frobenius' norm, S being R with columns
-  /// of norm 1, products lose some 1e8 eps of a step's length, which the next
-  /// step mends. Taken back as soon as it does not hold any more, and
-  /// never used below 1000 observations, where it gains nothing.
+  /// Products where they are good enough, Householder's transformations where
+  /// not. Products are where |S| |S^-1| <= 1e4 in Frobenius' norm, S being
+  /// their
+  /// R with columns of norm 1: they lose some 1e8 eps of a step's length then,
+  /// which the next step mends, and at that condition Cholesky's R tells it to
+  /// as many digits. Behind a failure transformations, until their R shows that
+  /// products do again.
   kAutomatic,
   kOrthogonal,  ///< Householder's transformations always: backward stable
   kGram,        ///< products [J r]^T [J r] and Cholesky: for comparisons
@@ -106,12 +108,6 @@ class Compressor {
   class Implementation;
   std::unique_ptr<Implementation> implementation_;
 };
-
-/// Compressor, once.
-CompressedProblem Compress(const MeasurementModel& model,
-                           const Eigen::VectorXd& values, const Dataset& data,
-                           const std::vector<int>& columns,
-                           const std::vector<RobustLoss>& losses);
 
 }  // namespace alidade
 

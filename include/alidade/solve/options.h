@@ -8,8 +8,8 @@
 
 namespace alidade {
 
-/// How Ceres is given residuals and Jacobians. Both have the same cost,
-/// gradient and Gauss-Newton matrix.
+/// How Levenberg-Marquardt gets residuals and Jacobians. Both have the same
+/// cost, gradient and Gauss-Newton matrix.
 enum class Evaluation {
   /// The faster one: the compressed one, which is so from the first pose on
   /// (docs/benchmarks.md).
@@ -39,9 +39,9 @@ struct SolverOptions {
   /// solvers. The study's "wanted precision". >= 0; 0 = not asked for.
   double wanted_precision = 0.0;
 
-  /// Initial radius of the trust region. Ceres. 0 = chosen from the
-  /// identifiability pass, (30 / smallest singular value that counts)^2 and at
-  /// least 1e4: the first steps are those of Gauss-Newton. Ceres' own 1e4
+  /// Initial radius of the trust region. Levenberg-Marquardt. 0 = chosen from
+  /// the identifiability pass, (30 / smallest singular value that counts)^2 and
+  /// at least 1e4: the first steps are those of Gauss-Newton. Ceres' own 1e4
   /// creeps where the rank is short. > 0, or 0.
   double initial_trust_region_radius = 0.0;
 
@@ -51,7 +51,7 @@ struct SolverOptions {
   /// 1e-12. [0, 1).
   double pseudo_inverse_tolerance = 0.0;
 
-  /// Ceres.
+  /// Levenberg-Marquardt.
   Evaluation evaluation = Evaluation::kAutomatic;
 
   /// Threads for our own kernels. The autodiff path gives Ceres one thread

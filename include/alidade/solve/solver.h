@@ -18,14 +18,18 @@ namespace alidade {
 ///
 /// all other values staying as they are in the starting point.
 ///
+/// \code
 ///   MeasurementModel model(arm);
-///   const IdentifiabilityResult pass = AnalyzeIdentifiability(model, data,
-///   {}); CalibrationProblem problem{model, data, FreeColumns(pass),
+///   const IdentifiabilityResult pass =
+///       AnalyzeIdentifiability(model, data, {});
+///   CalibrationProblem problem{model, data, FreeColumns(pass),
 ///                              pass.nominal_rank, PriorsOf(pass)};
 ///   Eigen::VectorXd values = model.NominalValues();
-///   SolverSummary summary = SolveCeres(problem, SolverOptions(), &values);
-///   if (summary.IsSolutionUsable()) arm = model.layout().WithValues(arm,
-///   values);
+///   SolverSummary summary =
+///       SolveLevenbergMarquardt(problem, SolverOptions(), &values);
+///   if (summary.IsSolutionUsable())
+///     arm = model.layout().WithValues(arm, values);
+/// \endcode
 ///
 /// The references must outlive the solve.
 struct CalibrationProblem {
@@ -44,11 +48,11 @@ struct CalibrationProblem {
   /// How the cost grows with the whitened residual of an observation:
   /// chi-square becomes sum_i rho(|r_i|^2), rho that of the observation's
   /// dimension (entry 0 of one row, and so on, as TunedLosses gives them);
-  /// empty: least squares. Ceres only; the baseline refuses it.
+  /// empty: least squares. Levenberg-Marquardt only; the baseline refuses it.
   std::vector<RobustLoss> losses = {};
   /// Limits of the values, one entry per column of the layout (infinite where
-  /// there is none), or empty. Ceres only; the baseline refuses them. The
-  /// starting point is within them.
+  /// there is none), or empty. Levenberg-Marquardt only; the baseline refuses
+  /// them. The starting point is within them.
   Eigen::VectorXd lower = {};
   Eigen::VectorXd upper = {};
 
@@ -56,22 +60,24 @@ struct CalibrationProblem {
   std::vector<int> ColumnsWithPrior() const;
 };
 
-/// Levenberg-Marquardt by Ceres over one autodiff residual per observation
-/// (observation_cost.h), or over the compressed problem of all of them
-/// (compression.h), as the options say. One Ceres thread, so that the same
-/// problem gives the same bits.
+/// Levenberg-Marquardt, as the options say over one autodiff residual per
+/// observation (observation_cost.h), by Ceres: the reference; or over the
+/// compressed problem of all of them (compression.h), by a loop of our own with
+/// Ceres' rules, or by Ceres where there are bounds. One Ceres thread, so that
+/// the same problem gives the same bits.
 ///
 /// The solvers share this signature. `values` holds the starting point and
 /// receives the solution; it is unchanged where the summary is not usable.
 /// Nothing is thrown for numerical trouble or invalid options: the status is
 /// kUnusable or kFailed and the message says what to do.
-SolverSummary SolveCeres(const CalibrationProblem& problem,
-                         const SolverOptions& options, Eigen::VectorXd* values);
+SolverSummary SolveLevenbergMarquardt(const CalibrationProblem& problem,
+                                      const SolverOptions& options,
+                                      Eigen::VectorXd* values);
 
-/// SolveCeres with a robust loss, from a start that is good enough for it:
-/// least squares first (or Huber, for the losses after it), then Cauchy, then
-/// Tukey, as far as `loss` asks, each with the tuning constant of 95 %
-/// efficiency and from the solution of the one before. A redescending loss
+/// SolveLevenbergMarquardt with a robust loss, from a start that is good enough
+/// for it: least squares first (or Huber, for the losses after it), then
+/// Cauchy, then Tukey, as far as `loss` asks, each with the tuning constant of
+/// 95 % efficiency and from the solution of the one before. A redescending loss
 /// alone would stop at whatever local minimum is next to the start.
 ///
 /// `problem.losses` are not used. The summary is that of the last solve, its

@@ -116,13 +116,14 @@ function duration(seconds) {
 }
 
 const solverTitle = (name) => ({
-                                ceres: 'Ceres Levenberg-Marquardt',
+                                ceres: 'Levenberg-Marquardt',
                                 pseudo_inverse: 'iterated pseudo-inverse',
                               })[name] ||
     name;
 
 const shortSolverTitle = (name) =>
-    ({ceres: 'Ceres', pseudo_inverse: 'pseudo-inverse'})[name] || name;
+    ({ceres: 'Levenberg-Marquardt', pseudo_inverse: 'pseudo-inverse'})[name] ||
+    name;
 
 const statusTitle = (status) =>
     ({

@@ -64,8 +64,7 @@ function solverTable(runs) {
   ];
   return table({
     id: 'solvers',
-    caption: runs.length > 1 ? 'Baseline and Ceres, on the same data' :
-                               'The solver',
+    caption: runs.length > 1 ? 'The solvers, on the same data' : 'The solver',
     columns: [
       {title: 'what'},
       ...runs.map(
@@ -101,7 +100,7 @@ function solverSection(entry) {
   const {runs} = entry.result;
   const message = entry.result.solver.message;
   return section(
-      'solver', runs.length > 1 ? 'Baseline against Ceres' : 'Convergence',
+      'solver', runs.length > 1 ? 'Solver against solver' : 'Convergence',
       p(`${solverTitle(entry.result.solver.name)} ` +
         `${statusTitle(entry.result.solver.status)} after ` +
         `${count(entry.result.solver.iterations, 'iteration')}` +

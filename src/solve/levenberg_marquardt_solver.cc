@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "alidade/solve/solver.h"
+#include "compressed_solver.h"
 #include "formulation.h"
 #include "progress.h"
 
@@ -92,38 +93,54 @@ void ExplainTermination(const ceres::Solver::Summary& ceres_summary,
   }
 }
 
+// Ceres over `formulation`, until the shared rules or Ceres end it.
+void IterateCeres(const CalibrationProblem& problem,
+                  const SolverOptions& options, double radius,
+                  Formulation* formulation, Progress* progress) {
+  ceres::Solver::Options ceres_options = CeresOptions(options, radius);
+  // Steps that end at a bound keep promising what lies beyond it.
+  if (problem.lower.size() > 0) {
+    constexpr double kNoChange = 1e-13;
+    ceres_options.function_tolerance = kNoChange;
+    ceres_options.parameter_tolerance = kNoChange;
+  }
+  StoppingRules stopping_rules(*formulation, progress);
+  ceres_options.callbacks.push_back(&stopping_rules);
+  ceres::Solver::Summary ceres_summary;
+  ceres::Solve(ceres_options, formulation->problem(), &ceres_summary);
+  ExplainTermination(ceres_summary, progress);
+}
+
 }  // namespace
 
-SolverSummary SolveCeres(const CalibrationProblem& problem,
-                         const SolverOptions& options,
-                         Eigen::VectorXd* values) {
+SolverSummary SolveLevenbergMarquardt(const CalibrationProblem& problem,
+                                      const SolverOptions& options,
+                                      Eigen::VectorXd* values) {
+  const bool compressed = options.evaluation != Evaluation::kAutodiff;
+  const bool needs_ceres = !compressed || problem.lower.size() > 0;
   Progress progress(problem, options, "ceres");
   Eigen::VectorXd current = *values;
-  if (progress.Start(current)) {
-    const bool compressed = options.evaluation != Evaluation::kAutodiff;
-    const std::unique_ptr<Formulation> formulation =
-        compressed
-            ? MakeCompressedFormulation(problem, current, progress.compressor())
-            : MakeAutodiffFormulation(problem, current);
+  CompressedProblem start;
+  if (progress.Start(current, needs_ceres ? nullptr : &start)) {
     const double given = options.initial_trust_region_radius;
     const double radius =
         given > 0.0 ? given : ChooseTrustRegionRadius(problem.start_rank);
+    std::unique_ptr<Formulation> formulation;
+    if (!compressed) {
+      formulation = MakeAutodiffFormulation(problem, current);
+    } else if (needs_ceres) {
+      formulation =
+          MakeCompressedFormulation(problem, current, progress.compressor());
+    }
     progress.summary().evaluation = compressed ? "compressed" : "autodiff";
     progress.summary().trust_region_used = radius;
     progress.summary().setup_time_s = progress.stopwatch().Seconds();
-    ceres::Solver::Options ceres_options = CeresOptions(options, radius);
-    // Steps that end at a bound keep promising what lies beyond it.
-    if (problem.lower.size() > 0) {
-      constexpr double kNoChange = 1e-13;
-      ceres_options.function_tolerance = kNoChange;
-      ceres_options.parameter_tolerance = kNoChange;
+    if (needs_ceres) {
+      IterateCeres(problem, options, radius, formulation.get(), &progress);
+      current = formulation->Values();
+    } else {
+      IterateLevenbergMarquardt(problem, radius, &start, &progress, &current);
     }
-    StoppingRules stopping_rules(*formulation, &progress);
-    ceres_options.callbacks.push_back(&stopping_rules);
-    ceres::Solver::Summary ceres_summary;
-    ceres::Solve(ceres_options, formulation->problem(), &ceres_summary);
-    ExplainTermination(ceres_summary, &progress);
-    current = formulation->Values();
   }
   progress.Finish();
   if (progress.summary().IsSolutionUsable()) *values = current;
