@@ -30,7 +30,7 @@ std::string StagingArea::NewName() {
 }
 
 std::string StagingArea::Stage(const std::vector<ReportFile>& files) {
-  const std::string staged = NewName();
+  std::string staged = NewName();
   try {
     MakeDirectories(staged);
     for (const ReportFile& file : files) {

@@ -86,11 +86,12 @@ class MpiTeam : public Team {
     MPI_Isend(bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, to,
               kMessageTag, MPI_COMM_WORLD, &request);
     for (int is_gone = 0; is_gone == 0;) {
-      MPI_Test(&request, &is_gone, MPI_STATUS_IGNORE);
+      MPI_Request_get_status(request, &is_gone, MPI_STATUS_IGNORE);
       if (std::optional<Message> message = TakeIn()) {
         arrived_.push_back(*std::move(message));
       }
     }
+    MPI_Wait(&request, MPI_STATUS_IGNORE);
   }
 
   std::optional<Message> Fetch() override {
