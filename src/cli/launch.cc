@@ -2,21 +2,37 @@
 
 #include <glog/logging.h>
 
+#include <charconv>
 #include <cstdlib>
+#include <cstring>
 #include <initializer_list>
 #include <iostream>
 #include <streambuf>
+#include <string>
+#include <system_error>
+
+#include "alidade/base/error.h"
 
 namespace alidade {
 namespace {
 
-// The first of these variables that is set, as a number.
-int NumberIn(std::initializer_list<const char*> variables, int otherwise) {
+constexpr int kNone = -1;
+
+// The first of these variables that is set, as a number; kNone where none is.
+int NumberIn(std::initializer_list<const char*> variables) {
   for (const char* name : variables) {
     const char* const text = std::getenv(name);
-    if (text != nullptr && *text != '\0') return std::atoi(text);
+    if (text == nullptr || *text == '\0') continue;
+    int number = kNone;
+    const char* const end = text + std::strlen(text);
+    const auto [rest, error] = std::from_chars(text, end, number);
+    if (error != std::errc() || rest != end || number < 0) {
+      throw InputError({}, std::string("the environment variable ") + name +
+                               " = \"" + text + "\" is no number of a process");
+    }
+    return number;
   }
-  return otherwise;
+  return kNone;
 }
 
 // Takes everything and keeps nothing.
@@ -30,15 +46,20 @@ class NullBuffer : public std::streambuf {
 }  // namespace
 
 Launch FindLaunch() {
-  Launch launch;
   // Open MPI's mpirun; srun --mpi=pmix; srun --mpi=pmi2.
-  constexpr int kNone = -1;
-  launch.rank =
-      NumberIn({"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"}, kNone);
-  if (launch.rank == kNone) return Launch();
-  launch.size =
-      NumberIn({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"}, 1);
-  return launch;
+  const int rank = NumberIn({"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"});
+  const int size =
+      NumberIn({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"});
+  if (rank == kNone) return Launch();
+  if (size == kNone || rank >= size) {
+    throw InputError({},
+                     "the environment says that this is process " +
+                         std::to_string(rank) +
+                         " of several, but not of how many: "
+                         "start it by Open MPI's mpirun or by srun, or unset "
+                         "PMIX_RANK and PMI_RANK");
+  }
+  return {rank, size};
 }
 
 void Mute() {

@@ -12,6 +12,7 @@ struct Launch {
   bool is_team() const { return size > 1; }
 };
 
+/// @throws InputError where the environment contradicts itself.
 Launch FindLaunch();
 
 /// Nothing that this process prints or logs is seen any more: process 0 speaks

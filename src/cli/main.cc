@@ -257,6 +257,15 @@ ExitStatus Main(const std::vector<std::string>& arguments) {
 
 namespace {
 
+// Where the environment contradicts itself Run says so.
+bool IsFirst() {
+  try {
+    return alidade::FindLaunch().rank == 0;
+  } catch (const alidade::InputError&) {
+    return true;
+  }
+}
+
 // What every way out of the program comes to.
 alidade::ExitStatus Run(const std::vector<std::string>& arguments) {
   try {
@@ -285,7 +294,7 @@ int main(int argc, char** argv) {
   FLAGS_logtostderr = true;
   FLAGS_log_prefix = false;
   google::InitGoogleLogging(argv[0]);
-  const bool is_first = alidade::FindLaunch().rank == 0;
+  const bool is_first = IsFirst();
   if (!is_first) alidade::Mute();
   const alidade::ExitStatus status = Run({argv + 1, argv + argc});
   // Processes that were started together end with the status of the first:

@@ -127,13 +127,24 @@ class MpiTeam : public Team {
 
 }  // namespace
 
-std::unique_ptr<Team> JoinTeam(const Launch& /*launch*/) {
+std::unique_ptr<Team> JoinTeam(const Launch& launch) {
   int provided = 0;
   MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
   int rank = 0;
   int size = 1;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   MPI_Comm_size(MPI_COMM_WORLD, &size);
+  if (rank != launch.rank || size != launch.size) {
+    // Each would take itself for the only one, and all would write the same
+    // files.
+    MPI_Finalize();
+    throw InputError(
+        {}, "the launcher started process " + std::to_string(launch.rank) +
+                " of " + std::to_string(launch.size) + ", MPI says it is " +
+                std::to_string(rank) + " of " + std::to_string(size) +
+                ": start it by the mpirun of the Open MPI that it was built "
+                "with");
+  }
   return std::make_unique<MpiTeam>(rank, size);
 }
 

@@ -11,7 +11,8 @@ namespace alidade {
 /// The processes that were launched together as a team, over MPI, which starts
 /// now and ends when the object goes. To be called once, by the main thread,
 /// which makes all collective calls.
-/// @throws InputError where the program was built without MPI.
+/// @throws InputError where the program was built without MPI, or MPI knows of
+/// other processes than the launcher.
 std::unique_ptr<Team> JoinTeam(const Launch& launch);
 
 }  // namespace alidade

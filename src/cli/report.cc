@@ -15,11 +15,13 @@ namespace fs = std::filesystem;
 std::string PagePath(const CommandLine& line) {
   const fs::path out = line.out;
   if (out.extension() == ".html") return line.out;
-  if (!line.out.empty()) return (out / "report.html").string();
+  const bool compares = line.files.size() > 1;
+  // A comparison never takes the place of a result's own page.
+  const char* const name = compares ? "comparison.html" : "report.html";
+  if (!line.out.empty()) return (out / name).string();
+  if (compares) return name;
   const fs::path first = line.files.front();
-  if (line.files.size() > 1) return "comparison.html";
-  return ((fs::is_directory(first) ? first : first.parent_path()) /
-          "report.html")
+  return ((fs::is_directory(first) ? first : first.parent_path()) / name)
       .string();
 }
 

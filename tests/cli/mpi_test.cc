@@ -281,5 +281,20 @@ TEST_F(MpiBatchTest, AProcessThatDiesEndsTheRunAndTheNextGoesOn) {
   EXPECT_EQ(Outcome("out"), Outcome("undisturbed"));
 }
 
+// Without mpirun: an environment that another launcher has left.
+TEST(LaunchTest, ARankWithoutASizeIsRefused) {
+  for (const std::string environment :
+       {"PMIX_RANK=1", "PMI_RANK=0", "PMIX_RANK=2 PMI_SIZE=2"}) {
+    const ProcessResult result = testing::RunProcess(
+        environment + " " + ALIDADE_BINARY + " calibrate nothing.yaml");
+    EXPECT_EQ(result.status, 2) << environment;
+    EXPECT_THAT(result.err, HasSubstr("but not of how many")) << environment;
+  }
+  const ProcessResult result = testing::RunProcess(
+      "PMIX_RANK=one " + std::string(ALIDADE_BINARY) + " plan nothing.yaml");
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("PMIX_RANK = \"one\" is no number"));
+}
+
 }  // namespace
 }  // namespace alidade

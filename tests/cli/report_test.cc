@@ -68,6 +68,10 @@ TEST_F(ReportTest, SeveralResultsMakeOnePage) {
   const ProcessResult result = Alidade("report a b --read-as=time");
   EXPECT_EQ(result.status, 0);
   EXPECT_EQ(result.out, "comparison.html\n");
+  // Into a result's own folder: its page stays.
+  testing::WriteWhole(directory_ / "a/report.html", "its own");
+  EXPECT_EQ(Alidade("report a b --out=a").out, "a/comparison.html\n");
+  EXPECT_EQ(ReadWhole(directory_ / "a/report.html"), "its own");
   EXPECT_THAT(ReadWhole(directory_ / "comparison.html"),
               HasSubstr("\"kind\":\"time\""));
 }

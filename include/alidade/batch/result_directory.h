@@ -19,8 +19,12 @@ std::vector<ReportFile> RenderResult(const JobOutcome& outcome,
                                      JobOutputs outputs);
 
 /// Writes them into `directory`, which is created, each to a temporary name
-/// that is renamed; result.json comes last, so that a directory which has one
-/// is complete. Returns the paths. @throws InputError.
+/// that is renamed. The last of them (result.json) is taken away first and
+/// written last, so that a directory which has it is complete. Files that an
+/// earlier call has written there and this one does not are removed, and so is
+/// an earlier report.html: no two results are ever mixed. (Their names are kept
+/// in `.alidade-files`; files of others stay.) Returns the paths.
+/// @throws InputError.
 std::vector<std::string> WriteResultDirectory(
     const std::string& directory, const std::vector<ReportFile>& files);
 

@@ -1,0 +1,77 @@
+#include "alidade/batch/result_directory.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <string>
+
+#include "alidade/base/error.h"
+#include "tests/support/process.h"
+
+namespace alidade {
+namespace {
+
+using ::testing::UnorderedElementsAre;
+
+namespace fs = std::filesystem;
+
+std::set<std::string> NamesIn(const std::string& directory) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(directory)) {
+    const std::string name = entry.path().filename().string();
+    if (name.front() != '.') names.insert(name);
+  }
+  return names;
+}
+
+TEST(WriteResultDirectoryTest, LeavesNothingOfAnEarlierResult) {
+  const testing::TemporaryDirectory scratch;
+  const std::string directory = scratch / "result";
+  WriteResultDirectory(
+      directory,
+      {{"arm.yaml", "1"}, {"residuals.csv", "1"}, {"result.json", "1"}});
+  testing::WriteWhole(directory + "/report.html", "by another command");
+  testing::WriteWhole(directory + "/notes.txt", "of the user");
+  WriteResultDirectory(directory, {{"arm.yaml", "2"}, {"result.json", "2"}});
+  EXPECT_THAT(NamesIn(directory),
+              UnorderedElementsAre("arm.yaml", "result.json", "notes.txt"));
+  EXPECT_EQ(testing::ReadWhole(directory + "/arm.yaml"), "2");
+  EXPECT_EQ(testing::ReadWhole(directory + "/result.json"), "2");
+}
+
+// A run that ends in between leaves no result.json, and the next one knows what
+// may be there.
+TEST(WriteResultDirectoryTest, IsNoResultUntilAllIsWritten) {
+  const testing::TemporaryDirectory scratch;
+  const std::string directory = scratch / "result";
+  WriteResultDirectory(directory, {{"arm.yaml", "1"}, {"result.json", "1"}});
+  // A directory where the file is to go.
+  fs::create_directories(directory + "/heldout.csv/full");
+  EXPECT_THROW(WriteResultDirectory(directory, {{"residuals.csv", "2"},
+                                                {"heldout.csv", "2"},
+                                                {"result.json", "2"}}),
+               InputError);
+  EXPECT_FALSE(fs::exists(directory + "/result.json"));
+  fs::remove_all(directory + "/heldout.csv");
+  WriteResultDirectory(directory, {{"arm.yaml", "3"}, {"result.json", "3"}});
+  EXPECT_THAT(NamesIn(directory),
+              UnorderedElementsAre("arm.yaml", "result.json"));
+}
+
+// A list of names that somebody has changed never leads out of the directory.
+TEST(WriteResultDirectoryTest, RemovesNothingElsewhere) {
+  const testing::TemporaryDirectory scratch;
+  const std::string directory = scratch / "result";
+  WriteResultDirectory(directory, {{"result.json", "1"}});
+  testing::WriteWhole(scratch / "precious", "stays");
+  testing::WriteWhole(directory + "/.alidade-files",
+                      "../precious\n.\n..\n\nresult.json\n");
+  WriteResultDirectory(directory, {{"result.json", "2"}});
+  EXPECT_TRUE(fs::exists(scratch / "precious"));
+}
+
+}  // namespace
+}  // namespace alidade
