@@ -161,8 +161,8 @@ void JobComputer::Run(const PlannedJob& job, Computed* computed) const {
   record.entry.directory = job.name;
   computed->item = DescribeForComparison(job.name, outcome.result, "");
   for (const ReportFile& file : computed->files) {
-    if (file.name != "result.json") continue;
-    record.result_sha256 = Sha256(file.content);
+    record.files.push_back({file.name, file.content.size()});
+    if (file.name == "result.json") record.result_sha256 = Sha256(file.content);
   }
 }
 

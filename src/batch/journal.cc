@@ -21,16 +21,6 @@ namespace {
                        std::generic_category().message(error));
 }
 
-void WriteAll(const std::string& path, int file, const std::string& text) {
-  std::size_t written = 0;
-  while (written < text.size()) {
-    const ssize_t count =
-        write(file, text.data() + written, text.size() - written);
-    if (count < 0 && errno != EINTR) FailWriting(path, errno);
-    if (count > 0) written += static_cast<std::size_t>(count);
-  }
-}
-
 }  // namespace
 
 JournalRecords ReadJournal(const std::string& path) {
@@ -47,17 +37,14 @@ JournalRecords ReadJournal(const std::string& path) {
 }
 
 JournalWriter::JournalWriter(const std::string& path)
-    : path_(path),
-      file_(open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666)) {
-  if (file_ < 0) FailWriting(path, errno);
-  const off_t end = lseek(file_, 0, SEEK_END);
+    : path_(path), file_(path, O_RDWR | O_CREAT | O_APPEND) {
+  if (file_.get() < 0) FailWriting(path, errno);
+  const off_t end = lseek(file_.get(), 0, SEEK_END);
   char last = '\n';
-  if (end > 0 && pread(file_, &last, 1, end - 1) != 1) FailWriting(path, errno);
-  if (last != '\n') WriteAll(path_, file_, "\n");
-}
-
-JournalWriter::~JournalWriter() {
-  if (file_ >= 0) close(file_);
+  if (end > 0 && pread(file_.get(), &last, 1, end - 1) != 1) {
+    FailWriting(path, errno);
+  }
+  if (last != '\n' && !file_.WriteAll("\n")) FailWriting(path, errno);
 }
 
 void JournalWriter::Append(const std::vector<const BatchRecord*>& records) {
@@ -65,22 +52,27 @@ void JournalWriter::Append(const std::vector<const BatchRecord*>& records) {
   for (const BatchRecord* const record : records) {
     text += FormatBatchRecord(*record) + "\n";
   }
-  WriteAll(path_, file_, text);
-  if (fdatasync(file_) != 0) FailWriting(path_, errno);
+  if (!file_.WriteAll(text) || fdatasync(file_.get()) != 0) {
+    FailWriting(path_, errno);
+  }
 }
 
+// Two threads that ask for the same file at once may both read it, to the same
+// end; none waits for another one's file.
 std::optional<std::string> FileHashes::Of(const std::string& path) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  const auto known = hashes_.find(path);
-  if (known != hashes_.end()) return known->second;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const auto known = hashes_.find(path);
+    if (known != hashes_.end()) return known->second;
+  }
   std::optional<std::string> hash;
   try {
-    hash = Sha256(ReadFile(path));
+    hash = Sha256OfFile(path);
   } catch (const InputError&) {
     // Gone, or not to be read: not what it was.
   }
-  hashes_[path] = hash;
-  return hash;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return hashes_.emplace(path, hash).first->second;
 }
 
 }  // namespace alidade

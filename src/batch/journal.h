@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "alidade/io/file_descriptor.h"
 #include "alidade/results/batch_summary.h"
 
 namespace alidade {
@@ -25,16 +26,13 @@ class JournalWriter {
  public:
   /// Ends a line that a crash tore, so that the next record is whole.
   explicit JournalWriter(const std::string& path);
-  ~JournalWriter();
-  JournalWriter(const JournalWriter&) = delete;
-  JournalWriter& operator=(const JournalWriter&) = delete;
 
   /// Writes the records and syncs them, all at once.
   void Append(const std::vector<const BatchRecord*>& records);
 
  private:
   const std::string path_;
-  int file_ = -1;
+  const FileDescriptor file_;
 };
 
 /// SHA-256 of files, each read once: jobs of a batch share their inputs. Safe

@@ -78,7 +78,7 @@ class Planner {
     plan.arm = config_.job.arm.name;
     plan.seed = config_.seed;
     for (const std::string& path : config_.input_files) {
-      plan.inputs.push_back({path, Sha256(ReadFile(path))});
+      plan.inputs.push_back({path, Sha256OfFile(path)});
     }
     const PoseMeasurement& measurement = config_.measurement;
     plan.criterion = NameOf(config_.design.criterion);

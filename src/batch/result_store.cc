@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <set>
@@ -26,17 +27,20 @@ namespace fs = std::filesystem;
                    what + ": " + std::generic_category().message(error));
 }
 
-// Held until the process ends, however it does.
-int TakeLock(const std::string& path) {
-  const int lock = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (lock < 0) Fail(path, "cannot be written", errno);
-  if (flock(lock, LOCK_EX | LOCK_NB) == 0) return lock;
-  const int error = errno;
-  close(lock);
-  if (error != EWOULDBLOCK) Fail(path, "cannot be locked", error);
+// Released where the file is closed: with the process at last, however it ends.
+void TakeLock(const std::string& path, const FileDescriptor& file) {
+  if (file.get() < 0) Fail(path, "cannot be written", errno);
+  if (flock(file.get(), LOCK_EX | LOCK_NB) == 0) return;
+  if (errno != EWOULDBLOCK) Fail(path, "cannot be locked", errno);
   throw InputError({path, 0, 0, ""},
                    "another batch is writing to this directory: wait for its "
                    "end, or choose another --out");
+}
+
+// The directory, which then exists.
+const std::string& Made(const std::string& directory) {
+  MakeDirectories(directory);
+  return directory;
 }
 
 bool IsResult(const fs::path& path) {
@@ -62,19 +66,16 @@ void Exchange(const std::string& staged, const std::string& place) {
 }  // namespace
 
 ResultStore::ResultStore(const std::string& directory)
-    : directory_(directory), staging_(directory, "") {
+    : directory_(directory),
+      staging_(directory, ""),
+      lock_(Made(staging_.path()) + "/lock", O_RDWR | O_CREAT) {
   const std::string& work_directory = staging_.path();
-  MakeDirectories(work_directory);
-  lock_ = TakeLock(work_directory + "/lock");
+  TakeLock(work_directory + "/lock", lock_);
   staging_.Clear();
   const std::string journal = work_directory + "/journal.jsonl";
   records_ = ReadJournal(journal);
   journal_ = std::make_unique<JournalWriter>(journal);
   SyncDirectory(work_directory);
-}
-
-ResultStore::~ResultStore() {
-  if (lock_ >= 0) close(lock_);
 }
 
 void ResultStore::CheckName(const std::string& name) const {
@@ -99,14 +100,9 @@ void ResultStore::Commit(const BatchRecord& record, const std::string& staged) {
     is_committing_ = true;
     std::vector<Pending*> group;
     group.swap(waiting_);
-    if (failure_.empty()) {
+    if (!failure_) {
       lock.unlock();
-      std::string failure;
-      try {
-        CommitAll(group);
-      } catch (const std::exception& error) {
-        failure = error.what();
-      }
+      const std::exception_ptr failure = TryCommit(group);
       lock.lock();
       failure_ = failure;
     }
@@ -114,7 +110,18 @@ void ResultStore::Commit(const BatchRecord& record, const std::string& staged) {
     is_committing_ = false;
     changed_.notify_all();
   }
-  if (!failure_.empty()) throw InputError({}, failure_);
+  if (!failure_) return;
+  RemoveStaged(staged);
+  std::rethrow_exception(failure_);
+}
+
+std::exception_ptr ResultStore::TryCommit(const std::vector<Pending*>& group) {
+  try {
+    CommitAll(group);
+  } catch (...) {
+    return std::current_exception();
+  }
+  return nullptr;
 }
 
 void ResultStore::CommitAll(const std::vector<Pending*>& group) {
@@ -181,10 +188,13 @@ bool IsCurrent(const BatchRecord& record, const std::string& directory,
   for (const InputFile& input : record.inputs) {
     if (hashes->Of(input.path) != input.sha256) return false;
   }
-  const std::string result =
-      directory + "/" + record.entry.directory + "/result.json";
+  const fs::path result = fs::path(directory) / record.entry.directory;
+  for (const ResultFile& file : record.files) {
+    std::error_code error;
+    if (fs::file_size(result / file.name, error) != file.bytes) return false;
+  }
   try {
-    return Sha256(ReadFile(result)) == record.result_sha256;
+    return Sha256OfFile(result / "result.json") == record.result_sha256;
   } catch (const InputError&) {
     return false;
   }

@@ -2,11 +2,13 @@
 #define ALIDADE_SRC_BATCH_RESULT_STORE_H_
 
 #include <condition_variable>
+#include <exception>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
+#include "alidade/io/file_descriptor.h"
 #include "alidade/report/report.h"
 #include "alidade/results/batch_summary.h"
 #include "journal.h"
@@ -38,7 +40,6 @@ class ResultStore {
   /// Makes the directory, takes the lock, clears what an interrupted batch left
   /// staged. @throws InputError, also where another process holds the lock.
   explicit ResultStore(const std::string& directory);
-  ~ResultStore();
   ResultStore(const ResultStore&) = delete;
   ResultStore& operator=(const ResultStore&) = delete;
 
@@ -55,7 +56,8 @@ class ResultStore {
 
   /// Records an outcome and puts the staged directory in its place; where
   /// `staged` is empty, no result: an older one is removed. Returns when it
-  /// would outlast a loss of power. @throws InputError.
+  /// would outlast a loss of power. @throws InputError and whatever else went
+  /// wrong, also where it did for another one: the staged directory is gone.
   void Commit(const BatchRecord& record, const std::string& staged);
 
   /// Puts a file into the directory, whole; what is left of it where the
@@ -69,20 +71,22 @@ class ResultStore {
     bool is_done;
   };
 
+  // What went wrong, or null.
+  std::exception_ptr TryCommit(const std::vector<Pending*>& group);
   void CommitAll(const std::vector<Pending*>& group);
   void Place(const Pending& pending);
 
   const std::string directory_;
   StagingArea staging_;
   JournalRecords records_;
-  int lock_ = -1;
+  const FileDescriptor lock_;
   std::unique_ptr<JournalWriter> journal_;
 
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<Pending*> waiting_;
   bool is_committing_ = false;
-  std::string failure_;  ///< of a commit: none is tried after it
+  std::exception_ptr failure_;  ///< of a commit: none is tried after it
 };
 
 /// Whether a record still tells the truth: the same program, job and inputs,

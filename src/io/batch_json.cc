@@ -160,10 +160,15 @@ std::string FormatBatchRecord(const BatchRecord& record) {
   for (const InputFile& input : record.inputs) {
     inputs.push_back({{"path", input.path}, {"sha256", input.sha256}});
   }
+  Json files = Json::array();
+  for (const ResultFile& file : record.files) {
+    files.push_back({{"name", file.name}, {"bytes", file.bytes}});
+  }
   const Json json = {{"version", record.version},
                      {"fingerprint", record.fingerprint},
                      {"inputs", inputs},
                      {"result_sha256", record.result_sha256},
+                     {"files", files},
                      {"entry", ToJson(record.entry)}};
   return Dump(json, -1);
 }
@@ -179,6 +184,10 @@ std::optional<BatchRecord> ParseBatchRecord(const std::string& line) {
                                input.at("sha256").get<std::string>()});
     }
     json.at("result_sha256").get_to(record.result_sha256);
+    for (const Json& file : json.at("files")) {
+      record.files.push_back({file.at("name").get<std::string>(),
+                              file.at("bytes").get<std::uint64_t>()});
+    }
     record.entry = ReadEntry(json.at("entry"));
     return record;
   } catch (const Json::exception&) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "alidade/base/error.h"
+#include "alidade/io/file_descriptor.h"
 
 namespace alidade {
 namespace {
@@ -25,41 +26,6 @@ namespace fs = std::filesystem;
   location.file = path;
   throw InputError(location,
                    what + ": " + std::generic_category().message(error));
-}
-
-// Closes on every way out; `path` is for messages.
-class FileDescriptor {
- public:
-  FileDescriptor(const std::string& path, int flags)
-      : fd_(open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
-  ~FileDescriptor() {
-    if (fd_ >= 0) close(fd_);
-  }
-  FileDescriptor(const FileDescriptor&) = delete;
-  FileDescriptor& operator=(const FileDescriptor&) = delete;
-
-  int get() const { return fd_; }
-  // False with errno set where the last write did not reach the file.
-  bool Close() {
-    const int fd = fd_;
-    fd_ = -1;
-    return close(fd) == 0;
-  }
-
- private:
-  int fd_;
-};
-
-// False with errno set.
-bool WriteAll(int fd, const std::string& content) {
-  std::size_t written = 0;
-  while (written < content.size()) {
-    const ssize_t count =
-        write(fd, content.data() + written, content.size() - written);
-    if (count < 0 && errno != EINTR) return false;
-    if (count > 0) written += static_cast<std::size_t>(count);
-  }
-  return true;
 }
 
 // Unique among threads by the counter and among processes by the id; O_EXCL
@@ -82,7 +48,7 @@ std::string TargetOfLinks(const std::string& path) {
 int TryWriteNewFile(const std::string& path, const std::string& content) {
   FileDescriptor file(path, O_WRONLY | O_CREAT | O_EXCL);
   if (file.get() < 0) return errno;
-  if (WriteAll(file.get(), content) && fsync(file.get()) == 0 && file.Close()) {
+  if (file.WriteAll(content) && fsync(file.get()) == 0 && file.Close()) {
     return 0;
   }
   const int error = errno;

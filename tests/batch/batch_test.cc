@@ -187,6 +187,10 @@ TEST_F(BatchTest, RunsWhatIsMissing) {
   Run({"fleet.yaml"});
   EXPECT_THAT(ran_, ElementsAre("fleet/seed-2", "fleet/seed-3"));
   EXPECT_THAT(FindDone(plan, options_), ElementsAre(true, true, true));
+  // Other files than result.json, gone and cut short.
+  fs::remove(Path("out/fleet/seed-1/arm.yaml"));
+  fs::resize_file(Path("out/fleet/seed-3/arm.yaml"), 10);
+  EXPECT_THAT(FindDone(plan, options_), ElementsAre(false, true, false));
 }
 
 TEST_F(BatchTest, RunsWhatIsChanged) {

@@ -68,7 +68,8 @@ std::vector<bool> FindDone(const BatchPlan& plan, const BatchOptions& options);
 
 /// Runs every job of the plan that is not done already (docs/batch.md): loads
 /// it, calibrates as RunJob, and writes its result directory, as many at a time
-/// as there are threads; at most two per thread are in memory. What goes wrong
+/// as there are threads; four for each thread are in memory at most, most of
+/// them waiting for the disk. What goes wrong
 /// with a job stays with it: its entry has the message.
 ///
 /// An interrupted batch is continued by the same call. What was done then is

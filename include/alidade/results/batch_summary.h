@@ -59,6 +59,12 @@ struct BatchSummary {
   BatchStatus Worst() const;
 };
 
+/// A file of a result directory: its name there, and how long it is.
+struct ResultFile {
+  std::string name;
+  std::uint64_t bytes = 0;
+};
+
 /// An entry of a batch's journal: an outcome, and what it came from.
 struct BatchRecord {
   BatchEntry entry;
@@ -69,6 +75,8 @@ struct BatchRecord {
   std::vector<InputFile> inputs;
   /// Of the result.json in the entry's directory; empty where there is none.
   std::string result_sha256;
+  /// All files of that directory.
+  std::vector<ResultFile> files;
 };
 
 }  // namespace alidade
