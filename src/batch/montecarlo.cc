@@ -267,8 +267,11 @@ class MonteCarlo {
   }
 
   // What exact measurements of such an arm give the free parameters: the fit to
-  // them that is nearest to the stand-ins, in units of the priors.
-  Eigen::VectorXd FitExactly(const Eigen::VectorXd& truth) const {
+  // them that is nearest to the stand-ins, in units of the priors. Nothing
+  // where it fails: an error against values that are none would count as the
+  // trial's.
+  std::optional<Eigen::VectorXd> FitExactly(
+      const Eigen::VectorXd& truth) const {
     Eigen::VectorXd values = StandIns(truth);
     const MeasurementModel around(
         model_.layout().WithValues(model_.nominal(), values),
@@ -278,7 +281,9 @@ class MonteCarlo {
     values = around.NominalValues();
     CalibrationProblem problem{around, exact, calibration_.free_columns()};
     problem.priors = calibration_.priors();
-    SolveLevenbergMarquardt(problem, config_.solver_options, &values);
+    const SolverSummary summary =
+        SolveLevenbergMarquardt(problem, config_.solver_options, &values);
+    if (!summary.IsSolutionUsable()) return std::nullopt;
     return values;
   }
 
@@ -298,12 +303,14 @@ class MonteCarlo {
     AddNoise(study_, reach_, &random, &data);
     const RepeatedCalibration::Outcome outcome = calibration_.Run(data);
     Trial trial;
-    trial.kept.usable = outcome.is_usable;
-    if (!outcome.is_usable) return trial;
+    const std::optional<Eigen::VectorXd> sought =
+        study_.truth == SimulatedTruth::kPriors
+            ? FitExactly(truth)
+            : std::optional<Eigen::VectorXd>(equivalent_);
+    trial.kept.usable = outcome.is_usable && sought.has_value();
+    if (!trial.kept.usable) return trial;
     trial.kept.reduced_chi_square = outcome.reduced_chi_square;
-    LookAtParameters(study_.truth == SimulatedTruth::kPriors ? FitExactly(truth)
-                                                             : equivalent_,
-                     data, outcome, &trial);
+    LookAtParameters(*sought, data, outcome, &trial);
     LookAtWorkspace(truth, outcome, &trial);
     return trial;
   }

@@ -40,8 +40,10 @@ std::string Introduction(const MonteCarloResult& result) {
   std::string text =
       Count(done, "simulated calibration") + ", seed " +
       std::to_string(result.seed) + ". The truth is " + TruthInWords(result) +
-      (result.sigma_estimated ? "; sigma is estimated in every trial."
-                              : "; sigma is as stated.");
+      (result.sigma_estimated
+           ? "; sigma is estimated in every trial, by one factor of "
+             "all of them."
+           : "; sigma is as stated.");
   if (result.stopped_early) {
     text += " Stopped before " + std::to_string(result.trials_wanted) +
             " trials: the mean error is known well enough.";
