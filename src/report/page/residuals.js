@@ -191,6 +191,9 @@ function histogramFigure(id, title, shown) {
   });
 }
 
+const pValue = (value) =>
+    value < 1e-16 ? 'p < 10⁻¹⁶' : `p = ${num(value, 2)}`;
+
 function diagnosticsText(result) {
   const sentences = [];
   const fit = result.fit || {};
@@ -209,13 +212,20 @@ function diagnosticsText(result) {
         `Chi-square is ${num(found.chi_square)} with ` +
         `${num(found.degrees_of_freedom)} degrees of freedom` +
         (isNumber(found.chi_square_p_value) ?
-             ` (p = ${num(found.chi_square_p_value, 2)}).` :
+             ` (${pValue(found.chi_square_p_value)}).` :
              '.'));
+    // As the program's own warnings: of data without noise tests say nothing.
+    if (found.reduced_chi_square < 0.1) {
+      sentences.push(
+          'The residuals are far below their sigmas, as in data without ' +
+          'noise: nothing else is read from them.');
+      return p(sentences.join(' '));
+    }
     const test = (name, outcome, good, bad) => {
       if (!outcome || !isNumber(outcome.p_value)) return;
       sentences.push(
           `${outcome.p_value < 0.01 ? bad : good} ` +
-          `(${name}, p = ${num(outcome.p_value, 2)}).`);
+          `(${name}, ${pValue(outcome.p_value)}).`);
     };
     test(
         'Anderson and Darling', found.normality,
