@@ -84,12 +84,12 @@ def medians(path: Path) -> list[dict]:
 
 def rate_of(run: dict) -> str:
     """What a benchmark counts, in the unit of its table's last column."""
-    if "items_per_second" in run:
-        return f"{1e9 / run['items_per_second']:.3g}"
-    if "bytes_per_second" in run:
-        return f"{run['bytes_per_second'] / 1e6:.0f}"
     if "allocations" in run:
         return f"{run['allocations']:.0f}"
+    if "bytes_per_second" in run:
+        return f"{run['bytes_per_second'] / 1e6:.0f}"
+    if "items_per_second" in run:
+        return f"{1e9 / run['items_per_second']:.3g}"
     return "-"
 
 
