@@ -5,25 +5,11 @@
 
 #include "alidade/base/random.h"
 #include "alidade/base/units.h"
+#include "alidade/model/chain_axes.h"
 #include "alidade/model/joint_draw.h"
 
 namespace alidade {
 namespace {
-
-Eigen::Isometry3d JointTransform(const Joint& joint, double q) {
-  const bool turns = joint.type == JointType::kRevolute;
-  Eigen::Isometry3d outer_from_inner = Eigen::Isometry3d::Identity();
-  outer_from_inner.rotate(
-      Eigen::AngleAxisd(joint.beta, Eigen::Vector3d::UnitY()));
-  outer_from_inner.rotate(
-      Eigen::AngleAxisd(joint.alpha, Eigen::Vector3d::UnitX()));
-  outer_from_inner.translate(Eigen::Vector3d(joint.d, 0.0, 0.0));
-  outer_from_inner.rotate(Eigen::AngleAxisd(joint.theta + (turns ? q : 0.0),
-                                            Eigen::Vector3d::UnitZ()));
-  outer_from_inner.translate(
-      Eigen::Vector3d(0.0, 0.0, joint.r + (turns ? 0.0 : q)));
-  return outer_from_inner;
-}
 
 bool KeepsClear(const std::vector<HalfSpace>& half_spaces,
                 const Eigen::Vector3d& point) {
@@ -88,26 +74,37 @@ void RoundMotors(const Arm& arm, int decimals, Eigen::VectorXd* joints) {
 bool IsAllowedPose(const Arm& arm, const PoseConstraints& constraints,
                    const Eigen::VectorXd& joint_values) {
   if (constraints.empty()) return true;
-  Eigen::Isometry3d base_from_link = Eigen::Isometry3d::Identity();
-  for (int j = 0; j < arm.num_joints(); ++j) {
-    base_from_link =
-        base_from_link * JointTransform(arm.joints[j], joint_values[j]);
-    // The first frame is where the arm is screwed down, or above it.
-    if (j > 0 &&
-        !KeepsClear(constraints.half_spaces, base_from_link.translation())) {
+  ChainAxes axes;
+  ComputeChainAxes(arm, joint_values.data(), &axes);
+  const Eigen::Isometry3d base_from_instrument =
+      arm.instrument_from_base.inverse();
+  // The first frame is where the arm is screwed down, or above it. Frame j ends
+  // where joint j + 1 begins.
+  for (int j = 2; j < arm.num_joints(); ++j) {
+    if (!KeepsClear(constraints.half_spaces,
+                    base_from_instrument * axes.origin_before.col(j))) {
       return false;
     }
   }
+  const Eigen::Isometry3d base_from_last =
+      base_from_instrument * axes.instrument_from_last;
+  if (arm.num_joints() > 1 &&
+      !KeepsClear(constraints.half_spaces, base_from_last.translation())) {
+    return false;
+  }
   for (const Target& target : arm.targets) {
     const Eigen::Vector3d point =
-        base_from_link * target.last_from_target.translation();
+        base_from_last * target.last_from_target.translation();
     if (!KeepsClear(constraints.half_spaces, point)) return false;
   }
-  const Eigen::Isometry3d base_from_target =
-      base_from_link * arm.last_from_target();
-  return IsInside(constraints.boxes, base_from_target.translation()) &&
-         (!constraints.visibility ||
-          IsSeen(*constraints.visibility, base_from_target));
+  return std::all_of(
+      constraints.targets.begin(), constraints.targets.end(), [&](int target) {
+        const Eigen::Isometry3d base_from_target =
+            base_from_last * arm.last_from_target(target);
+        return IsInside(constraints.boxes, base_from_target.translation()) &&
+               (!constraints.visibility ||
+                IsSeen(*constraints.visibility, base_from_target));
+      });
 }
 
 std::vector<int> AllowedPoses(const Arm& arm,

@@ -217,6 +217,7 @@ PlanConfig LoadPlan(const std::string& path, int num_threads) {
                       &plan.job.identifiability);
   ReadPoses(context, &plan);
   ReadPlanCandidates(&context, &plan);
+  plan.constraints.targets = plan.measurement.targets;
   ReadPlanRegion(context, &plan);
   ReadSearch(context, &plan);
   ReadCurve(context, &plan);

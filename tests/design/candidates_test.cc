@@ -10,6 +10,8 @@
 #include "alidade/base/random.h"
 #include "alidade/base/units.h"
 #include "alidade/design/travel.h"
+#include "tests/support/matrix_kinematics.h"
+#include "tests/support/random_arms.h"
 #include "tests/support/rv2aj_arms.h"
 
 namespace alidade {
@@ -164,6 +166,76 @@ TEST(ShortOrderTest, IsNearlyTheShortest) {
     std::sort(found.begin(), found.end());
     EXPECT_EQ(found, (std::vector<int>{0, 1, 2, 3, 4, 5, 6}));
   }
+}
+
+// What the rules of docs/files.md say of a pose, by matrix products: arms of
+// any joints, base and two targets, of which the second is measured.
+bool AllowedByMatrices(const Arm& arm, const PoseConstraints& constraints,
+                       const double* joints) {
+  const ParameterLayout layout(arm);
+  const testing::VectorXl values = testing::MatrixValues(arm);
+  std::vector<testing::Vector3l> points;
+  testing::Matrix4l frame = testing::Matrix4l::Identity();
+  for (int j = 0; j < arm.num_joints(); ++j) {
+    frame = frame * testing::JointMatrix(arm, layout, values, j, joints[j]);
+    if (j > 0) points.emplace_back(frame.topRightCorner<3, 1>());
+  }
+  const auto target_frame = [&](int target) -> testing::Matrix4l {
+    return frame * arm.last_from_target(target).matrix().cast<long double>();
+  };
+  for (int target = 0; target < arm.num_targets(); ++target) {
+    points.emplace_back(target_frame(target).topRightCorner<3, 1>());
+  }
+  const HalfSpace& wall = constraints.half_spaces.front();
+  for (const testing::Vector3l& point : points) {
+    if (wall.normal.cast<long double>().dot(point) <
+        wall.offset + wall.margin) {
+      return false;
+    }
+  }
+  const testing::Matrix4l measured = target_frame(constraints.targets.front());
+  const testing::Vector3l at = measured.topRightCorner<3, 1>();
+  const WorkspaceBox& box = constraints.boxes.front();
+  for (int k = 0; k < 3; ++k) {
+    if (at[k] < box.lower[k] || at[k] > box.upper[k]) return false;
+  }
+  const Visibility& seen = *constraints.visibility;
+  const testing::Vector3l way = seen.instrument.cast<long double>() - at;
+  const testing::Vector3l axis =
+      measured.topLeftCorner<3, 3>() * seen.axis.cast<long double>();
+  return std::acos(axis.dot(way) / way.norm()) <= seen.angle;
+}
+
+// Loose enough constraints that all answers occur, with and without each.
+TEST(IsAllowedPoseTest, AgreesWithMatricesForAnyArmAndTarget) {
+  Random random(31);
+  int allowed = 0;
+  constexpr int kPoses = 2000;
+  for (int k = 0; k < kPoses; ++k) {
+    testing::RandomArmOptions options;
+    options.num_targets = 2;
+    const Arm arm = testing::RandomArm(1 + k % 7, &random, options);
+    PoseConstraints constraints;
+    constraints.targets = {1};
+    HalfSpace wall;
+    wall.normal = testing::RandomDirection(&random);
+    wall.offset = -0.8;
+    wall.margin = 0.05;
+    constraints.half_spaces = {wall};
+    constraints.boxes = {{{-0.8, -0.8, -0.8}, {0.8, 0.8, 0.8}}};
+    Visibility visibility;
+    visibility.instrument = testing::RandomVector(3.0, &random);
+    visibility.axis = testing::RandomDirection(&random);
+    visibility.angle = 130.0 * kDegree;
+    constraints.visibility = visibility;
+    const Eigen::VectorXd joints =
+        testing::RandomJointValues(arm, 1, &random).col(0);
+    const bool expected = AllowedByMatrices(arm, constraints, joints.data());
+    EXPECT_EQ(IsAllowedPose(arm, constraints, joints), expected) << k;
+    allowed += expected ? 1 : 0;
+  }
+  EXPECT_GT(allowed, kPoses / 10);
+  EXPECT_LT(allowed, kPoses * 9 / 10);
 }
 
 }  // namespace

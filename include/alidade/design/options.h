@@ -82,7 +82,9 @@ struct Visibility {
 /// What a pose must satisfy besides the joint limits. Nothing is demanded of
 /// the way between two poses.
 struct PoseConstraints {
-  /// The first target is in one of them; empty: anywhere.
+  /// The targets that are measured, which boxes and visibility are about.
+  std::vector<int> targets = {0};
+  /// Each of the targets is in one of them; empty: anywhere.
   std::vector<WorkspaceBox> boxes;
   std::vector<HalfSpace> half_spaces;
   std::optional<Visibility> visibility;

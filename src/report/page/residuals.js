@@ -191,8 +191,7 @@ function histogramFigure(id, title, shown) {
   });
 }
 
-const pValue = (value) =>
-    value < 1e-16 ? 'p < 10⁻¹⁶' : `p = ${num(value, 2)}`;
+const pValue = (value) => value < 1e-16 ? 'p < 10⁻¹⁶' : `p = ${num(value, 2)}`;
 
 function diagnosticsText(result) {
   const sentences = [];
