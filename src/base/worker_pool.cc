@@ -79,8 +79,9 @@ void Worker::Set(State state) {
 }
 
 WorkerPool& WorkerPool::Instance() {
-  static WorkerPool pool;
-  return pool;
+  // Never destroyed: its threads outlive whatever else is at the end.
+  static auto* const pool = new WorkerPool;
+  return *pool;
 }
 
 std::vector<std::unique_ptr<Worker>> WorkerPool::Borrow(std::size_t count) {

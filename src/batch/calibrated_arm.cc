@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "alidade/base/error.h"
 #include "alidade/io/arm_file.h"
 #include "alidade/io/result_json.h"
 #include "alidade/measurement/measurement_model.h"
@@ -23,6 +24,22 @@ constexpr double kExact = 1e-9;
 std::string JsonOf(const std::string& path) {
   return fs::is_directory(path) ? (fs::path(path) / "result.json").string()
                                 : path;
+}
+
+// A file may hold anything: square, one row a parameter, no negative variance.
+void RequireCovariance(const std::string& path,
+                       const UncertaintyResult& uncertainty) {
+  const auto p = static_cast<Eigen::Index>(uncertainty.parameters.size());
+  const Eigen::MatrixXd& matrix = uncertainty.covariance;
+  if (matrix.rows() == p && matrix.cols() == p &&
+      !(matrix.diagonal().array() < 0.0).any()) {
+    return;
+  }
+  throw InputError({path, 0, 0, "uncertainty.covariance"},
+                   "expected a covariance of the " + std::to_string(p) +
+                       " parameters, found " + std::to_string(matrix.rows()) +
+                       " x " + std::to_string(matrix.cols()) +
+                       " numbers, or a negative variance");
 }
 
 // The covariance of the parameters that `arm` has; a root of it by its
@@ -51,6 +68,7 @@ ParameterCovariance CovarianceOf(const UncertaintyResult& uncertainty,
     matrix.col(untold[k]).setZero();
     covariance.untold(untold[k], static_cast<Eigen::Index>(k)) = 1.0;
   }
+  covariance.untold_parameters = untold;
   // Scaled to correlations, so that radians and metres do not mix.
   const Eigen::VectorXd scale = matrix.diagonal().cwiseSqrt();
   const Eigen::VectorXd inverse =
@@ -72,6 +90,7 @@ std::optional<CalibratedArm> LoadCalibratedArm(const std::string& path) {
   const std::string json = JsonOf(path);
   const JobResult result = LoadResultJson(json);
   if (!result.uncertainty) return std::nullopt;
+  RequireCovariance(json, *result.uncertainty);
   CalibratedArm calibrated;
   calibrated.arm =
       LoadArm((fs::path(json).parent_path() / "arm.yaml").string());

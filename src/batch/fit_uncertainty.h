@@ -1,6 +1,7 @@
 #ifndef ALIDADE_SRC_BATCH_FIT_UNCERTAINTY_H_
 #define ALIDADE_SRC_BATCH_FIT_UNCERTAINTY_H_
 
+#include "alidade/results/identifiability_result.h"
 #include "alidade/results/uncertainty_result.h"
 #include "alidade/uncertainty/assessment.h"
 #include "fit_report.h"
@@ -8,8 +9,10 @@
 namespace alidade {
 
 /// How far a finished fit of a job can be trusted, by the job's options.
-/// `final_cost`: of the solve.
-UncertaintyResult AssessFit(const FinishedFit& fit, double final_cost);
+/// `pass`: what decided its free columns; `final_cost`: of the solve.
+UncertaintyResult AssessFit(const FinishedFit& fit,
+                            const IdentifiabilityResult& pass,
+                            double final_cost);
 
 /// Fits with one parameter held, for profiles: Ceres over the other free
 /// columns of `problem`, which must outlive it.

@@ -407,8 +407,8 @@ class JobRunner {
   }
 
   void Assess(const FinishedFit& fit) {
-    result().uncertainty =
-        AssessFit(fit, result().runs.front().summary.final_cost);
+    result().uncertainty = AssessFit(fit, result().identifiability,
+                                     result().runs.front().summary.final_cost);
     for (const ParameterUncertainty& one : result().uncertainty->parameters) {
       result().parameters[*model_.layout().Find(one.name)].std = one.std;
     }

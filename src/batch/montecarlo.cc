@@ -76,6 +76,12 @@ void RequireNoContacts(const Dataset& data) {
 // The job with its frames where they are, its sigmas as they are.
 JobConfig Prepare(const JobConfig& config, int num_threads) {
   RequireNoContacts(config.data);
+  if (config.estimate_sigma && config.loss != LossKind::kNone) {
+    throw InputError(
+        {config.path, 0, 0, "measurement.sigma"},
+        "trials with a robust loss cannot estimate sigma: expected a sigma "
+        "(`calibrate` tells the one that the data have)");
+  }
   JobConfig prepared = config;
   FitFrames(&prepared, num_threads);
   if (prepared.estimate_sigma) EstimateSigmas(&prepared, num_threads);

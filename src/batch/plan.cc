@@ -189,8 +189,9 @@ class Planner {
     options.starts = 1;
     const auto is_met = [&](int number) {
       options.num_poses = number;
-      return evaluator.WorstOverRegion(ChoosePoses(part, options)) <=
-             *config_.wanted;
+      const DesignResult plan = ChoosePoses(part, options);
+      return plan.status != DesignStatus::kRankShort &&
+             evaluator.WorstOverRegion(plan) <= *config_.wanted;
     };
     int too_few = 0;
     int enough = static_cast<int>(first.chosen.size());

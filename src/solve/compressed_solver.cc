@@ -15,8 +15,13 @@ constexpr double kFewestGained = 1e-3;
 constexpr double kLargestRadius = 1e16;
 constexpr double kSmallestRadius = 1e-32;
 
-// A column that nothing depends on still has a damping, and so a step of zero.
-constexpr double kSmallestColumn = 1e-150;
+// A column of less than this part of the largest is rounding: its parameter
+// moves nothing here, and is held as firmly as the others are free.
+constexpr double kRounding = 1e-12;
+
+// Where no step was ever taken, and the residual is this much along what the
+// columns can reach, it is no minimum.
+constexpr double kNotStationary = 1e-3;
 
 class TrustRegion {
  public:
@@ -78,9 +83,38 @@ class Iteration {
         TakeStep();
       }
     }
+    const SolverSummary& summary = progress_.summary();
+    if (summary.status == SolverStatus::kConverged &&
+        summary.accepted_steps == 0 && Gradient() > kNotStationary) {
+      progress_.Stop(SolverStatus::kFailed,
+                     "no step lowers the cost, though it is no minimum: fix "
+                     "what the identifiability pass calls weak");
+    }
   }
 
  private:
+  // The largest cosine between the residual and a column that is not rounding,
+  // priors included.
+  double Gradient() const {
+    const Eigen::VectorXd norms = Norms();
+    const double residual = std::sqrt(progress_.cost());
+    double cosine = 0.0;
+    for (Eigen::Index k = 0; k < norms.size(); ++k) {
+      if (norms[k] <= kRounding * norms.maxCoeff() || residual == 0.0) continue;
+      const double product = current_.factor.col(k).dot(current_.projected) +
+                             known_.weights[k] * known_.residuals[k];
+      cosine = std::max(cosine, std::abs(product) / (norms[k] * residual));
+    }
+    return cosine;
+  }
+
+  // Of the columns, priors included.
+  Eigen::VectorXd Norms() const {
+    return (current_.factor.colwise().squaredNorm().transpose() +
+            known_.weights.cwiseAbs2())
+        .cwiseSqrt();
+  }
+
   void TakeStep() {
     const Eigen::VectorXd& step = ComputeStep();
     trial_ = values_;
@@ -115,11 +149,14 @@ class Iteration {
 
   // (R^T R + P^2 + D^2) step = -(R^T z + P w).
   const Eigen::VectorXd& ComputeStep() {
-    damping_ = (current_.factor.colwise().squaredNorm().transpose() +
-                known_.weights.cwiseAbs2())
-                   .cwiseSqrt()
-                   .cwiseMax(kSmallestColumn) /
-               std::sqrt(region_.radius());
+    const Eigen::VectorXd norms = Norms();
+    const double largest = norms.maxCoeff();
+    const double root = std::sqrt(region_.radius());
+    damping_.resize(norms.size());
+    for (Eigen::Index k = 0; k < norms.size(); ++k) {
+      const bool is_rounding = norms[k] <= kRounding * largest;
+      damping_[k] = is_rounding ? std::max(largest, 1.0) : norms[k] / root;
+    }
     if (nominal_.size() > 0) {
       for (Eigen::Index k = 0; k < known_.weights.size(); ++k) {
         const int column = problem_.free_columns[k];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -32,7 +33,13 @@ class Assessment {
   UncertaintyResult Run() {
     result_.confidence = input_.options.confidence;
     result_.estimator =
-        fit_.losses.empty() ? "inverse information" : "sandwich";
+        covariance_.is_sandwich ? "sandwich" : "inverse information";
+    if (!fit_.losses.empty() && !covariance_.is_sandwich) {
+      result_.warnings.push_back(
+          "too few observations to tell the scale of what a robust loss "
+          "leaves: "
+          "standard deviations are those of least squares");
+    }
     if (input_.sigma_estimated) {
       covariance_.degrees_of_freedom =
           std::max(1.0, static_cast<double>(AllEquations(fit_.data)) -
@@ -145,7 +152,28 @@ class Assessment {
     }
   }
 
+  // Where sigma is stated, and chi-square excludes it. (From four times on the
+  // job itself warns, and far below there is no noise.)
+  void DoubtSigma() {
+    const ResidualDiagnostics& residuals = result_.residuals;
+    const double factor = std::sqrt(residuals.reduced_chi_square);
+    constexpr double kMost = 4.0;
+    constexpr double kLeast = 0.1;
+    if (input_.sigma_estimated || !fit_.losses.empty() || factor > kMost ||
+        factor < kLeast || !(residuals.chi_square_p_value < kUnlikely)) {
+      return;
+    }
+    std::ostringstream text;
+    text.precision(3);
+    text << "the residuals are " << factor
+         << " times as large as the stated sigmas, by more than chance: "
+         << "intervals are too " << (factor > 1.0 ? "narrow" : "wide")
+         << " by that; state sigma better, or `measurement: {sigma: estimate}`";
+    result_.warnings.push_back(text.str());
+  }
+
   void DoubtResiduals() {
+    DoubtSigma();
     const ResidualDiagnostics& residuals = result_.residuals;
     // Far below their sigmas, as in data without noise, they say nothing.
     constexpr double kMuchSmaller = 0.1;

@@ -19,6 +19,10 @@ constexpr double kGoodCondition = 1e6;
 constexpr double kUntold = 1e-12;
 // Rounding leaves this much of a direction in parameters it has no part in.
 constexpr double kNoPart = 1e-6;
+// And of a direction in rows that do not see it.
+constexpr double kNotSeen = 1e-6;
+// Fewer degrees of freedom than these tell no scale of residuals.
+constexpr double kFewestForScale = 5.0;
 
 // Data and priors, one below the other, columns divided by `norms`.
 Eigen::MatrixXd Stack(const Eigen::MatrixXd& factor,
@@ -54,7 +58,13 @@ void InvertBySvd(const Eigen::MatrixXd& stacked, const Eigen::VectorXd& norms,
   covariance->root.leftCols(told) =
       norms.cwiseInverse().asDiagonal() * svd.v.leftCols(told) *
       svd.values.head(told).cwiseInverse().asDiagonal();
-  covariance->untold = svd.v.rightCols(p - told);
+  const Eigen::MatrixXd untold = svd.v.rightCols(p - told);
+  covariance->untold = norms.cwiseInverse().asDiagonal() * untold;
+  for (int k = 0; k < p && told < p; ++k) {
+    if (untold.row(k).norm() > kNoPart) {
+      covariance->untold_parameters.push_back(k);
+    }
+  }
 }
 
 // Means over all observations of what a robust loss makes of their residuals.
@@ -118,7 +128,16 @@ Eigen::MatrixXd SandwichRoot(const Eigen::MatrixXd& factor,
 }  // namespace
 
 bool ParameterCovariance::IsTold(int index) const {
-  return untold.cols() == 0 || untold.row(index).norm() <= kNoPart;
+  return std::find(untold_parameters.begin(), untold_parameters.end(), index) ==
+         untold_parameters.end();
+}
+
+bool ParameterCovariance::AreTold(
+    const Eigen::Ref<const Eigen::MatrixXd>& rows) const {
+  if (untold.cols() == 0) return true;
+  // What would come of it if the parts of a direction did not cancel.
+  const Eigen::RowVectorXd parts = rows.colwise().norm() * untold.cwiseAbs();
+  return (rows * untold).norm() <= kNotSeen * parts.norm();
 }
 
 Eigen::MatrixXd ParameterCovariance::Matrix() const {
@@ -167,7 +186,8 @@ ParameterCovariance CovarianceOf(const FinishedProblem& fit) {
   if (fit.losses.empty() || covariance.size() == 0) return covariance;
   const LossMoments moments = MomentsOf(fit);
   const double p = EffectiveParameters(covariance, prior);
-  const double freedom = std::max(1.0, moments.rows - p);
+  const double freedom = moments.rows - p;
+  if (freedom < kFewestForScale) return covariance;
   const double a = moments.weight_sum / moments.rows;
   const double variance =
       std::max(0.0, moments.weight_squares / moments.observations - a * a);
@@ -175,6 +195,8 @@ ParameterCovariance CovarianceOf(const FinishedProblem& fit) {
   if (!(a > 0.0)) return covariance;
   covariance.root =
       SandwichRoot(factor, prior, a, k * k * moments.influence / freedom);
+  covariance.degrees_of_freedom = freedom;
+  covariance.is_sandwich = true;
   return covariance;
 }
 
@@ -192,7 +214,7 @@ Eigen::VectorXd FreePriors(const FinishedProblem& fit) {
 double EffectiveParameters(const ParameterCovariance& covariance,
                            const Eigen::VectorXd& prior) {
   const Eigen::VectorXd deviations = covariance.Deviations();
-  double effective = 0.0;
+  auto effective = -static_cast<double>(covariance.untold.cols());
   for (int k = 0; k < covariance.size(); ++k) {
     const double share = std::isfinite(prior[k]) ? deviations[k] / prior[k] : 0;
     effective += 1.0 - share * share;

@@ -20,8 +20,6 @@ namespace alidade {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Rounding leaves so much of a direction that rows do not see.
-constexpr double kNotSeen = 1e-6;
 
 // The target's own pose as if it had been measured: residuals of zero, at which
 // the derivative of a rotation's logarithm is the identity.
@@ -56,18 +54,6 @@ Eigen::Matrix3d Unknown() {
 constexpr Eigen::Index kPosesAtOnce = 4096;
 constexpr Eigen::Index kPosesPerProduct = 64;
 
-// Of three columns: S = root^T J^T has S^T S = J C J^T.
-Eigen::Matrix3d CovarianceOf(
-    const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
-    const Eigen::Ref<const Eigen::MatrixXd>& spread,
-    const Eigen::Ref<const Eigen::MatrixXd>& along_untold) {
-  if (along_untold.rows() > 0 &&
-      along_untold.norm() > kNotSeen * jacobian.norm()) {
-    return Unknown();
-  }
-  return spread.transpose().lazyProduct(spread);
-}
-
 // The covariances of `poses`, of which there are kPosesAtOnce at most.
 void PredictSome(const MeasurementModel& model, const Eigen::VectorXd& values,
                  const ParameterCovariance& covariance, const Dataset& poses,
@@ -82,16 +68,15 @@ void PredictSome(const MeasurementModel& model, const Eigen::VectorXd& values,
   const auto work = [&](std::int64_t begin, std::int64_t end) {
     const auto some = jacobians.middleCols(6 * begin, 6 * (end - begin));
     const Eigen::MatrixXd spread = covariance.root.transpose() * some;
-    Eigen::MatrixXd untold(0, some.cols());
-    if (covariance.untold.cols() > 0) {
-      untold = covariance.untold.transpose() * some;
-    }
     for (std::int64_t k = begin; k < end; ++k) {
       for (const int half : {0, 3}) {
+        // S = root^T J^T has S^T S = J C J^T.
         const Eigen::Index first = 6 * (k - begin) + half;
+        const auto s = spread.middleCols(first, 3);
+        const bool is_told =
+            covariance.AreTold(some.middleCols(first, 3).transpose());
         (half == 0 ? predicted[k].position : predicted[k].rotation) =
-            CovarianceOf(some.middleCols(first, 3), spread.middleCols(first, 3),
-                         untold.middleCols(first, 3));
+            is_told ? Eigen::Matrix3d(s.transpose().lazyProduct(s)) : Unknown();
       }
     }
   };

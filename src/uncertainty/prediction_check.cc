@@ -15,9 +15,6 @@
 namespace alidade {
 namespace {
 
-// Rounding leaves so much of a direction that rows do not see.
-constexpr double kNotSeen = 1e-6;
-
 // Observations that the expected shares are computed from, of all at most.
 constexpr Eigen::Index kMostSampled = 100;
 
@@ -53,7 +50,7 @@ class HeldOut {
     const Eigen::Index p = rows.cols() - 1;
     const std::vector<Eigen::Index> measured =
         MeasuredRows(block, i - first_[b]);
-    if (measured.empty() || !IsTold(rows.leftCols(p))) return;
+    if (measured.empty() || !covariance_.AreTold(rows.leftCols(p))) return;
     const Eigen::MatrixXd spread = rows.leftCols(p) * covariance_.root;
     const Eigen::MatrixXd variance =
         Eigen::MatrixXd::Identity(rows.rows(), rows.rows()) +
@@ -113,11 +110,6 @@ class HeldOut {
     bool is_whole_position = false;
   };
 
-  bool IsTold(const Eigen::Ref<const Eigen::MatrixXd>& jacobian) const {
-    return covariance_.untold.cols() == 0 ||
-           (jacobian * covariance_.untold).norm() <= kNotSeen * jacobian.norm();
-  }
-
   template <typename Pick>
   std::vector<double> Gather(const Pick& pick) const {
     std::vector<std::vector<double>> by_block(data_.blocks.size());
@@ -166,6 +158,7 @@ void CountHeld(const HeldOut& heldout, double dof, PredictionCheck* check) {
 
 std::string Verdict(const PredictionCheck& check) {
   if (check.axes.n == 0) return "nothing to compare";
+  if (!std::isfinite(check.rms_z)) return "cannot be told";
   if (check.axes.rate() < check.axes.lower) return "larger";
   if (check.axes.rate() > check.axes.upper) return "smaller";
   return "agree";

@@ -15,12 +15,15 @@
 #include <vector>
 
 #include "alidade/base/random.h"
+#include "alidade/identifiability/analysis.h"
 #include "alidade/measurement/compression.h"
 #include "alidade/measurement/robust_loss.h"
 #include "alidade/solve/solver.h"
 #include "tests/solve/solvers_test_util.h"
 #include "tests/support/measurement_oracle.h"
+#include "tests/support/noisy_positions.h"
 #include "tests/support/random_measurements.h"
+#include "tests/support/rv2aj_arms.h"
 
 namespace alidade {
 namespace {
@@ -372,6 +375,39 @@ TEST(CompressedRankTest, PredictsTheSameWhereTheRankIsShort) {
   const CalibrationProblem problem =
       mixed.Problem(AllColumns(mixed.model.layout()));
   ExpectSameSolution(problem, mixed.start);
+}
+
+// One axis of 40 positions and all joint parameters free: columns without
+// effect at the nominal geometry are rounding, 1e-17 of the others, and grow as
+// the geometry leaves it. Both ways end at a chi-square that noise explains: at
+// most 40 measurements, and no less than what the parameters cannot take up by
+// far.
+TEST(CompressedRankTest, SolvesWhereColumnsAreRounding) {
+  constexpr double kSigma = 2e-5;
+  for (const Arm& nominal : {testing::Rv2ajFlange(), testing::Rv2ajWrist()}) {
+    Arm real = testing::WithRv2ajDeviations(nominal);
+    Dataset data = testing::NoisyPositions(real, 40, kSigma, 12);
+    data.sigmas().topRows(2).setConstant(kInfinity);
+    const MeasurementModel model(nominal);
+    CalibrationProblem problem{model, data, {}};
+    for (int column = 0; column < 25; ++column) {
+      problem.free_columns.push_back(column);
+    }
+    problem.start_rank = AnalyzeIdentifiability(model, data, {}).nominal_rank;
+    SolverOptions options;
+    options.max_iterations = 200;
+    for (const Evaluation evaluation :
+         {Evaluation::kAutodiff, Evaluation::kCompressed}) {
+      options.evaluation = evaluation;
+      Eigen::VectorXd values = model.NominalValues();
+      const SolverSummary summary =
+          SolveLevenbergMarquardt(problem, options, &values);
+      EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
+      EXPECT_GT(summary.initial_cost, 1e4);
+      EXPECT_LT(summary.final_cost, 80.0) << summary.message;
+      EXPECT_GT(summary.final_cost, 5.0) << summary.message;
+    }
+  }
 }
 
 TEST(CompressedRankTest, ReachesTheFloorOfExactData) {

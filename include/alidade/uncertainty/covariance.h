@@ -32,9 +32,13 @@ struct ParameterCovariance {
   std::vector<int> columns;  ///< of the layout
   /// p x p: the covariance is root root^T (rad, m).
   Eigen::MatrixXd root;
-  /// p x m: unit vectors along which neither data nor priors tell anything,
-  /// columns scaled by the parameters' effects; usually m = 0.
+  /// p x m: directions of the parameters (rad, m) along which neither data nor
+  /// priors tell anything; usually m = 0.
   Eigen::MatrixXd untold;
+  /// Which parameters have a part in them, by their place in `columns`.
+  std::vector<int> untold_parameters;
+  /// Huber's sandwich, not the inverse information.
+  bool is_sandwich = false;
   double degrees_of_freedom = std::numeric_limits<double>::infinity();
 
   int size() const { return static_cast<int>(columns.size()); }
@@ -44,6 +48,8 @@ struct ParameterCovariance {
   /// Square roots of its diagonal.
   Eigen::VectorXd Deviations() const;
   bool IsTold(int index) const;
+  /// Whether rows (any number x p) see nothing of what is not told.
+  bool AreTold(const Eigen::Ref<const Eigen::MatrixXd>& rows) const;
 };
 
 /// The inverse of R^T R + diag(1 / prior^2): the covariance of a least-squares
@@ -67,8 +73,11 @@ ParameterCovariance InverseInformation(const Eigen::MatrixXd& whitened_factor,
 ///   K = 1 + (p / n) var(a_i) / a^2
 ///
 /// with s the squared norm of an observation of d rows and w = rho'(s): the
-/// residuals' own distribution takes the place of the Gaussian one. Means are
-/// over all observations, which is right where outliers may come anywhere.
+/// residuals' own distribution takes the place of the Gaussian one. b estimates
+/// the scale from them, so that u is Student's t of equations - p degrees of
+/// freedom; where they are fewer than 5 they cannot, and it is the inverse
+/// information. Means are over all observations, which is right where outliers
+/// may come anywhere.
 /// O(N p^2).
 ParameterCovariance CovarianceOf(const FinishedProblem& fit);
 
