@@ -15,6 +15,7 @@
 namespace alidade {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -110,6 +111,19 @@ TEST(JobTest, ResidualsBeyondTheirSigmasAreAWarning) {
   config.data.positions()(0, 3) += 5e-3;
   const JobOutcome outcome = RunJob(config, "test", 1);
   EXPECT_THAT(outcome.result.warnings, Contains(HasSubstr("sigmas")));
+}
+
+// Of x alone, alpha1 and r1 have no effect; positions depend on both.
+TEST(JobTest, PositionsThatDependOnWhatIsNotMeasuredAreAWarning) {
+  JobConfig config = LoadStudy("rv2aj_flange");
+  config.identifiability.method = IdentifiabilityMethod::kRank;
+  EXPECT_THAT(RunJob(config, "test", 1).result.warnings,
+              Not(Contains(HasSubstr("positions depend on"))));
+  config.data.sigmas().bottomRows(2).setConstant(
+      std::numeric_limits<double>::infinity());
+  EXPECT_THAT(RunJob(config, "test", 1).result.warnings,
+              Contains(AllOf(HasSubstr("positions depend on"),
+                             HasSubstr("alpha1"), HasSubstr("r1"))));
 }
 
 TEST(JobTest, DefaultMethodWarnsOfParametersFarFromTheirPriors) {

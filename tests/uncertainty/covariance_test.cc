@@ -85,6 +85,9 @@ TEST(CovarianceTest, WhatNothingTellsIsInfiniteAndTheRestIsNot) {
   EXPECT_EQ(deviations[1], kInfinity);
   EXPECT_NEAR(deviations[2], 0.2, 1e-15);
   EXPECT_EQ(covariance.untold.cols(), 1);
+  // Rows of the factor see nothing of it, whatever the parameters' units.
+  EXPECT_TRUE(covariance.AreTold(factor));
+  EXPECT_FALSE(covariance.AreTold(Eigen::RowVector3d(1.0, 0.0, 0.0)));
   // With a prior on one of the two both are told: x1 by its prior, x2 by the
   // data given x1.
   Eigen::VectorXd prior = none;
