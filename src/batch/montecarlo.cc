@@ -43,7 +43,11 @@ struct Trial {
   std::vector<char> is_held;
   std::int64_t axes_held = 0;
   std::int64_t ellipsoids_held = 0;
+  // Of the configurations whose position is told: how many, and the mean of
+  // their predicted variances.
+  std::int64_t told = 0;
   double predicted_square = 0.0;
+  double nominal_square = 0.0;  // mean squared error of the nominal arm
 };
 
 const char* NameOf(SimulatedTruth truth) {
@@ -216,10 +220,7 @@ class MonteCarlo {
     result_.confidence = config_.uncertainty.confidence;
     result_.sigma_estimated = config_.estimate_sigma;
     result_.workspace_poses = study_.workspace_poses;
-    const Eigen::Matrix3Xd off =
-        model_.Predict(model_.NominalValues(), workspace_) -
-        model_.Predict(truth_, workspace_);
-    result_.workspace_before = std::sqrt(off.colwise().squaredNorm().mean());
+    nominal_positions_ = model_.Predict(model_.NominalValues(), workspace_);
     sums_.resize(num_free());
   }
 
@@ -363,8 +364,11 @@ class MonteCarlo {
   void LookAtWorkspace(const Eigen::VectorXd& truth,
                        const RepeatedCalibration::Outcome& outcome,
                        Trial* trial) const {
-    const Eigen::Matrix3Xd errors = model_.Predict(outcome.values, workspace_) -
-                                    model_.Predict(truth, workspace_);
+    const Eigen::Matrix3Xd true_positions = model_.Predict(truth, workspace_);
+    const Eigen::Matrix3Xd errors =
+        model_.Predict(outcome.values, workspace_) - true_positions;
+    trial->nominal_square =
+        (nominal_positions_ - true_positions).colwise().squaredNorm().mean();
     trial->kept.workspace_rms =
         std::sqrt(errors.colwise().squaredNorm().mean());
     const double dof = outcome.covariance.degrees_of_freedom;
@@ -374,6 +378,8 @@ class MonteCarlo {
         model_, outcome.values, outcome.covariance, workspace_);
     for (Eigen::Index i = 0; i < errors.cols(); ++i) {
       const Eigen::Matrix3d& covariance = predicted[i].position;
+      if (!covariance.allFinite()) continue;
+      ++trial->told;
       trial->predicted_square += covariance.trace();
       for (int axis = 0; axis < 3; ++axis) {
         trial->axes_held += std::abs(errors(axis, i)) <=
@@ -381,7 +387,9 @@ class MonteCarlo {
       }
       trial->ellipsoids_held += IsWithin(covariance, errors.col(i), ellipsoid);
     }
-    trial->predicted_square /= static_cast<double>(errors.cols());
+    if (trial->told > 0) {
+      trial->predicted_square /= static_cast<double>(trial->told);
+    }
   }
 
   // Along axes of (nearly) no uncertainty there must be no error.
@@ -408,6 +416,8 @@ class MonteCarlo {
       sum.variances += trial->deviations[k] * trial->deviations[k];
       sum.held += trial->is_held[k];
     }
+    told_ += trial->told;
+    nominal_square_ += trial->nominal_square;
     axes_held_ += trial->axes_held;
     ellipsoids_held_ += trial->ellipsoids_held;
     predicted_square_ += trial->predicted_square;
@@ -440,9 +450,12 @@ class MonteCarlo {
   void SumUp() {
     if (usable_ == 0) return;
     ListParameters();
-    const std::int64_t poses = usable_ * study_.workspace_poses;
-    result_.axes = MakeCoverage(axes_held_, 3 * poses, usable_);
-    result_.ellipsoids = MakeCoverage(ellipsoids_held_, poses, usable_);
+    if (told_ > 0) {
+      result_.axes = MakeCoverage(axes_held_, 3 * told_, usable_);
+      result_.ellipsoids = MakeCoverage(ellipsoids_held_, told_, usable_);
+    }
+    result_.workspace_before =
+        std::sqrt(nominal_square_ / static_cast<double>(usable_));
     result_.workspace_predicted =
         std::sqrt(predicted_square_ / static_cast<double>(usable_));
     std::vector<double> errors;
@@ -502,6 +515,7 @@ class MonteCarlo {
   const IdentifiabilityResult pass_;
   const RepeatedCalibration calibration_;
   const Eigen::MatrixXd workspace_;
+  Eigen::Matrix3Xd nominal_positions_;
   const double reach_;
   Eigen::VectorXd truth_;
   Eigen::VectorXd equivalent_;  // as far as the free columns can tell
@@ -510,6 +524,8 @@ class MonteCarlo {
 
   std::int64_t usable_ = 0;
   std::vector<Sum> sums_;
+  std::int64_t told_ = 0;
+  double nominal_square_ = 0.0;
   std::int64_t axes_held_ = 0;
   std::int64_t ellipsoids_held_ = 0;
   double predicted_square_ = 0.0;

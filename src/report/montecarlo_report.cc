@@ -82,7 +82,7 @@ std::string Workspace(const MonteCarloResult& result) {
   return Paragraph(
              "Over " + Count(result.workspace_poses, "configuration") +
              " drawn within the joint limits the error (root mean square) "
-             "falls from " +
+             "goes from " +
              FormatLength(result.workspace_before, 3) + " to " +
              FormatLength(result.workspace.mean, 3) + " in the mean trial, " +
              FormatLength(result.workspace.p95, 3) +
