@@ -48,11 +48,11 @@ class TrustRegion {
   double divisor_ = 2.0;
 };
 
-class Iteration {
+class LevenbergMarquardt {
  public:
-  Iteration(const CalibrationProblem& problem, double radius,
-            CompressedProblem* compressed, Progress* progress,
-            Eigen::VectorXd* values)
+  LevenbergMarquardt(const CalibrationProblem& problem, double radius,
+                     CompressedProblem* compressed, Progress* progress,
+                     Eigen::VectorXd* values)
       : problem_(problem),
         progress_(*progress),
         compressor_(*progress->compressor()),
@@ -207,7 +207,7 @@ class Iteration {
 void IterateLevenbergMarquardt(const CalibrationProblem& problem, double radius,
                                CompressedProblem* compressed,
                                Progress* progress, Eigen::VectorXd* values) {
-  Iteration(problem, radius, compressed, progress, values).Run();
+  LevenbergMarquardt(problem, radius, compressed, progress, values).Run();
 }
 
 }  // namespace alidade
