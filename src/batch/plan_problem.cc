@@ -11,6 +11,7 @@
 #include "alidade/identifiability/factor.h"
 #include "alidade/identifiability/rules.h"
 #include "alidade/measurement/compression.h"
+#include "alidade/measurement/merge.h"
 #include "frame_fit.h"
 #include "preparation.h"
 
@@ -27,59 +28,12 @@ constexpr int kRandomPoses = 5000;
 constexpr std::uint64_t kRegionSeed = 0x9e3779b97f4a7c15;
 constexpr std::uint64_t kRandomSeed = 0xd1b54a32d192ed03;
 
-template <typename T>
-void AppendList(const std::vector<T>& more, std::vector<T>* list) {
-  list->insert(list->end(), more.begin(), more.end());
-}
-
-// Both data sets as one, for the ranks: observations of the second refer to
-// poses behind those of the first. Whiteners are not needed for a rank.
-Dataset Joined(Dataset first, const Dataset& second) {
-  const auto shift = static_cast<int>(first.num_poses());
-  Eigen::MatrixXd joint_values(first.num_joints(),
-                               first.num_poses() + second.num_poses());
-  joint_values << first.joint_values, second.joint_values;
-  first.joint_values = std::move(joint_values);
-  for (ObservationBlock more : second.blocks) {
-    more.whiteners.clear();
-    std::vector<int> poses, targets;
-    for (Eigen::Index i = 0; i < more.size(); ++i) {
-      poses.push_back(more.pose(i) + shift);
-      targets.push_back(more.target(i));
-    }
-    more.poses = std::move(poses);
-    more.targets = std::move(targets);
-    if (more.kind == MeasurementKind::kDifference) {
-      for (int& pose : more.seconds) pose += shift;
-    }
-    ObservationBlock& own = first.blocks.front();
-    if (own.kind != more.kind) {
-      first.blocks.push_back(std::move(more));
-      continue;
-    }
-    AppendList(more.poses, &own.poses);
-    AppendList(more.targets, &own.targets);
-    Eigen::MatrixXd measured(own.rows_each(), own.size() + more.size());
-    Eigen::MatrixXd sigmas(measured.rows(), measured.cols());
-    measured << own.measured, more.measured;
-    sigmas << own.sigmas, more.sigmas;
-    own.measured = std::move(measured);
-    own.sigmas = std::move(sigmas);
-  }
-  return first;
-}
-
-Eigen::MatrixXd SelectPoses(const Eigen::MatrixXd& joint_values,
-                            const std::vector<int>& poses) {
-  return SelectColumns(joint_values, poses);
-}
-
 Eigen::MatrixXd FindCandidates(const PlanConfig& config, const Arm& arm,
                                std::int64_t* looked_at) {
   Eigen::MatrixXd found;
   if (config.given_candidates) {
     *looked_at = config.given_candidates->cols();
-    found = SelectPoses(
+    found = SelectColumns(
         *config.given_candidates,
         AllowedPoses(arm, config.constraints, *config.given_candidates));
   } else {
@@ -151,7 +105,8 @@ class ProblemMaker {
         MakePlannedData(model_, design.joint_values, config_.measurement);
     const Dataset& measured = config_.job.data;
     problem_.identifiability = AnalyzeIdentifiability(
-        model_, measured.num_poses() > 0 ? Joined(planned, measured) : planned,
+        model_,
+        measured.num_poses() > 0 ? MergeDatasets({planned, measured}) : planned,
         config_.job.identifiability);
     if (problem_.identifiability.exceeds_rank) return std::move(problem_);
     problem_.columns = FreeColumns(problem_.identifiability);

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "src/io/dataset_builder.h"
+#include "alidade/measurement/merge.h"
 #include "src/io/names.h"
 #include "src/io/shared_data.h"
 #include "src/io/simulation_section.h"

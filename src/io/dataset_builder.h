@@ -28,11 +28,6 @@ struct Observation {
 std::vector<ObservationBlock> MakeBlocks(
     const std::vector<Observation>& observations, Eigen::Index num_poses);
 
-/// All poses and observations of `parts`, in their order; a pose's file is
-/// counted on. Matrices are copied part by part, at the speed of memory. @pre
-/// as many joints in each.
-Dataset MergeDatasets(std::vector<Dataset> parts);
-
 }  // namespace alidade
 
 #endif  // ALIDADE_SRC_IO_DATASET_BUILDER_H_

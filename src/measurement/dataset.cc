@@ -18,6 +18,11 @@ bool HasReference(MeasurementKind kind) {
          kind == MeasurementKind::kPointDistance;
 }
 
+bool HasSecond(MeasurementKind kind) {
+  return kind == MeasurementKind::kDifference ||
+         kind == MeasurementKind::kPointDistance;
+}
+
 int RowsOf(MeasurementKind kind) {
   switch (kind) {
     case MeasurementKind::kPosition:
@@ -132,6 +137,15 @@ Dataset MakePositions(const Eigen::MatrixXd& joint_values,
   data.positions() = points;
   data.sigmas() = sigmas;
   return data;
+}
+
+void DropTrivialPoses(Eigen::Index num_poses, ObservationBlock* block) {
+  std::vector<int>& poses = block->poses;
+  bool counts = static_cast<Eigen::Index>(poses.size()) == num_poses;
+  for (std::size_t i = 0; counts && i < poses.size(); ++i) {
+    counts = poses[i] == static_cast<int>(i);
+  }
+  if (counts || block->kind == MeasurementKind::kPointDistance) poses.clear();
 }
 
 void Whiten(const ObservationBlock& block, Eigen::Index first,

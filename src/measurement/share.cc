@@ -4,6 +4,9 @@
 #include <cstdint>
 #include <numeric>
 #include <string>
+#include <utility>
+
+#include "src/measurement/merge_blocks.h"
 
 namespace alidade {
 namespace {
@@ -149,35 +152,20 @@ void PutBlock(const ObservationBlock& block, ByteWriter* writer) {
   }
 }
 
-template <typename Entry>
-void Append(const std::vector<Entry>& from, std::vector<Entry>* to) {
-  to->insert(to->end(), from.begin(), from.end());
-}
-
-void AppendColumns(const Eigen::MatrixXd& more, Eigen::MatrixXd* all) {
-  const Eigen::Index first = all->cols();
-  all->conservativeResize(more.rows(), first + more.cols());
-  all->rightCols(more.cols()) = more;
-}
-
-void AppendBlock(int first_pose, ByteReader* reader, ObservationBlock* block) {
-  const auto is_pose = [&](int index) { return index + first_pose; };
-  std::vector<int> poses = reader->GetList<int>();
-  std::transform(poses.begin(), poses.end(), poses.begin(), is_pose);
-  Append(poses, &block->poses);
-  Append(reader->GetList<int>(), &block->targets);
-  Append(reader->GetList<int>(), &block->references);
-  std::vector<int> seconds = reader->GetList<int>();
-  if (block->kind == MeasurementKind::kDifference) {
-    std::transform(seconds.begin(), seconds.end(), seconds.begin(), is_pose);
+ObservationBlock GetBlock(MeasurementKind kind, ByteReader* reader) {
+  ObservationBlock block;
+  block.kind = kind;
+  block.poses = reader->GetList<int>();
+  block.targets = reader->GetList<int>();
+  block.references = reader->GetList<int>();
+  block.seconds = reader->GetList<int>();
+  block.measured = reader->GetMatrix();
+  block.sigmas = reader->GetMatrix();
+  block.whiteners.resize(static_cast<std::size_t>(reader->Get<std::int64_t>()));
+  for (Eigen::MatrixXd& whitener : block.whiteners) {
+    whitener = reader->GetMatrix();
   }
-  Append(seconds, &block->seconds);
-  AppendColumns(reader->GetMatrix(), &block->measured);
-  AppendColumns(reader->GetMatrix(), &block->sigmas);
-  const auto count = reader->Get<std::int64_t>();
-  for (std::int64_t i = 0; i < count; ++i) {
-    block->whiteners.push_back(reader->GetMatrix());
-  }
+  return block;
 }
 
 // Columns of every member, one member after the other.
@@ -194,6 +182,31 @@ Eigen::MatrixXd SideBySide(Eigen::Index rows,
   for (const Eigen::MatrixXd& part : parts) {
     all.middleCols(first, part.cols()) = part;
     first += part.cols();
+  }
+  return all;
+}
+
+// What was taken out of all shares as one. `mine` tells the names.
+Dataset JoinMembers(const std::vector<Dataset>& parts, Dataset mine) {
+  Dataset all;
+  all.name = std::move(mine.name);
+  all.files = std::move(mine.files);
+  Eigen::Index num_poses = 0;
+  for (const Dataset& part : parts) num_poses += part.num_poses();
+  all.joint_values.resize(mine.num_joints(), num_poses);
+  std::vector<std::vector<PartBlock>> blocks(mine.blocks.size());
+  Eigen::Index first = 0;
+  for (const Dataset& part : parts) {
+    all.joint_values.middleCols(first, part.num_poses()) = part.joint_values;
+    all.sources.insert(all.sources.end(), part.sources.begin(),
+                       part.sources.end());
+    for (std::size_t k = 0; k < blocks.size(); ++k) {
+      blocks[k].push_back({&part.blocks[k], static_cast<int>(first)});
+    }
+    first += part.num_poses();
+  }
+  for (const std::vector<PartBlock>& parts_of_kind : blocks) {
+    all.blocks.push_back(MergeBlocks(parts_of_kind, num_poses));
   }
   return all;
 }
@@ -268,22 +281,17 @@ Dataset GatherData(const Dataset& data, Dataset mine) {
   writer.PutMatrix(mine.joint_values);
   writer.PutList(mine.sources);
   for (const ObservationBlock& block : mine.blocks) PutBlock(block, &writer);
-  Dataset all;
-  all.name = mine.name;
-  all.files = mine.files;
-  for (const ObservationBlock& block : mine.blocks) {
-    all.blocks.push_back(EmptyBlock(block.kind));
-  }
+  std::vector<Dataset> parts;
   for (const std::string& bytes : team->Gather(writer.Take())) {
     ByteReader reader(bytes);
-    const auto first_pose = static_cast<int>(all.num_poses());
-    AppendColumns(reader.GetMatrix(), &all.joint_values);
-    Append(reader.GetList<PoseSource>(), &all.sources);
-    for (ObservationBlock& block : all.blocks) {
-      AppendBlock(first_pose, &reader, &block);
+    parts.emplace_back();
+    parts.back().joint_values = reader.GetMatrix();
+    parts.back().sources = reader.GetList<PoseSource>();
+    for (const ObservationBlock& block : mine.blocks) {
+      parts.back().blocks.push_back(GetBlock(block.kind, &reader));
     }
   }
-  return all;
+  return JoinMembers(parts, std::move(mine));
 }
 
 Eigen::MatrixXd PosesInOrder(const Dataset& data, Eigen::MatrixXd mine) {

@@ -43,6 +43,9 @@ bool HoldsPosition(MeasurementKind kind);
 /// Whether an observation names a reference point or plane.
 bool HasReference(MeasurementKind kind);
 
+/// Whether an observation names a second pose or point.
+bool HasSecond(MeasurementKind kind);
+
 /// Rows of one observation: 3, 6 or 1.
 int RowsOf(MeasurementKind kind);
 
@@ -163,6 +166,10 @@ std::string SourceOf(const Dataset& data, int pose);
 Dataset MakePositions(const Eigen::MatrixXd& joint_values,
                       const Eigen::Matrix3Xd& points,
                       const Eigen::Matrix3Xd& sigmas);
+
+/// Clears the block's list of poses where it says nothing: 0, 1, ... of a data
+/// set with as many poses, or observations that belong to none.
+void DropTrivialPoses(Eigen::Index num_poses, ObservationBlock* block);
 
 /// Whitens stacked rows (residuals or a Jacobian) of `count` observations of a
 /// block from `first` on, in place. Rows that were not measured become zero.

@@ -1,12 +1,13 @@
 // Merged data sets against what an observation by itself says.
 
+#include "alidade/measurement/merge.h"
+
 #include <gtest/gtest.h>
 
 #include <utility>
 #include <vector>
 
 #include "alidade/measurement/dataset.h"
-#include "src/io/dataset_builder.h"
 #include "tests/io/loaded_data_util.h"
 
 namespace alidade {
@@ -82,6 +83,20 @@ TEST(MergeDatasetsTest, KindsListsAndWhitenersGoOnWhereThePosesDo) {
   ASSERT_EQ(positions.whiteners.size(), 5u);
   EXPECT_EQ(positions.whiteners[1].size(), 9);
   EXPECT_EQ(positions.whiteners[4].size(), 0);
+}
+
+// As planned poses, which no file has, joined to measured ones.
+TEST(MergeDatasetsTest, SourcesAreOfAllPosesOrOfNone) {
+  Dataset planned = Part(3, {Block(MeasurementKind::kPosition, 3, 0.0)});
+  planned.sources.clear();
+  planned.files.clear();
+  const Dataset measured = Part(2, {Block(MeasurementKind::kPosition, 2, 1.0)});
+  const Dataset all = MergeDatasets({planned, measured});
+  EXPECT_EQ(all.num_poses(), 5);
+  EXPECT_TRUE(all.sources.empty());
+  EXPECT_EQ(SourceOf(all, 4), "");
+  const Dataset none = Part(0, {});
+  EXPECT_EQ(MergeDatasets({none, measured}).sources.size(), 2u);
 }
 
 }  // namespace
