@@ -17,8 +17,8 @@ one plate are 50 mm apart to 0.02 mm.  A prior of 0.1 rad and 0.1 m on the
 geometry keeps redundant parameters where they are.
 
 The data are not part of the project: the environment variable ALIDADE_DATA
-names their folder (default ../shared/data from the project's root).  Needs
-the packages python3-numpy and python3-scipy; fastest with OMP_NUM_THREADS=1.
+names their folder.  Needs the packages python3-numpy and python3-scipy;
+fastest with OMP_NUM_THREADS=1.
 """
 
 from __future__ import annotations
@@ -484,8 +484,9 @@ def run_set(root: Path, splits: Path, name: str) -> Iterator[list[str]]:
 def main() -> None:
     """Runs every split of the sets asked for."""
     options = arguments()
-    beside = Path(__file__).resolve().parents[2] / "shared" / "data"
-    root = Path(os.environ.get("ALIDADE_DATA", beside))
+    if "ALIDADE_DATA" not in os.environ:
+        sys.exit("plain_fit: set ALIDADE_DATA to the folder of the data")
+    root = Path(os.environ["ALIDADE_DATA"])
     with open(options.out, "w", buffering=1, encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(HEADER)

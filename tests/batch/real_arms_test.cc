@@ -1,23 +1,23 @@
-// Real measurements that are no part of the project: skipped, with a message,
-// where they are absent.
+// Real measurements that are no part of the project: ALIDADE_DATA names their
+// folder. Skipped, with a message, where it is not set or a job's own file is
+// not there.
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <filesystem>
 #include <ostream>
 #include <string>
 #include <vector>
 
 #include "alidade/batch/job.h"
 #include "alidade/io/job_file.h"
+#include "tests/support/real_arm_data.h"
 
 namespace alidade {
 namespace {
 
-std::string DataDirectory() {
-  if (const char* given = std::getenv("ALIDADE_DATA")) return given;
-  return std::string(ALIDADE_SOURCE_DIR) + "/../shared/data";
+std::string PathOf(const std::string& job) {
+  return std::string(ALIDADE_SOURCE_DIR) + "/configs/real_arms/" + job +
+         ".yaml";
 }
 
 // Mean error on held-out poses (mm) that one split leaves. A plain
@@ -33,24 +33,14 @@ struct RealArm {
 
 void PrintTo(const RealArm& arm, std::ostream* out) { *out << arm.job; }
 
-JobConfig LoadRealArm(const std::string& name) {
-  setenv("ALIDADE_DATA", DataDirectory().c_str(), 1);
-  return LoadJob(std::string(ALIDADE_SOURCE_DIR) + "/configs/real_arms/" +
-                 name + ".yaml");
-}
-
-bool HasData() { return std::filesystem::exists(DataDirectory()); }
-
-std::string NoData() {
-  return "no measured data in " + DataDirectory() +
-         "; ALIDADE_DATA names their folder";
-}
-
 class RealArmTest : public ::testing::TestWithParam<RealArm> {};
 
 TEST_P(RealArmTest, IsAsAccurateOnHeldOutPosesAsAPlainFitOrBetter) {
-  if (!HasData()) GTEST_SKIP() << NoData();
-  const JobOutcome outcome = RunJob(LoadRealArm(GetParam().job), "test", 2);
+  const std::string path = PathOf(GetParam().job);
+  if (const std::string lack = testing::WhatDataLack(path); !lack.empty()) {
+    GTEST_SKIP() << lack;
+  }
+  const JobOutcome outcome = RunJob(LoadJob(path), "test", 2);
   ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
   const JobResult& result = outcome.result;
   EXPECT_EQ(result.identifiability.structural_rank.rank, GetParam().rank);
@@ -73,8 +63,11 @@ INSTANTIATE_TEST_SUITE_P(
     [](const ::testing::TestParamInfo<RealArm>& arm) { return arm.param.job; });
 
 TEST(RealArmsTest, ThreeReflectorsTellThirtyThreeParametersApart) {
-  if (!HasData()) GTEST_SKIP() << NoData();
-  JobConfig job = LoadRealArm("irb120");
+  const std::string path = PathOf("irb120");
+  if (const std::string lack = testing::WhatDataLack(path); !lack.empty()) {
+    GTEST_SKIP() << lack;
+  }
+  JobConfig job = LoadJob(path);
   // Ranks do not depend on the loss, the time does.
   job.loss = LossKind::kNone;
   const IdentifiabilityResult pass = IdentifyJob(job, 2);
@@ -83,8 +76,11 @@ TEST(RealArmsTest, ThreeReflectorsTellThirtyThreeParametersApart) {
 }
 
 TEST(RealArmsTest, ABallInSocketsCalibratesAnArmWithoutAnInstrument) {
-  if (!HasData()) GTEST_SKIP() << NoData();
-  const JobOutcome outcome = RunJob(LoadRealArm("socket_panda_6"), "test", 2);
+  const std::string path = PathOf("socket_panda_6");
+  if (const std::string lack = testing::WhatDataLack(path); !lack.empty()) {
+    GTEST_SKIP() << lack;
+  }
+  const JobOutcome outcome = RunJob(LoadJob(path), "test", 2);
   ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
   // The plain fit leaves 0.199 mm over ten splits.
   EXPECT_NEAR(outcome.result.heldout->after.mean, 0.2e-3, 0.04e-3);

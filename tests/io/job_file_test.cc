@@ -18,6 +18,7 @@
 #include "alidade/model/parameter_layout.h"
 #include "tests/io/config_files.h"
 #include "tests/io/io_test_util.h"
+#include "tests/support/real_arm_data.h"
 
 namespace alidade {
 namespace {
@@ -465,12 +466,6 @@ TEST(LoadJobTest, FindsDataByAnEnvironmentVariable) {
   unsetenv("ALIDADE_TEST_DIRECTORY");
 }
 
-// The jobs of real arms read data that are not part of the project.
-bool IsWithoutItsData(const std::string& path) {
-  return path.find("/real_arms/") != std::string::npos &&
-         std::getenv("ALIDADE_DATA") == nullptr;
-}
-
 // Jobs of a file, their simulated data left at zero.
 void LoadEveryJob(const std::string& path) {
   const JobMatrix matrix(path);
@@ -502,10 +497,10 @@ TEST(ConfigsTest, EveryFileLoads) {
         EXPECT_NO_THROW(LoadDeviations(path, arm));
         break;
       case FileFormat::kJob:
-        if (IsWithoutItsData(path)) {
-          EXPECT_THROW(LoadJob(path), InputError);
-        } else {
+        if (testing::WhatDataLack(path).empty()) {
           EXPECT_NO_THROW(LoadEveryJob(path));
+        } else {
+          EXPECT_THROW(LoadJob(path), InputError);
         }
         break;
       case FileFormat::kSimulation:
