@@ -8,11 +8,13 @@
 #include <cstdlib>
 #include <iostream>
 #include <string>
+#include <vector>
 
 #include "alidade/base/error.h"
 #include "alidade/batch/report_page.h"
 #include "alidade/batch/result_directory.h"
 #include "alidade/io/files.h"
+#include "bench/study_main.h"
 #include "bench/ur_factory_arms.h"
 
 namespace alidade {
@@ -56,11 +58,13 @@ JobConfig JobOf(const FactoryArm& arm, const std::string& label,
   return job;
 }
 
-int Run(const std::string& data, const std::string& out) {
+bool Run(const std::vector<std::string>& arguments) {
+  if (arguments.size() != 2) return false;
+  const std::string& out = arguments[1];
   const std::string page_path = out + "/comparison.html";
   ComparisonPage page;
   std::uint64_t seed = kSeed;
-  for (const FactoryArm& arm : LoadFactoryArms(data)) {
+  for (const FactoryArm& arm : LoadFactoryArms(arguments[0])) {
     const std::string label = LabelOf(arm);
     const std::string directory = out + "/" + DirectoryName(label);
     try {
@@ -81,21 +85,13 @@ int Run(const std::string& data, const std::string& out) {
   }
   WriteFileAtomically(page_path, page.Render(ComparisonKind::kFleet));
   std::cout << page_path << std::endl;
-  return EXIT_SUCCESS;
+  return true;
 }
 
 }  // namespace
 }  // namespace alidade
 
 int main(int argc, char** argv) {
-  if (argc != 3) {
-    std::cerr << "usage: fleet DATA_DIRECTORY OUT\n";
-    return 2;
-  }
-  try {
-    return alidade::Run(argv[1], argv[2]);
-  } catch (const std::exception& error) {
-    std::cerr << "fleet: " << error.what() << "\n";
-    return 2;
-  }
+  return alidade::bench::StudyMain(argc, argv, "fleet DATA_DIRECTORY OUT",
+                                   alidade::Run);
 }

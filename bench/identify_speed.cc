@@ -12,6 +12,7 @@
 #include "alidade/identifiability/analysis.h"
 #include "alidade/io/job_file.h"
 #include "alidade/model/joint_draw.h"
+#include "bench/study_main.h"
 
 namespace alidade {
 namespace {
@@ -62,7 +63,9 @@ Dataset RandomData(const Arm& arm, int poses) {
   return data;
 }
 
-void Run(const std::string& root) {
+bool Run(const std::vector<std::string>& arguments) {
+  if (arguments.size() != 1) return false;
+  const std::string& root = arguments[0];
   for (const char* name : {"rv2aj_study", "rv2aj_noise"}) {
     const JobConfig job = LoadJob(root + "/configs/jobs/" + name + ".yaml");
     Print(std::string(name) + ", 25 candidates", job.data,
@@ -77,12 +80,13 @@ void Run(const std::string& root) {
     Print("six axes, 42 candidates", data,
           MedianTime(MeasurementModel(arm), data, options, 5));
   }
+  return true;
 }
 
 }  // namespace
 }  // namespace alidade
 
 int main(int argc, char** argv) {
-  alidade::Run(argc > 1 ? argv[1] : ".");
-  return 0;
+  return alidade::bench::StudyMain(
+      argc, argv, "identify_speed SOURCE_DIRECTORY", alidade::Run);
 }

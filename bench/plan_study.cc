@@ -34,6 +34,7 @@
 #include "alidade/io/plan_config.h"
 #include "alidade/measurement/holdout.h"
 #include "alidade/report/svg_chart.h"
+#include "bench/study_main.h"
 
 namespace alidade {
 namespace {
@@ -366,8 +367,8 @@ class RealArmStudy {
   const JobConfig job_;
 };
 
-int RunReal(const std::string& root, const std::string& images,
-            const std::string& name) {
+void RunReal(const std::string& root, const std::string& images,
+             const std::string& name) {
   LineChart chart;
   chart.title = "Held-out error of " + name + " by the number of poses";
   chart.subtitle =
@@ -377,31 +378,27 @@ int RunReal(const std::string& root, const std::string& images,
   chart.y.label = "mean error [mm]";
   RealArmStudy(root, name).Run(&chart);
   WriteFileAtomically(images + "/planning_" + name + ".svg", RenderSvg(chart));
-  return EXIT_SUCCESS;
 }
 
-int Run(const std::vector<std::string>& arguments) {
+bool Run(const std::vector<std::string>& arguments) {
   if (arguments.size() == 2 && arguments[0] == "rv2aj") {
     Rv2ajStudy(arguments[1]).Print();
-    return EXIT_SUCCESS;
+    return true;
   }
   if (arguments.size() == 4 && arguments[0] == "real") {
-    return RunReal(arguments[1], arguments[2], arguments[3]);
+    RunReal(arguments[1], arguments[2], arguments[3]);
+    return true;
   }
-  std::cerr << "usage: plan_study rv2aj SOURCE_DIRECTORY\n"
-               "       plan_study real SOURCE_DIRECTORY IMAGE_DIRECTORY "
-               "ARM\n";
-  return 2;
+  return false;
 }
 
 }  // namespace
 }  // namespace alidade
 
 int main(int argc, char** argv) {
-  try {
-    return alidade::Run({argv + 1, argv + argc});
-  } catch (const alidade::InputError& error) {
-    std::cerr << "plan_study: " << error.what() << "\n";
-    return 2;
-  }
+  return alidade::bench::StudyMain(
+      argc, argv,
+      "plan_study rv2aj SOURCE_DIRECTORY\n"
+      "       plan_study real SOURCE_DIRECTORY IMAGE_DIRECTORY ARM",
+      alidade::Run);
 }

@@ -27,6 +27,7 @@
 #include "alidade/io/job_file.h"
 #include "alidade/measurement/holdout.h"
 #include "alidade/report/svg_chart.h"
+#include "bench/study_main.h"
 
 namespace alidade {
 namespace {
@@ -241,8 +242,8 @@ LineChart FewPosesChart(const std::string& priors) {
   return chart;
 }
 
-int Report(const std::string& root, const std::string& plain_path,
-           const std::string& images) {
+void Report(const std::string& root, const std::string& plain_path,
+            const std::string& images) {
   std::map<std::string, PlainFit> plain = ReadPlainFits(plain_path);
   std::cout << "| set | N | free | before | plain, mean | Alidade, mean | "
                "plain, median | Alidade, median | plain, max | Alidade, max | "
@@ -264,37 +265,33 @@ int Report(const std::string& root, const std::string& plain_path,
                       RenderSvg(with_priors));
   WriteFileAtomically(images + "/real_arms_few_poses_no_priors.svg",
                       RenderSvg(without));
-  return EXIT_SUCCESS;
 }
 
-int Splits(const std::string& root, const std::string& directory) {
+void Splits(const std::string& root, const std::string& directory) {
   for (const std::string& name : JobNames()) {
     WriteSplits(Load(root, name), directory);
   }
-  return EXIT_SUCCESS;
 }
 
-int Run(const std::vector<std::string>& arguments) {
+bool Run(const std::vector<std::string>& arguments) {
   if (arguments.size() == 3 && arguments[0] == "splits") {
-    return Splits(arguments[1], arguments[2]);
+    Splits(arguments[1], arguments[2]);
+    return true;
   }
   if (arguments.size() == 4 && arguments[0] == "report") {
-    return Report(arguments[1], arguments[2], arguments[3]);
+    Report(arguments[1], arguments[2], arguments[3]);
+    return true;
   }
-  std::cerr << "usage: real_arms splits SOURCE_DIRECTORY DIRECTORY\n"
-               "       real_arms report SOURCE_DIRECTORY PLAIN.csv "
-               "IMAGE_DIRECTORY\n";
-  return 2;
+  return false;
 }
 
 }  // namespace
 }  // namespace alidade
 
 int main(int argc, char** argv) {
-  try {
-    return alidade::Run({argv + 1, argv + argc});
-  } catch (const alidade::InputError& error) {
-    std::cerr << "real_arms: " << error.what() << "\n";
-    return 2;
-  }
+  return alidade::bench::StudyMain(
+      argc, argv,
+      "real_arms splits SOURCE_DIRECTORY DIRECTORY\n"
+      "       real_arms report SOURCE_DIRECTORY PLAIN.csv IMAGE_DIRECTORY",
+      alidade::Run);
 }

@@ -25,6 +25,7 @@
 #include "alidade/solve/solver.h"
 #include "bench/analytic_ceres.h"
 #include "bench/study_columns.h"
+#include "bench/study_main.h"
 
 namespace alidade {
 namespace {
@@ -148,8 +149,8 @@ class Comparison {
     SolverOptions options = options_;
     options.evaluation = evaluation;
     Eigen::VectorXd values = model.NominalValues();
-    return OutcomeOf(SolveLevenbergMarquardt({model, measured_.data, measured_.columns},
-                                options, &values));
+    return OutcomeOf(SolveLevenbergMarquardt(
+        {model, measured_.data, measured_.columns}, options, &values));
   }
 
   Outcome PseudoInverse() const {
@@ -174,30 +175,30 @@ class Comparison {
   SolverOptions options_;
 };
 
-int Run(int argc, char** argv) {
-  const std::string mode = argc > 1 ? argv[1] : "";
-  const bool writes = mode == "write" && argc == 4;
-  if (!writes && !(mode == "run" && argc == 3)) {
-    std::fprintf(stderr,
-                 "usage: solve_comparison run N\n"
-                 "       solve_comparison write DIR N\n");
-    return EXIT_FAILURE;
-  }
-  const Eigen::Index poses = std::atol(argv[argc - 1]);
+bool Run(const std::vector<std::string>& arguments) {
+  const std::string mode = arguments.empty() ? "" : arguments[0];
+  const bool writes = mode == "write" && arguments.size() == 3;
+  if (!writes && !(mode == "run" && arguments.size() == 2)) return false;
+  const Eigen::Index poses = std::stol(arguments.back());
   for (const char* measured : {"wrist", "flange"}) {
     const Comparison comparison(
         measured, std::string("configs/robots/rv2aj_") + measured + ".yaml",
         poses);
     if (writes) {
-      comparison.Write(argv[2]);
+      comparison.Write(arguments[1]);
     } else {
       comparison.Run();
     }
   }
-  return EXIT_SUCCESS;
+  return true;
 }
 
 }  // namespace
 }  // namespace alidade
 
-int main(int argc, char** argv) { return alidade::Run(argc, argv); }
+int main(int argc, char** argv) {
+  return alidade::bench::StudyMain(argc, argv,
+                                   "solve_comparison run N\n"
+                                   "       solve_comparison write DIR N",
+                                   alidade::Run);
+}

@@ -130,34 +130,31 @@ def processor() -> str:
     return name
 
 
-def insert(text: str, mark: str, table: str) -> str:
-    """Replaces what is between a mark and its end."""
-    begin, end = f"<!-- {mark} -->\n", f"<!-- end of {mark} -->"
-    head, rest = text.split(begin)
-    tail = rest.split(end, 1)[1]
-    return head + begin + table + "\n" + end + tail
+def insert(page: Path, mark: str, table: str) -> None:
+    """Puts a table between its marks."""
+    script = Path(__file__).resolve().parents[1] / "scripts" / "insert_table"
+    subprocess.run([script, page, mark, "-"], input=table, text=True, check=True)
 
 
 def main() -> int:
     work, page = Path(sys.argv[1]), Path(sys.argv[2])
-    text = page.read_text(encoding="utf-8")
     machine = (
         f"Commit {output('git', 'rev-parse', '--short', 'HEAD')}; {processor()}, "
         f"{len(os.sched_getaffinity(0))} cores; "
         f"{output('g++', '--version')}, -O3. Solves: poses of seed 1, noise of seed 2, deviations of seed 3."
     )
-    text = insert(text, "machine", machine)
     check_costs(work / "solves.csv")
-    text = insert(text, "solves", solve_tables(work / "solves.csv"))
-    kernels = kernel_table(
-        work / "kernels.json", "ns per pose", work / "kernels_avx2.json"
-    )
-    text = insert(text, "kernels", kernels)
-    text = insert(
-        text, "small", kernel_table(work / "small_calibration.json", "allocations")
-    )
-    text = insert(text, "files", kernel_table(work / "csv_speed.json", "MB/s"))
-    page.write_text(text, encoding="utf-8")
+    tables = {
+        "machine": machine,
+        "solves": solve_tables(work / "solves.csv"),
+        "kernels": kernel_table(
+            work / "kernels.json", "ns per pose", work / "kernels_avx2.json"
+        ),
+        "small": kernel_table(work / "small_calibration.json", "allocations"),
+        "files": kernel_table(work / "csv_speed.json", "MB/s"),
+    }
+    for mark, table in tables.items():
+        insert(page, mark, table)
     return 0
 
 

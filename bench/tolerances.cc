@@ -12,6 +12,7 @@
 #include "alidade/identifiability/rules.h"
 #include "alidade/io/job_file.h"
 #include "alidade/solve/solver.h"
+#include "bench/study_main.h"
 
 namespace alidade {
 namespace {
@@ -55,7 +56,7 @@ void RunVariant(const CalibrationProblem& problem, Variant* variant) {
   variant->worst.Add(SolveLevenbergMarquardt(problem, options, &values));
 }
 
-void Run(const std::string& simulation, const std::vector<std::string>& fix) {
+void Study(const std::string& simulation, const std::vector<std::string>& fix) {
   std::vector<Variant> variants = {
       {"Ceres, radius 1e10", true, 0.0, 0.0},
       {"Ceres, radius (3 / s)^2", true, 3.0, 0.0},
@@ -90,13 +91,18 @@ void Run(const std::string& simulation, const std::vector<std::string>& fix) {
   std::printf("\n");
 }
 
+bool Run(const std::vector<std::string>& arguments) {
+  if (arguments.size() != 1) return false;
+  const std::string simulations = arguments[0] + "/configs/simulations/";
+  Study(simulations + "rv2aj_wrist_56.yaml", {});
+  Study(simulations + "rv2aj_flange_56.yaml", {"alpha5", "theta4"});
+  return true;
+}
+
 }  // namespace
 }  // namespace alidade
 
 int main(int argc, char** argv) {
-  const std::string root = argc > 1 ? argv[1] : ".";
-  alidade::Run(root + "/configs/simulations/rv2aj_wrist_56.yaml", {});
-  alidade::Run(root + "/configs/simulations/rv2aj_flange_56.yaml",
-               {"alpha5", "theta4"});
-  return 0;
+  return alidade::bench::StudyMain(argc, argv, "tolerances SOURCE_DIRECTORY",
+                                   alidade::Run);
 }

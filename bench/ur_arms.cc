@@ -20,6 +20,7 @@
 #include "alidade/identifiability/rules.h"
 #include "alidade/measurement/compression.h"
 #include "alidade/model/joint_draw.h"
+#include "bench/study_main.h"
 #include "bench/ur_factory_arms.h"
 
 namespace alidade {
@@ -86,14 +87,15 @@ double Calibrate(const std::string& name, const Arm& nominal, const Arm& real,
   return error / predicted;
 }
 
-int Run(const std::string& directory) {
+bool Run(const std::vector<std::string>& arguments) {
+  if (arguments.size() != 1) return false;
   std::cout << "| arm | measured | free | before, rms | true error, rms | "
                "predicted | ratio |\n|---|---|---|---|---|---|---|"
             << std::endl;
   std::uint64_t seed = 101;
   double squares = 0.0;
   int count = 0;
-  for (const FactoryArm& arm : LoadFactoryArms(directory)) {
+  for (const FactoryArm& arm : LoadFactoryArms(arguments[0])) {
     if (arm.has_half_turn) continue;
     for (const MeasurementKind kind :
          {MeasurementKind::kPosition, MeasurementKind::kPose}) {
@@ -108,21 +110,13 @@ int Run(const std::string& directory) {
   std::snprintf(rms.data(), rms.size(), "%.2f", std::sqrt(squares / count));
   std::cout << "| root mean square of " << count << " | | | | | | "
             << rms.data() << " |" << std::endl;
-  return EXIT_SUCCESS;
+  return true;
 }
 
 }  // namespace
 }  // namespace alidade
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    std::cerr << "usage: ur_arms DATA_DIRECTORY\n";
-    return 2;
-  }
-  try {
-    return alidade::Run(argv[1]);
-  } catch (const std::exception& error) {
-    std::cerr << "ur_arms: " << error.what() << "\n";
-    return 2;
-  }
+  return alidade::bench::StudyMain(argc, argv, "ur_arms DATA_DIRECTORY",
+                                   alidade::Run);
 }
