@@ -91,6 +91,23 @@ finds include/alidade/model/arm.h \
 finds src/extra/new.cc 'src/extra/new.cc:1: module extra is not in the table' \
   '#include <string>'
 
+finds src/uncertainty/fit.cc \
+  'src/uncertainty/fit.cc:1: module uncertainty must not include ceres' \
+  '#include <ceres/ceres.h>'
+finds src/compensation/inverse.cc \
+  'src/compensation/inverse.cc:1: module compensation must not include' \
+  '#include "alidade/results/accuracy.h"'
+
+mapfile -t lines < <(seq -f '// %g' 600)
+finds tests/model/arm_test.cc 'tests/model/arm_test.cc: 601 lines, at most 600' \
+  "${lines[@]}" '// 601'
+clean_tree
+plant bench/study.cc "${lines[@]}"
+if ! "$check" "$tree"; then
+  echo "600 lines are too many"
+  failures=$((failures + 1))
+fi
+
 clean_tree
 plant include/alidade/base/a.h '#include "alidade/base/b.h"'
 plant include/alidade/base/b.h '#include "alidade/base/a.h"'
