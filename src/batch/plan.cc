@@ -125,6 +125,16 @@ class Planner {
                   "lower the minimum motion or add candidates");
     }
     if (design_.status == DesignStatus::kRankShort) {
+      const std::size_t told =
+          static_cast<std::size_t>(problem_.identifiability.nominal_rank.rank);
+      if (told < problem_.columns.size()) {
+        return Fail("all " + std::to_string(result().num_candidates) +
+                    " candidates together tell only " + std::to_string(told) +
+                    " of " + std::to_string(problem_.columns.size()) +
+                    " parameters apart, so that no number of poses is enough: "
+                    "fix parameters, use `policy: freeze` or `policy: prior`, "
+                    "measure more axes or targets, or give other candidates");
+      }
       return Fail(std::to_string(options.num_poses) + " poses of " +
                   std::to_string(result().equations) +
                   " measurements each do not tell " +

@@ -126,6 +126,20 @@ TEST(RunPlanTest, TooFewPosesForTheParametersFail) {
       << outcome.message;
 }
 
+// With z alone no pose tells, for instance, d2, and more poses would not.
+TEST(RunPlanTest, WhatNoNumberOfPosesTellsIsNotAskedFor) {
+  PlanConfig config = FlangePlan();
+  config.measurement.axes = {false, false, true};
+  config.design.num_poses = 200;
+  const PlanOutcome outcome = RunPlan(config, "test", 1);
+  EXPECT_EQ(outcome.status, PlanStatus::kFailed);
+  EXPECT_NE(outcome.message.find("all 600 candidates together tell only 9 of "
+                                 "16 parameters apart"),
+            std::string::npos)
+      << outcome.message;
+  EXPECT_EQ(outcome.message.find("plan more poses"), std::string::npos);
+}
+
 TEST(RunPlanTest, ConstraintsThatNoPoseMeetsAreAnErrorOfTheUser) {
   PlanConfig config = FlangePlan();
   config.candidates.count = 50;

@@ -33,7 +33,9 @@ struct DesignProblem {
 };
 
 enum class DesignStatus {
-  kConverged,  ///< no exchange of one pose makes it better
+  /// No exchange of one pose makes it better; of criteria other than D, none
+  /// with a candidate of that place's shortlist.
+  kConverged,
   kPassLimit,  ///< max_passes came before that
   /// The poses do not tell all parameters apart, and nothing else is known of
   /// them: more poses, fewer parameters or priors are needed.
@@ -79,8 +81,8 @@ struct DesignResult {
 /// so that an exchange costs O(candidates p) for each row.
 /// All other criteria: the slope of the criterion (DesignSlope) says which
 /// candidates are worth an evaluation by eigenvalues or over the region, in
-/// O(candidates p^2). Ties go to the candidate with the smaller number; bits do
-/// not depend on threads.
+/// O(candidates p^2). Others are not tried, in the end neither. Ties go to the
+/// candidate with the smaller number; bits do not depend on threads.
 /// @pre options.IsValid(); sizes agree; there is a candidate.
 DesignResult ChoosePoses(const DesignProblem& problem,
                          const DesignOptions& options);
