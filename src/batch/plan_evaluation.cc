@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "alidade/base/random.h"
+#include "alidade/design/efficiency.h"
 #include "alidade/identifiability/observability.h"
 
 namespace alidade {
@@ -190,19 +191,6 @@ void PlanEvaluator::ListParameters(const DesignResult& plan,
   }
 }
 
-// log det M is concave in the weights of the candidates, so that its slope
-// bounds what any other plan of as many poses could gain (Kiefer and Wolfowitz
-// 1960, where nothing is known beforehand).
-double PlanEvaluator::Efficiency(const DesignResult& plan) const {
-  const Eigen::VectorXd variances = PredictedVariances(
-      problem_.design.candidates, plan.information, threads());
-  double used = 0.0;
-  for (const int k : plan.chosen) used += variances[k];
-  const double most =
-      static_cast<double>(plan.chosen.size()) * variances.maxCoeff();
-  return std::exp(std::min(0.0, used - most) / num_parameters());
-}
-
 double PlanEvaluator::BoundOf(int num_poses) const {
   const PoseMeasurement& measurement = config_.measurement;
   const bool is_plain = !measurement.orientation &&
@@ -223,7 +211,8 @@ void PlanEvaluator::Evaluate(const DesignResult& plan,
   if (result->measured_before > 0) {
     result->evaluations.push_back(EvaluatePoses("no new poses", rows, {}));
   }
-  result->d_efficiency = Efficiency(plan);
+  result->d_efficiency =
+      DeterminantEfficiency(problem_.design, plan.chosen, threads());
   result->bound = BoundOf(count);
   result->exchanges = plan.exchanges;
   result->passes = plan.passes;

@@ -50,7 +50,6 @@ class PlanEvaluator {
   PlanEvaluation EvaluateRandom(int count, PlanResult* result) const;
   Eigen::VectorXd Deviations(const Eigen::MatrixXd& information) const;
   void ListParameters(const DesignResult& plan, PlanResult* result) const;
-  double Efficiency(const DesignResult& plan) const;
   double BoundOf(int num_poses) const;
   std::vector<int> CurveNumbers(int num_poses) const;
   PredictedAccuracy RandomAccuracy(int count) const;

@@ -72,6 +72,11 @@ std::string EvaluationTable(const PlanResult& result) {
   return table.ToString();
 }
 
+// Of the information of the best plan. The bound is far below what a plan
+// really has where there are fewer poses than the parameters need and priors
+// tell the rest: it then says nothing.
+constexpr double kWorthTelling = 0.5;
+
 std::string Verdict(const PlanResult& result) {
   std::string text;
   if (result.bound > 0.0) {
@@ -83,10 +88,14 @@ std::string Verdict(const PlanResult& result) {
             FormatSignificant(100.0 * (worst / result.bound - 1.0), 2) +
             " % above. ";
   }
+  if (result.d_efficiency >= kWorthTelling) {
+    text += "It has at least " +
+            FormatSignificant(100.0 * result.d_efficiency, 3) +
+            " % of the information (D) that any plan of as many of these "
+            "candidates could have. ";
+  }
   text +=
-      "It has at least " + FormatSignificant(100.0 * result.d_efficiency, 3) +
-      " % of the information (D) that any plan of as many of these "
-      "candidates could have. Travel " +
+      "Travel " +
       (result.travel_in_seconds
            ? FormatDuration(result.travel) + " instead of " +
                  FormatDuration(result.travel_before)
