@@ -98,8 +98,8 @@ class PoseResidual : public ceres::CostFunction {
   const Eigen::Index pose_;
 };
 
-// Stops where SolveLevenbergMarquardt does: a step that is predicted to lower the cost by
-// less than the function tolerance.
+// Stops where SolveLevenbergMarquardt does: a step that is predicted to lower
+// the cost by less than the function tolerance.
 class StopByPrediction : public ceres::IterationCallback {
  public:
   explicit StopByPrediction(double tolerance) : tolerance_(tolerance) {}

@@ -96,8 +96,8 @@ void Solve(benchmark::State& state) {
   for (auto unused : state) {
     Eigen::VectorXd values = problem.model.NominalValues();
     benchmark::DoNotOptimize(
-        SolveLevenbergMarquardt({problem.model, problem.data, problem.columns}, options,
-                   &values)
+        SolveLevenbergMarquardt({problem.model, problem.data, problem.columns},
+                                options, &values)
             .final_cost);
   }
   CountAllocations(state, before);

@@ -148,8 +148,8 @@ class Comparison {
     SolverOptions options = options_;
     options.evaluation = evaluation;
     Eigen::VectorXd values = model.NominalValues();
-    return OutcomeOf(SolveLevenbergMarquardt({model, measured_.data, measured_.columns},
-                                options, &values));
+    return OutcomeOf(SolveLevenbergMarquardt(
+        {model, measured_.data, measured_.columns}, options, &values));
   }
 
   Outcome PseudoInverse() const {
