@@ -1,6 +1,7 @@
-// How the first trust region of Ceres and the tolerance of the pseudo-inverse
-// decide the number of iterations, on the RV-2AJ study's poses over seeds: the
-// numbers behind docs/architecture.md. Run by scripts/tolerances.
+// How the first trust region of Levenberg-Marquardt and the tolerance of the
+// pseudo-inverse decide the number of iterations, on the RV-2AJ study's poses
+// over seeds: the numbers behind docs/architecture.md. Run by
+// scripts/tolerances.
 
 #include <algorithm>
 #include <cstdio>
@@ -58,11 +59,11 @@ void RunVariant(const CalibrationProblem& problem, Variant* variant) {
 
 void Study(const std::string& simulation, const std::vector<std::string>& fix) {
   std::vector<Variant> variants = {
-      {"Ceres, radius 1e10", true, 0.0, 0.0},
-      {"Ceres, radius (3 / s)^2", true, 3.0, 0.0},
-      {"Ceres, radius (10 / s)^2", true, 10.0, 0.0},
-      {"Ceres, radius (30 / s)^2 (default)", true, 30.0, 0.0},
-      {"Ceres, radius (100 / s)^2", true, 100.0, 0.0},
+      {"LM, radius 1e10", true, 0.0, 0.0},
+      {"LM, radius (3 / s)^2", true, 3.0, 0.0},
+      {"LM, radius (10 / s)^2", true, 10.0, 0.0},
+      {"LM, radius (30 / s)^2 (default)", true, 30.0, 0.0},
+      {"LM, radius (100 / s)^2", true, 100.0, 0.0},
       {"pseudo-inverse, 1e-15", false, 0.0, 1e-15},
       {"pseudo-inverse, 1e-9", false, 0.0, 1e-9},
       {"pseudo-inverse, 1e-7", false, 0.0, 1e-7},

@@ -133,6 +133,12 @@ UncertaintyResult AssessFit(const FinishedFit& fit,
   if (fit.config.truth) input.true_values = *fit.config.truth;
   UncertaintyResult result = AssessUncertainty(input);
   WarnOfWhatIsNotMeasured(fit, pass, &result);
+  if (fit.config.uncertainty.intervals == IntervalMethod::kProfile &&
+      !input.resolve) {
+    result.warnings.push_back(
+        "intervals are linear: profiles need the solver ceres and " +
+        std::to_string(kMostForProfiles) + " observations at most");
+  }
   return result;
 }
 

@@ -126,6 +126,17 @@ TEST(JobTest, PositionsThatDependOnWhatIsNotMeasuredAreAWarning) {
                              HasSubstr("alpha1"), HasSubstr("r1"))));
 }
 
+TEST(JobTest, ProfilesThatCannotBeMadeAreAWarning) {
+  JobConfig config = LoadStudy("rv2aj_flange");
+  config.uncertainty.intervals = IntervalMethod::kProfile;
+  EXPECT_THAT(RunJob(config, "test", 1).result.warnings,
+              Not(Contains(HasSubstr("intervals are linear"))));
+  config.solver = SolverName::kPseudoInverse;
+  config.compare_with.clear();
+  EXPECT_THAT(RunJob(config, "test", 1).result.warnings,
+              Contains(HasSubstr("intervals are linear: profiles need")));
+}
+
 TEST(JobTest, DefaultMethodWarnsOfParametersFarFromTheirPriors) {
   JobConfig config = LoadStudy();
   config.identifiability.method = IdentifiabilityMethod::kRank;
