@@ -3,9 +3,12 @@
 namespace alidade {
 
 double ColumnScale(const MeasurementModel& model, int column) {
-  const bool angle =
-      model.layout().parameter(column).dimension == Dimension::kAngle;
-  return angle ? Reach(model.nominal()) : 1.0;
+  const Parameter& parameter = model.layout().parameter(column);
+  if (parameter.dimension != Dimension::kAngle) return 1.0;
+  // Only a turn of the base moves targets the more, the farther away it stands.
+  return parameter.kind == ParameterKind::kBaseRotation
+             ? Reach(model.nominal())
+             : ArmReach(model.nominal());
 }
 
 Eigen::MatrixXd ScaleColumns(const MeasurementModel& model,

@@ -177,7 +177,7 @@ Dataset MakeGenericData(const MeasurementModel& model, const Dataset& data,
 }
 
 Dataset WithUnitSigmas(const MeasurementModel& model, Dataset data) {
-  const double angle = 1.0 / Reach(model.nominal());
+  const double angle = 1.0 / ArmReach(model.nominal());
   for (ObservationBlock& block : data.blocks) {
     block.whiteners.clear();
     for (Eigen::Index i = 0; i < block.size(); ++i) {

@@ -8,7 +8,7 @@ namespace alidade {
 
 Eigen::VectorXd PerturbedValues(const MeasurementModel& model, double size,
                                 int draw) {
-  const double reach = Reach(model.nominal());
+  const double reach = ArmReach(model.nominal());
   Eigen::VectorXd sizes = model.NominalValues();
   for (int c = 0; c < sizes.size(); ++c) {
     const Parameter& parameter = model.layout().parameter(c);

@@ -6,20 +6,35 @@
 
 namespace alidade {
 
-double Reach(const Arm& arm) {
+namespace {
+
+double SumOfLengths(const Arm& arm) {
   double farthest = 0.0;
   for (const Target& target : arm.targets) {
     farthest = std::max(farthest, target.last_from_target.translation().norm());
   }
-  double reach = arm.instrument_from_base.translation().norm() + farthest;
+  double sum = farthest;
   for (const Joint& joint : arm.joints) {
-    reach += std::abs(joint.d) + std::abs(joint.r);
+    sum += std::abs(joint.d) + std::abs(joint.r);
     if (joint.type == JointType::kPrismatic && std::isfinite(joint.lower) &&
         std::isfinite(joint.upper)) {
-      reach += std::max(std::abs(joint.lower), std::abs(joint.upper));
+      sum += std::max(std::abs(joint.lower), std::abs(joint.upper));
     }
   }
-  return reach > 0.0 ? reach : 1.0;
+  return sum;
+}
+
+}  // namespace
+
+double ArmReach(const Arm& arm) {
+  const double sum = SumOfLengths(arm);
+  return sum > 0.0 ? sum : 1.0;
+}
+
+double Reach(const Arm& arm) {
+  const double sum =
+      arm.instrument_from_base.translation().norm() + SumOfLengths(arm);
+  return sum > 0.0 ? sum : 1.0;
 }
 
 Eigen::MatrixXd JointsFromMotors(const Arm& arm,

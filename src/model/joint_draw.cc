@@ -11,7 +11,7 @@ double DrawJointValue(const Arm& arm, int j, Random* random) {
   if (std::isfinite(joint.lower) && std::isfinite(joint.upper)) {
     return random->Uniform(joint.lower, joint.upper);
   }
-  const double range = joint.type == JointType::kRevolute ? kPi : Reach(arm);
+  const double range = joint.type == JointType::kRevolute ? kPi : ArmReach(arm);
   return random->Uniform(-range, range);
 }
 

@@ -127,6 +127,27 @@ TEST(RunPlanTest, TooFewPosesForTheParametersFail) {
       << outcome.message;
 }
 
+// An instrument that stands elsewhere measures the same of the joints, and
+// scales of angles are those of the arm: criteria that compare parameters have
+// the same value to rounding, which at 100 km is 1e-11 of the arm's lengths.
+TEST(RunPlanTest, DistanceOfTheInstrumentChangesNoPlan) {
+  PlanConfig config = FlangePlan();
+  config.candidates.count = 200;
+  for (const DesignCriterion criterion :
+       {DesignCriterion::kA, DesignCriterion::kE, DesignCriterion::kD}) {
+    config.design.criterion = criterion;
+    config.job.arm.instrument_from_base = Eigen::Isometry3d::Identity();
+    const PlanOutcome near = RunPlan(config, "test", 1);
+    ASSERT_EQ(near.status, PlanStatus::kDone) << near.message;
+    for (const double distance : {3.0, 1e5}) {
+      config.job.arm.instrument_from_base.translation().x() = distance;
+      const PlanOutcome far = RunPlan(config, "test", 1);
+      ASSERT_EQ(far.status, PlanStatus::kDone) << far.message;
+      EXPECT_NEAR(far.result.value, near.result.value, 1e-6) << distance;
+    }
+  }
+}
+
 // With z alone no pose tells, for instance, d2, and more poses would not.
 TEST(RunPlanTest, WhatNoNumberOfPosesTellsIsNotAskedFor) {
   PlanConfig config = FlangePlan();

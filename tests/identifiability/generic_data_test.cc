@@ -130,7 +130,7 @@ TEST_P(GenericDataTest, PointDistancesStay) {
 
 // A metre, and what turns by a metre at the end of the reach.
 void ExpectUnitSigmas(const MeasurementModel& model, const Dataset& data) {
-  const double angle = 1.0 / Reach(model.nominal());
+  const double angle = 1.0 / ArmReach(model.nominal());
   for (const ObservationBlock& block : data.blocks) {
     EXPECT_TRUE(block.whiteners.empty()) << NameOf(block.kind);
     for (Eigen::Index i = 0; i < block.size(); ++i) {

@@ -188,6 +188,10 @@ TEST(ReachTest, CountsLimitedTravelOnly) {
   arm.joints[0].lower = -0.75;
   arm.joints[0].upper = 0.5;
   EXPECT_DOUBLE_EQ(Reach(arm), 0.25);
+  arm.instrument_from_base.translation().z() = 3.0;
+  EXPECT_DOUBLE_EQ(Reach(arm), 3.25);
+  EXPECT_DOUBLE_EQ(ArmReach(arm), 0.25);
+  arm.instrument_from_base.translation().setZero();
   arm.joints[0].type = JointType::kPrismatic;
   EXPECT_DOUBLE_EQ(Reach(arm), 0.25 + 0.75);
   arm.joints[0].upper = std::numeric_limits<double>::infinity();

@@ -118,7 +118,7 @@ MatrixXl ScaledDifferences(const Arm& arm, const VectorXl& values,
     below[columns[c]] -= kStep;
     const bool angle =
         layout.parameter(columns[c]).dimension == Dimension::kAngle;
-    const long double run = 2.0L * kStep * (angle ? Reach(arm) : 1.0);
+    const long double run = 2.0L * kStep * (angle ? ArmReach(arm) : 1.0);
     for (Eigen::Index i = 0; i < data.num_poses(); ++i) {
       const double* q = data.joint_values.col(i).data();
       const Vector3l rise =

@@ -41,7 +41,7 @@ ReferenceLinearization LinearizeReference(const Arm& arm,
                                           const std::vector<int>& columns);
 
 /// The same whitened Jacobian by another way, central differences of
-/// MatrixPosition, angle columns divided by the reach of the arm. Its relative
+/// MatrixPosition, angle columns divided by ArmReach. Its relative
 /// error is some 1e-12: the truncation of the step squared, and 5e-20 of
 /// rounding divided by the step.
 MatrixXl ScaledDifferences(const Arm& arm, const VectorXl& values,

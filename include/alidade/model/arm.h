@@ -70,9 +70,13 @@ struct Arm {
 
 /// An upper bound of the distance between the base and the target (m): the
 /// sum of all lengths of the chain, prismatic travel (where limited) and the
-/// farthest target included. It is the length that the model's rounding errors
-/// scale with, and that turns small angles into lengths where columns of
-/// different units are compared. Never zero: 1 m for an arm without any length.
+/// farthest target included. It turns small angles of joints and targets into
+/// lengths where columns of different units are compared. Never zero: 1 m for
+/// an arm without any length.
+double ArmReach(const Arm& arm);
+
+/// An upper bound of the distance between the instrument and the target (m):
+/// the length that the model's rounding errors scale with. Never zero.
 double Reach(const Arm& arm);
 
 /// q = joints_from_motors * motors + motor_offsets, column by column: n x poses
