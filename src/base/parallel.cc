@@ -7,7 +7,7 @@
 #include <mutex>
 #include <utility>
 
-#include "worker_pool.h"
+#include "src/base/worker_pool.h"
 
 namespace alidade {
 

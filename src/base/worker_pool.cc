@@ -1,4 +1,4 @@
-#include "worker_pool.h"
+#include "src/base/worker_pool.h"
 
 #include <chrono>
 #include <system_error>

@@ -18,11 +18,11 @@
 #include "alidade/io/files.h"
 #include "alidade/report/batch_csv.h"
 #include "alidade/report/html_report.h"
-#include "job_computer.h"
-#include "journal.h"
-#include "remote_jobs.h"
-#include "result_store.h"
-#include "scheduler.h"
+#include "src/batch/job_computer.h"
+#include "src/batch/journal.h"
+#include "src/batch/remote_jobs.h"
+#include "src/batch/result_store.h"
+#include "src/batch/scheduler.h"
 
 namespace alidade {
 namespace {

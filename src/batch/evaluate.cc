@@ -15,7 +15,7 @@
 #include "alidade/measurement/share.h"
 #include "alidade/model/joint_draw.h"
 #include "alidade/model/rotation.h"
-#include "label_bytes.h"
+#include "src/batch/label_bytes.h"
 
 namespace alidade {
 namespace {

@@ -1,4 +1,4 @@
-#include "fit_report.h"
+#include "src/batch/fit_report.h"
 
 #include <algorithm>
 #include <array>
@@ -14,9 +14,9 @@
 #include "alidade/measurement/robust_loss.h"
 #include "alidade/measurement/share.h"
 #include "alidade/report/format.h"
-#include "frame_fit.h"
-#include "label_bytes.h"
-#include "preparation.h"
+#include "src/batch/frame_fit.h"
+#include "src/batch/label_bytes.h"
+#include "src/batch/preparation.h"
 
 namespace alidade {
 namespace {

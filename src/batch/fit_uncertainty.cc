@@ -1,4 +1,4 @@
-#include "fit_uncertainty.h"
+#include "src/batch/fit_uncertainty.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include "alidade/results/identifiability_result.h"
 #include "alidade/results/uncertainty_result.h"
 #include "alidade/uncertainty/assessment.h"
-#include "fit_report.h"
+#include "src/batch/fit_report.h"
 
 namespace alidade {
 

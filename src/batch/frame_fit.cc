@@ -1,4 +1,4 @@
-#include "frame_fit.h"
+#include "src/batch/frame_fit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@
 #include "alidade/measurement/share.h"
 #include "alidade/model/chain_axes.h"
 #include "alidade/model/rotation.h"
-#include "preparation.h"
+#include "src/batch/preparation.h"
 
 namespace alidade {
 namespace {

@@ -1,4 +1,4 @@
-#include "input_doubt.h"
+#include "src/batch/input_doubt.h"
 
 #include <algorithm>
 #include <cmath>

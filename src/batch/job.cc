@@ -21,12 +21,12 @@
 #include "alidade/measurement/share.h"
 #include "alidade/report/format.h"
 #include "alidade/solve/solver.h"
-#include "fit_report.h"
-#include "fit_uncertainty.h"
-#include "frame_fit.h"
-#include "input_doubt.h"
-#include "preparation.h"
-#include "study.h"
+#include "src/batch/fit_report.h"
+#include "src/batch/fit_uncertainty.h"
+#include "src/batch/frame_fit.h"
+#include "src/batch/input_doubt.h"
+#include "src/batch/preparation.h"
+#include "src/batch/study.h"
 
 namespace alidade {
 namespace {

@@ -1,4 +1,4 @@
-#include "job_computer.h"
+#include "src/batch/job_computer.h"
 
 #include <algorithm>
 #include <exception>

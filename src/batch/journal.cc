@@ -1,4 +1,4 @@
-#include "journal.h"
+#include "src/batch/journal.h"
 
 #include <fcntl.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "label_bytes.h"
+#include "src/batch/label_bytes.h"
 
 namespace alidade {
 

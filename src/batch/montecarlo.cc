@@ -20,10 +20,10 @@
 #include "alidade/model/joint_draw.h"
 #include "alidade/uncertainty/nonlinearity.h"
 #include "alidade/uncertainty/prediction.h"
-#include "fit_uncertainty.h"
-#include "frame_fit.h"
-#include "preparation.h"
-#include "simulated_data.h"
+#include "src/batch/fit_uncertainty.h"
+#include "src/batch/frame_fit.h"
+#include "src/batch/preparation.h"
+#include "src/batch/simulated_data.h"
 
 namespace alidade {
 namespace {

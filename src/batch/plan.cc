@@ -16,8 +16,8 @@
 #include "alidade/io/files.h"
 #include "alidade/report/format.h"
 #include "alidade/report/plan_report.h"
-#include "plan_evaluation.h"
-#include "plan_problem.h"
+#include "src/batch/plan_evaluation.h"
+#include "src/batch/plan_problem.h"
 
 namespace alidade {
 namespace {

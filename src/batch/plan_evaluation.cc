@@ -1,4 +1,4 @@
-#include "plan_evaluation.h"
+#include "src/batch/plan_evaluation.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,7 @@
 #include "alidade/io/plan_config.h"
 #include "alidade/measurement/measurement_model.h"
 #include "alidade/results/plan_result.h"
-#include "plan_problem.h"
+#include "src/batch/plan_problem.h"
 
 namespace alidade {
 

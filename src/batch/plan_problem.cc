@@ -1,4 +1,4 @@
-#include "plan_problem.h"
+#include "src/batch/plan_problem.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +12,8 @@
 #include "alidade/identifiability/rules.h"
 #include "alidade/measurement/compression.h"
 #include "alidade/measurement/merge.h"
-#include "frame_fit.h"
-#include "preparation.h"
+#include "src/batch/frame_fit.h"
+#include "src/batch/preparation.h"
 
 namespace alidade {
 namespace {

@@ -1,4 +1,4 @@
-#include "preparation.h"
+#include "src/batch/preparation.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -16,7 +16,7 @@
 #include "alidade/measurement/compression.h"
 #include "alidade/measurement/robust_loss.h"
 #include "alidade/measurement/share.h"
-#include "frame_fit.h"
+#include "src/batch/frame_fit.h"
 
 namespace alidade {
 namespace {

@@ -1,4 +1,4 @@
-#include "remote_jobs.h"
+#include "src/batch/remote_jobs.h"
 
 #include <algorithm>
 #include <chrono>
@@ -12,7 +12,7 @@
 
 #include "alidade/base/bytes.h"
 #include "alidade/io/batch_json.h"
-#include "scheduler.h"
+#include "src/batch/scheduler.h"
 
 namespace alidade {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "alidade/base/team.h"
 #include "alidade/results/batch_summary.h"
-#include "job_computer.h"
-#include "staging_area.h"
+#include "src/batch/job_computer.h"
+#include "src/batch/staging_area.h"
 
 namespace alidade {
 

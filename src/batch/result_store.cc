@@ -1,4 +1,4 @@
-#include "result_store.h"
+#include "src/batch/result_store.h"
 
 #include <fcntl.h>
 #include <sys/file.h>

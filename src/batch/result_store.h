@@ -11,8 +11,8 @@
 #include "alidade/io/file_descriptor.h"
 #include "alidade/report/report.h"
 #include "alidade/results/batch_summary.h"
-#include "journal.h"
-#include "staging_area.h"
+#include "src/batch/journal.h"
+#include "src/batch/staging_area.h"
 
 namespace alidade {
 

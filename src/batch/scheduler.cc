@@ -1,4 +1,4 @@
-#include "scheduler.h"
+#include "src/batch/scheduler.h"
 
 #include "alidade/base/parallel.h"
 

@@ -1,4 +1,4 @@
-#include "simulated_data.h"
+#include "src/batch/simulated_data.h"
 
 #include <Eigen/LU>
 #include <cmath>

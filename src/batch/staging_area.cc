@@ -1,4 +1,4 @@
-#include "staging_area.h"
+#include "src/batch/staging_area.h"
 
 #include <filesystem>
 #include <system_error>

@@ -1,4 +1,4 @@
-#include "study.h"
+#include "src/batch/study.h"
 
 #include <Eigen/QR>
 #include <algorithm>

@@ -6,9 +6,9 @@
 
 #include "alidade/base/error.h"
 #include "alidade/report/batch_csv.h"
-#include "batch_progress.h"
-#include "command.h"
-#include "launched_team.h"
+#include "src/cli/batch_progress.h"
+#include "src/cli/command.h"
+#include "src/cli/launched_team.h"
 
 namespace alidade {
 namespace {

@@ -1,4 +1,4 @@
-#include "batch_progress.h"
+#include "src/cli/batch_progress.h"
 
 #include <unistd.h>
 
@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "alidade/report/batch_csv.h"
-#include "command.h"
+#include "src/cli/command.h"
 
 namespace alidade {
 namespace {

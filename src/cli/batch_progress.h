@@ -6,7 +6,7 @@
 #include <string>
 
 #include "alidade/batch/batch.h"
-#include "progress_line.h"
+#include "src/cli/progress_line.h"
 
 namespace alidade {
 

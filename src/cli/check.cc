@@ -8,7 +8,7 @@
 #include "alidade/io/dataset_csv.h"
 #include "alidade/io/job_file.h"
 #include "alidade/io/plan_config.h"
-#include "command.h"
+#include "src/cli/command.h"
 
 namespace alidade {
 namespace {

@@ -5,7 +5,7 @@
 #include "alidade/batch/result_directory.h"
 #include "alidade/batch/simulate.h"
 #include "alidade/report/report.h"
-#include "command.h"
+#include "src/cli/command.h"
 
 namespace alidade {
 

@@ -6,7 +6,7 @@
 #include "alidade/io/dataset_csv.h"
 #include "alidade/io/dataset_npy.h"
 #include "alidade/io/files.h"
-#include "command.h"
+#include "src/cli/command.h"
 
 namespace alidade {
 namespace {

@@ -8,7 +8,7 @@
 #include "alidade/io/arm_file.h"
 #include "alidade/io/dataset_csv.h"
 #include "alidade/report/report.h"
-#include "command.h"
+#include "src/cli/command.h"
 
 namespace alidade {
 namespace {

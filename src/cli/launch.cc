@@ -1,4 +1,4 @@
-#include "launch.h"
+#include "src/cli/launch.h"
 
 #include <glog/logging.h>
 

@@ -1,4 +1,4 @@
-#include "launched_team.h"
+#include "src/cli/launched_team.h"
 
 #include <memory>
 #include <string>
@@ -6,8 +6,8 @@
 
 #include "alidade/base/error.h"
 #include "alidade/measurement/compression.h"
-#include "launch.h"
-#include "mpi_team.h"
+#include "src/cli/launch.h"
+#include "src/cli/mpi_team.h"
 
 namespace alidade {
 namespace {

@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "alidade/base/team.h"
-#include "command.h"
+#include "src/cli/command.h"
 
 namespace alidade {
 

@@ -10,8 +10,8 @@
 
 #include "alidade/base/error.h"
 #include "alidade/base/version.h"
-#include "command.h"
-#include "launch.h"
+#include "src/cli/command.h"
+#include "src/cli/launch.h"
 
 DEFINE_string(out, "", "where results are written");
 DEFINE_string(arm, "", "the arm that data are of");

@@ -8,8 +8,8 @@
 #include "alidade/batch/result_directory.h"
 #include "alidade/batch/simulate.h"
 #include "alidade/report/report.h"
-#include "command.h"
-#include "progress_line.h"
+#include "src/cli/command.h"
+#include "src/cli/progress_line.h"
 
 namespace alidade {
 namespace {

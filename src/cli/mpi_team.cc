@@ -1,5 +1,5 @@
 // All that the project has to do with MPI; tests/fences looks after it.
-#include "mpi_team.h"
+#include "src/cli/mpi_team.h"
 
 #include "alidade/base/error.h"
 

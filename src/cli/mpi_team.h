@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "alidade/base/team.h"
-#include "launch.h"
+#include "src/cli/launch.h"
 
 namespace alidade {
 

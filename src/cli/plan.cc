@@ -6,8 +6,8 @@
 #include "alidade/batch/result_directory.h"
 #include "alidade/io/plan_config.h"
 #include "alidade/report/plan_report.h"
-#include "command.h"
-#include "progress_line.h"
+#include "src/cli/command.h"
+#include "src/cli/progress_line.h"
 
 namespace alidade {
 

@@ -1,4 +1,4 @@
-#include "progress_line.h"
+#include "src/cli/progress_line.h"
 
 #include <unistd.h>
 

@@ -4,7 +4,7 @@
 #include "alidade/base/error.h"
 #include "alidade/batch/report_page.h"
 #include "alidade/io/files.h"
-#include "command.h"
+#include "src/cli/command.h"
 
 namespace alidade {
 namespace {

@@ -14,7 +14,7 @@
 #include "alidade/report/format.h"
 #include "alidade/report/report.h"
 #include "alidade/report/text_table.h"
-#include "command.h"
+#include "src/cli/command.h"
 
 namespace alidade {
 namespace {

@@ -10,7 +10,7 @@
 #include "alidade/identifiability/observability.h"
 #include "alidade/identifiability/rank.h"
 #include "alidade/identifiability/rules.h"
-#include "data_analysis.h"
+#include "src/identifiability/data_analysis.h"
 
 namespace alidade {
 namespace {

@@ -1,4 +1,4 @@
-#include "data_analysis.h"
+#include "src/identifiability/data_analysis.h"
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@
 #include "alidade/measurement/compression.h"
 #include "alidade/measurement/share.h"
 #include "alidade/model/joint_draw.h"
-#include "perturbation.h"
+#include "src/identifiability/perturbation.h"
 
 namespace alidade {
 namespace {

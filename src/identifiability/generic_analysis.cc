@@ -8,7 +8,7 @@
 #include "alidade/identifiability/generic_data.h"
 #include "alidade/identifiability/rank.h"
 #include "alidade/measurement/compression.h"
-#include "perturbation.h"
+#include "src/identifiability/perturbation.h"
 
 namespace alidade {
 namespace {

@@ -1,4 +1,4 @@
-#include "perturbation.h"
+#include "src/identifiability/perturbation.h"
 
 #include <cstdint>
 

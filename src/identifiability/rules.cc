@@ -6,7 +6,7 @@
 
 #include "alidade/identifiability/factor.h"
 #include "alidade/identifiability/rank.h"
-#include "perturbation.h"
+#include "src/identifiability/perturbation.h"
 
 namespace alidade {
 namespace {

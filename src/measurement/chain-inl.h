@@ -10,8 +10,8 @@
 #include <Eigen/Core>
 #include <cstddef>
 
-#include "kernel.h"
-#include "vectors-inl.h"
+#include "src/measurement/kernel.h"
+#include "src/measurement/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::kernel::HWY_NAMESPACE {

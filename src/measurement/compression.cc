@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "lane_factor.h"
-#include "parted_data.h"
+#include "src/measurement/lane_factor.h"
+#include "src/measurement/parted_data.h"
 
 namespace alidade {
 namespace {

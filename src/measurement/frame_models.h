@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "alidade/model/rotation.h"
-#include "robust_fit.h"
+#include "src/measurement/robust_fit.h"
 
 namespace alidade {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "alidade/base/svd.h"
-#include "frame_models.h"
-#include "robust_fit.h"
+#include "src/measurement/frame_models.h"
+#include "src/measurement/robust_fit.h"
 
 namespace alidade {
 namespace {

@@ -1,10 +1,10 @@
-#include "kernel_targets.h"
+#include "src/measurement/kernel_targets.h"
 //
 #include <algorithm>
 #include <cmath>
 
 #include "alidade/model/rotation.h"
-#include "kernel.h"
+#include "src/measurement/kernel.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "src/measurement/kernel.cc"
@@ -12,7 +12,7 @@
 //
 #include <hwy/cache_control.h>
 
-#include "rows-inl.h"
+#include "src/measurement/rows-inl.h"
 
 // Compiled once, before the sources of the instruction sets.
 #ifndef ALIDADE_SRC_MEASUREMENT_KERNEL_CC_ONCE

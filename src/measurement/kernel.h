@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "alidade/measurement/measurement_model.h"
-#include "tiles.h"
+#include "src/measurement/tiles.h"
 
 // The batched kernel: whitened residuals and Jacobian columns of a tile of
 // observations at once, in the widest vector instructions that the machine has

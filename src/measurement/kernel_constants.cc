@@ -1,8 +1,8 @@
 #include <cmath>
 
 #include "alidade/model/rotation.h"
-#include "kernel.h"
-#include "observation_residual.h"
+#include "src/measurement/kernel.h"
+#include "src/measurement/observation_residual.h"
 
 namespace alidade::kernel {
 namespace {

@@ -1,15 +1,15 @@
-#include "kernel_targets.h"
+#include "src/measurement/kernel_targets.h"
 //
 #include <algorithm>
 #include <limits>
 
-#include "lane_factor.h"
+#include "src/measurement/lane_factor.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "src/measurement/lane_factor.cc"
 #include <hwy/foreach_target.h>
 //
-#include "vectors-inl.h"
+#include "src/measurement/vectors-inl.h"
 
 #ifndef ALIDADE_SRC_MEASUREMENT_LANE_FACTOR_CC_ONCE
 #define ALIDADE_SRC_MEASUREMENT_LANE_FACTOR_CC_ONCE

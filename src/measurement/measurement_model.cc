@@ -8,10 +8,10 @@
 
 #include "alidade/base/parallel.h"
 #include "alidade/measurement/observation_rows.h"
-#include "kernel.h"
-#include "observation_residual.h"
-#include "tile_rows.h"
-#include "tiles.h"
+#include "src/measurement/kernel.h"
+#include "src/measurement/observation_residual.h"
+#include "src/measurement/tile_rows.h"
+#include "src/measurement/tiles.h"
 
 namespace alidade {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "observation_residual.h"
+#include "src/measurement/observation_residual.h"
 
 namespace alidade {
 namespace {

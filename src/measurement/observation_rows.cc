@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "alidade/base/parallel.h"
-#include "kernel.h"
-#include "tile_rows.h"
-#include "tiles.h"
+#include "src/measurement/kernel.h"
+#include "src/measurement/tile_rows.h"
+#include "src/measurement/tiles.h"
 
 namespace alidade {
 namespace {

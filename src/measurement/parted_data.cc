@@ -1,11 +1,11 @@
-#include "parted_data.h"
+#include "src/measurement/parted_data.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "alidade/base/team.h"
-#include "lane_factor.h"
+#include "src/measurement/lane_factor.h"
 
 namespace alidade {
 namespace {

@@ -14,10 +14,10 @@
 #include "alidade/measurement/compression.h"
 #include "alidade/measurement/measurement_model.h"
 #include "alidade/measurement/robust_loss.h"
-#include "aligned.h"
-#include "kernel.h"
-#include "tile_rows.h"
-#include "tiles.h"
+#include "src/measurement/aligned.h"
+#include "src/measurement/kernel.h"
+#include "src/measurement/tile_rows.h"
+#include "src/measurement/tiles.h"
 
 namespace alidade {
 

@@ -1,4 +1,4 @@
-#include "robust_fit.h"
+#include "src/measurement/robust_fit.h"
 
 #include <Eigen/QR>
 #include <algorithm>

@@ -10,8 +10,8 @@
 #include <Eigen/Core>
 #include <cstddef>
 
-#include "chain-inl.h"
-#include "kernel.h"
+#include "src/measurement/chain-inl.h"
+#include "src/measurement/kernel.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::kernel::HWY_NAMESPACE {

@@ -1,16 +1,16 @@
-#include "kernel_targets.h"
+#include "src/measurement/kernel_targets.h"
 //
 #include <algorithm>
 #include <cmath>
 
-#include "sine.h"
-#include "tiles.h"
+#include "src/measurement/sine.h"
+#include "src/measurement/tiles.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "src/measurement/sine.cc"
 #include <hwy/foreach_target.h>
 //
-#include "vectors-inl.h"
+#include "src/measurement/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::kernel::HWY_NAMESPACE {

@@ -1,4 +1,4 @@
-#include "tile_rows.h"
+#include "src/measurement/tile_rows.h"
 
 #include <algorithm>
 

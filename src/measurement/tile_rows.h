@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "aligned.h"
-#include "kernel.h"
-#include "tiles.h"
+#include "src/measurement/aligned.h"
+#include "src/measurement/kernel.h"
+#include "src/measurement/tiles.h"
 
 namespace alidade {
 

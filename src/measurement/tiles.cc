@@ -1,4 +1,4 @@
-#include "tiles.h"
+#include "src/measurement/tiles.h"
 
 #include <glog/logging.h>
 
@@ -13,7 +13,7 @@
 #include <numeric>
 
 #include "alidade/model/rotation.h"
-#include "sine.h"
+#include "src/measurement/sine.h"
 
 namespace alidade {
 namespace {

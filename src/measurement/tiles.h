@@ -8,7 +8,7 @@
 
 #include "alidade/measurement/dataset.h"
 #include "alidade/model/arm.h"
-#include "aligned.h"
+#include "src/measurement/aligned.h"
 
 namespace alidade {
 

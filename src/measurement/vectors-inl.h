@@ -10,7 +10,7 @@
 
 #include <hwy/highway.h>
 
-#include "kernel_targets.h"
+#include "src/measurement/kernel_targets.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::kernel::HWY_NAMESPACE {

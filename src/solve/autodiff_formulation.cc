@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "alidade/measurement/observation_cost.h"
-#include "formulation.h"
-#include "prior_residual.h"
+#include "src/solve/formulation.h"
+#include "src/solve/prior_residual.h"
 
 namespace alidade {
 namespace {

@@ -1,10 +1,10 @@
-#include "compressed_solver.h"
+#include "src/solve/compressed_solver.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "damped_step.h"
+#include "src/solve/damped_step.h"
 
 namespace alidade {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "alidade/measurement/compression.h"
 #include "alidade/solve/solver.h"
-#include "progress.h"
+#include "src/solve/progress.h"
 
 namespace alidade {
 

@@ -1,4 +1,4 @@
-#include "damped_step.h"
+#include "src/solve/damped_step.h"
 
 #include <cmath>
 

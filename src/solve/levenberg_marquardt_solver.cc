@@ -6,9 +6,9 @@
 #include <memory>
 
 #include "alidade/solve/solver.h"
-#include "compressed_solver.h"
-#include "formulation.h"
-#include "progress.h"
+#include "src/solve/compressed_solver.h"
+#include "src/solve/formulation.h"
+#include "src/solve/progress.h"
 
 namespace alidade {
 namespace {

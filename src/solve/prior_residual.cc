@@ -1,4 +1,4 @@
-#include "prior_residual.h"
+#include "src/solve/prior_residual.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "progress.h"
+#include "src/solve/progress.h"
 
 #include <cmath>
 #include <string>

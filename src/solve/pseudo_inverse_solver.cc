@@ -3,7 +3,7 @@
 
 #include "alidade/base/svd.h"
 #include "alidade/solve/solver.h"
-#include "progress.h"
+#include "src/solve/progress.h"
 
 namespace alidade {
 namespace {

@@ -104,6 +104,16 @@ all_includes() {
     sed -nE 's/^([^:]+:[0-9]+):[^"<]*["<]([^">]+)[">].*/\1 \2/p'
 }
 
+# check_bare: our own headers by a name without its module, which hides cycles.
+check_bare() {
+  local where
+  while read -r where; do
+    violation "$where" "write \"src/<module>/...\": the name hides its module"
+  done < <(grep -rEno --include='*.h' --include='*.cc' \
+    '^[[:space:]]*#[[:space:]]*include[[:space:]]*"[^/"]+"' include src |
+    cut -d: -f1,2)
+}
+
 # check_cycles: headers that include one another, which tsort calls a loop.
 check_cycles() {
   local loop
@@ -147,6 +157,7 @@ while read -r where header; do
     check_outside "$where" "$from" "$header"
   fi
 done < <(all_includes)
+check_bare
 check_cycles
 check_mpi_calls
 check_lengths

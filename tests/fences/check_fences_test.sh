@@ -71,6 +71,8 @@ finds src/batch/job.cc \
 finds src/model/arm.cc \
   'src/model/arm.cc:1: ../io/reader.h hides its module' \
   '#include "../io/reader.h"'
+finds src/io/writer.cc 'src/io/writer.cc:2: write "src/<module>/..."' \
+  '#include <string>' '#include "reader.h"'
 finds src/model/arm.cc \
   'src/model/arm.cc:1: module model must not include ceres/jet.h' \
   '#include <ceres/jet.h>'
@@ -111,6 +113,10 @@ fi
 clean_tree
 plant include/alidade/base/a.h '#include "alidade/base/b.h"'
 plant include/alidade/base/b.h '#include "alidade/base/a.h"'
+expect_found 'include cycle'
+clean_tree
+plant src/io/a.h '#include "src/io/b.h"'
+plant src/io/b.h '#include "src/io/a.h"'
 expect_found 'include cycle'
 
 if ((failures > 0)); then
