@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace alidade {
 
@@ -125,17 +126,16 @@ ObservationBlock& Dataset::PositionBlock() {
 
 std::string SourceOf(const Dataset& data, int pose) {
   if (data.sources.empty()) return "";
-  const PoseSource& source = data.sources[pose];
+  const PoseSource source = data.sources[pose];
   return data.files[source.file] + ":" + std::to_string(source.line);
 }
 
-Dataset MakePositions(const Eigen::MatrixXd& joint_values,
-                      const Eigen::Matrix3Xd& points,
-                      const Eigen::Matrix3Xd& sigmas) {
+Dataset MakePositions(LargeMatrix joint_values, LargeMatrix points,
+                      LargeMatrix sigmas) {
   Dataset data;
-  data.joint_values = joint_values;
-  data.positions() = points;
-  data.sigmas() = sigmas;
+  data.joint_values = std::move(joint_values);
+  data.positions() = std::move(points);
+  data.sigmas() = std::move(sigmas);
   return data;
 }
 

@@ -92,7 +92,7 @@ std::string FormatObservations(const EvaluatedSet& set) {
     if (set.rotation_residual_after.cols() > 0) {
       const bool has_rotation =
           !set.labels.empty() && set.labels[i].has_rotation;
-      for (const Eigen::Matrix3Xd* turns :
+      for (const LargeMatrix* turns :
            {&set.rotation_residual_before, &set.rotation_residual_after}) {
         text += ",";
         if (has_rotation)
