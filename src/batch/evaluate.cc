@@ -161,11 +161,15 @@ std::uint64_t Fingerprint(const Eigen::Ref<const Eigen::VectorXd>& joints) {
   return print;
 }
 
-// Those of all members' numbers that are there more than once, in order.
-std::vector<std::uint64_t> RepeatedOf(const Dataset& data,
-                                      const std::vector<std::uint64_t>& mine) {
+// The fingerprints of all members' poses that are there more than once, in
+// order.
+std::vector<std::uint64_t> RepeatedPrints(const Dataset& data) {
   std::vector<std::vector<std::uint64_t>> lists(data.blocks.size());
-  if (!lists.empty()) lists.front() = mine;
+  if (lists.empty()) return {};
+  lists.front().reserve(static_cast<std::size_t>(data.num_poses()));
+  for (Eigen::Index i = 0; i < data.num_poses(); ++i) {
+    lists.front().push_back(Fingerprint(data.joint_values.col(i)));
+  }
   std::vector<std::uint64_t> all = InOrder(data, std::move(lists));
   std::sort(all.begin(), all.end());
   std::vector<std::uint64_t> repeated;
@@ -183,15 +187,12 @@ std::vector<std::uint64_t> RepeatedOf(const Dataset& data,
 // Poses that others, here or at other members, repeat; with few that only seem
 // to.
 std::vector<Eigen::Index> RepeatedPoses(const Dataset& data) {
-  std::vector<std::uint64_t> mine;
-  for (Eigen::Index i = 0; i < data.num_poses(); ++i) {
-    mine.push_back(Fingerprint(data.joint_values.col(i)));
-  }
-  const std::vector<std::uint64_t> repeated = RepeatedOf(data, mine);
+  const std::vector<std::uint64_t> repeated = RepeatedPrints(data);
   std::vector<Eigen::Index> poses;
-  for (std::size_t i = 0; i < mine.size(); ++i) {
-    if (std::binary_search(repeated.begin(), repeated.end(), mine[i])) {
-      poses.push_back(static_cast<Eigen::Index>(i));
+  for (Eigen::Index i = 0; i < data.num_poses() && !repeated.empty(); ++i) {
+    const std::uint64_t print = Fingerprint(data.joint_values.col(i));
+    if (std::binary_search(repeated.begin(), repeated.end(), print)) {
+      poses.push_back(i);
     }
   }
   return poses;
@@ -294,6 +295,7 @@ Lists CountedLengths(const LargeVector& errors, const Dataset& data) {
   for (std::size_t k = 0; k < counted.size(); ++k) {
     const ObservationBlock& block = data.blocks[k];
     const Eigen::Index height = std::min(3, block.rows_each());
+    counted[k].reserve(static_cast<std::size_t>(block.size()));
     for (Eigen::Index i = 0; i < block.size(); ++i, ++count) {
       if (block.kind == MeasurementKind::kPointDistance) continue;
       if (block.sigmas.col(i).head(height).array().isFinite().any()) {

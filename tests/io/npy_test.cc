@@ -213,7 +213,7 @@ TEST(NpyTest, NumbersInSiStayInTheirFile) {
                              "z_m",    "std_x_m", "std_y_m", "std_z_m"};
   for (const Names& names : {kNames, with_sigmas}) {
     Random random(3, 0);
-    Rows rows(40000, std::vector<double>(names.size()));
+    Rows rows(17000, std::vector<double>(names.size()));
     for (std::vector<double>& row : rows) {
       for (double& number : row) number = random.Uniform(0.1, 2.0);
     }
