@@ -81,11 +81,8 @@ bool Tiles::HasOneSigma(const Group& group) const {
   const ObservationBlock& block = data_.blocks[group.block];
   if (group.size < 2 * kTile || !block.whiteners.empty()) return false;
   const LargeMatrix& sigmas = block.sigmas;
-  const Eigen::Index rows = sigmas.rows();
-  if (orders_[group.block].empty() && sigmas.outerStride() == rows) {
-    // Each number is that of the column before it.
-    const double* const first = sigmas.col(group.first).data();
-    return std::equal(first + rows, first + rows * group.size, first);
+  if (orders_[group.block].empty()) {
+    return HaveOneSigma(block, group.first, group.size);
   }
   const Eigen::Index first = InBlock(group, 0);
   for (Eigen::Index i = 1; i < group.size; ++i) {

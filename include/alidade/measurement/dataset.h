@@ -160,6 +160,11 @@ struct Dataset {
 /// "file:line" of a pose; empty where it comes from no file.
 std::string SourceOf(const Dataset& data, int pose);
 
+/// Whether the sigmas of observations [first, first + count) of a block are the
+/// same. O(count), at the speed of memory.
+bool HaveOneSigma(const ObservationBlock& block, Eigen::Index first,
+                  Eigen::Index count);
+
 /// One measured position per pose: joint values n x N, points 3 x N (m), sigmas
 /// 3 x N (m).
 Dataset MakePositions(LargeMatrix joint_values, LargeMatrix points,
