@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "alidade/io/files.h"
+#include "src/batch/written_files.h"
 
 namespace alidade {
 namespace {
@@ -33,9 +34,12 @@ std::string StagingArea::Stage(const std::vector<ReportFile>& files) {
   std::string staged = NewName();
   try {
     MakeDirectories(staged);
+    std::vector<std::string> names;
     for (const ReportFile& file : files) {
       WriteNewFile(staged + "/" + file.name, file.content);
+      names.push_back(file.name);
     }
+    NoteAllWritten(staged, names);
     SyncDirectory(staged);
   } catch (...) {
     RemoveStaged(staged);

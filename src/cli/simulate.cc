@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <iostream>
 
+#include "alidade/batch/result_directory.h"
 #include "alidade/io/dataset_csv.h"
 #include "alidade/io/files.h"
 #include "alidade/io/job_file.h"
@@ -24,6 +25,7 @@ ExitStatus RunSimulate(const CommandLine& line) {
   SimulationConfig config = LoadSimulation(line.files.front());
   if (line.seed) config.seed = *line.seed;
   if (!line.out.empty()) config.output = line.out;
+  CheckOutputFile(config.output, config.input_files);
   const Dataset data = Simulate(config);
   const std::filesystem::path directory =
       std::filesystem::path(config.output).parent_path();

@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <iostream>
 #include <optional>
 #include <string>
@@ -43,6 +44,7 @@ class Validation {
                        "calibrate again, or validate its arm.yaml");
     }
     arm_ = calibrated_->arm;
+    if (!line.out.empty()) CheckOut();
   }
 
   ExitStatus Run() {
@@ -59,6 +61,17 @@ class Validation {
   }
 
  private:
+  void CheckOut() const {
+    std::vector<std::string> inputs = line_.files;
+    const std::filesystem::path result = line_.files.front();
+    const std::filesystem::path directory =
+        std::filesystem::is_directory(result) ? result : result.parent_path();
+    for (const char* name : {"arm.yaml", "result.json"}) {
+      inputs.push_back((directory / name).string());
+    }
+    CheckResultDirectory(line_.out, OutputKind::kPredictions, inputs);
+  }
+
   // Data state their own sigmas or have the fit's.
   double DefaultSigma() const {
     return calibrated_ && calibrated_->sigma > 0.0 ? calibrated_->sigma

@@ -181,7 +181,7 @@ TEST_F(BatchTest, ThePageOfResultsSaysTheSameOnceTheyAreRead) {
 TEST_F(BatchTest, RunsWhatIsMissing) {
   Run({"fleet.yaml"});
   fs::remove_all(Path("out/fleet/seed-2"));
-  WriteWhole(Path("out/fleet/seed-3/result.json"), "{}");
+  fs::remove(Path("out/fleet/seed-3/arm.yaml"));
   const BatchPlan plan = PlanBatch({Path("fleet.yaml")});
   EXPECT_THAT(FindDone(plan, options_), ElementsAre(true, false, false));
   Run({"fleet.yaml"});
@@ -191,6 +191,16 @@ TEST_F(BatchTest, RunsWhatIsMissing) {
   fs::remove(Path("out/fleet/seed-1/arm.yaml"));
   fs::resize_file(Path("out/fleet/seed-3/arm.yaml"), 10);
   EXPECT_THAT(FindDone(plan, options_), ElementsAre(false, true, false));
+}
+
+// Whoever has changed it may want to keep it.
+TEST_F(BatchTest, AResultThatWasChangedIsNotReplaced) {
+  Run({"fleet.yaml"});
+  WriteWhole(Path("out/fleet/seed-3/result.json"), "{}");
+  const BatchPlan plan = PlanBatch({Path("fleet.yaml")});
+  EXPECT_THAT(FindDone(plan, options_), ElementsAre(true, true, false));
+  EXPECT_THROW(Run({"fleet.yaml"}), InputError);
+  EXPECT_EQ(ReadWhole(Path("out/fleet/seed-3/result.json")), "{}");
 }
 
 TEST_F(BatchTest, RunsWhatIsChanged) {
