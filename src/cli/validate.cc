@@ -1,3 +1,5 @@
+#include <glog/logging.h>
+
 #include <filesystem>
 #include <iostream>
 #include <optional>
@@ -11,6 +13,7 @@
 #include "alidade/batch/result_directory.h"
 #include "alidade/io/arm_file.h"
 #include "alidade/io/dataset_csv.h"
+#include "alidade/io/files.h"
 #include "alidade/measurement/measurement_model.h"
 #include "alidade/report/format.h"
 #include "alidade/report/report.h"
@@ -96,6 +99,18 @@ class Validation {
     if (!calibrated_) return;
     check_ = CheckAgainst(*calibrated_, data, line_.threads);
     checks->push_back(FormatPredictionCheck(file, *check_));
+    WarnIfFitted(file);
+  }
+
+  void WarnIfFitted(const std::string& file) const {
+    const std::string hash = Sha256OfFile(file);
+    for (const InputFile& input : calibrated_->inputs) {
+      if (input.sha256 != hash) continue;
+      LOG(WARNING) << "warning: " << file
+                   << " is what the result was fitted to (" << input.path
+                   << "): its errors say nothing of other poses";
+      return;
+    }
   }
 
   void AddRow(const std::string& file, const Accuracy& accuracy) {
