@@ -239,7 +239,7 @@ void RefuseTwice(const std::vector<YamlValue>& entries,
     if (!file) continue;
     for (const std::string& path : files.PathsOf(*file)) {
       if (known.insert(path).second) continue;
-      file->Fail(Quote(path) +
+      file->Fail(path +
                  " is named twice, and its measurements would count twice: "
                  "expected each file once");
     }

@@ -108,7 +108,7 @@ TEST_F(SameDataTest, AFileTwiceIsAnErrorAndACopyAWarning) {
   const ProcessResult twice = Calibrate("[data1.csv, data1.csv]");
   EXPECT_EQ(twice.status, 2);
   EXPECT_THAT(twice.err, AllOf(HasSubstr("job.yaml:6:"),
-                               HasSubstr("data1.csv\" is named twice")));
+                               HasSubstr("data1.csv is named twice")));
   EXPECT_EQ(Calibrate("['data*.csv', data1.csv]").status, 2);
   WritePart("data1.csv", 40, "copy.csv");
   const ProcessResult copy = Calibrate("[data1.csv, data2.csv, copy.csv]");

@@ -71,7 +71,8 @@ class DataJob {
 TEST(JobDataTest, MergesFiles) {
   const DataJob files;
   const JobConfig job = files.Load(
-      "data: [a.csv, {file: b.csv, target: probe, sigma: 0.5}, a.csv]\n");
+      "data: [a.csv, {file: b.csv, target: probe, sigma: 0.5},\n"
+      "  {file: a.csv, columns: {}}]\n");
   const Dataset& data = job.data;
   ASSERT_EQ(data.num_poses(), 8);
   EXPECT_NEAR(data.joint_values(0, 3), 4 * kDegree, 1e-15);
@@ -95,6 +96,15 @@ TEST(JobDataTest, MergesFiles) {
   EXPECT_EQ(job.input_files.size(), 4U);
   ASSERT_EQ(job.references.num_points(), 2);
   EXPECT_EQ(job.references.points[1].name, "Q");
+}
+
+// Rows of it may be of two kinds, which more than its name then says.
+TEST(JobDataTest, AFileIsNamedOnce) {
+  const DataJob files;
+  files.ExpectError("data: [a.csv, a.csv]\n",
+                    {7, 15, "data[2]", "a.csv is named twice"});
+  files.ExpectError("data: ['a*.csv', {file: ./a.csv}]\n",
+                    {7, 25, "data[2].file", "a.csv is named twice"});
 }
 
 TEST(JobDataTest, ShiftsDifferencesAndSharesNames) {
@@ -264,8 +274,9 @@ TEST(JobDataTest, UnknownReferencesDoNotGoWithAllThatJobsAskFor) {
 
 TEST(JobDataTest, HoldsOutSets) {
   const DataJob files;
-  const JobConfig job =
-      files.Load("data: [a.csv, a.csv]\nvalidation: {set: [check]}\n");
+  const JobConfig job = files.Load(
+      "data: [a.csv, {file: a.csv, columns: {}}]\n"
+      "validation: {set: [check]}\n");
   EXPECT_EQ(job.data.num_poses(), 4);
   ASSERT_TRUE(job.validation.has_value());
   EXPECT_EQ(job.validation->num_poses(), 2);
