@@ -133,7 +133,15 @@ void ShowResult(const std::string& path) {
 ExitStatus RunShow(const CommandLine& line) {
   namespace fs = std::filesystem;
   std::string path = line.files.front();
-  if (fs::is_directory(path)) path = (fs::path(path) / "result.json").string();
+  if (fs::is_directory(path)) {
+    const fs::path result = fs::path(path) / "result.json";
+    if (!fs::exists(result)) {
+      throw InputError({path, 0, 0, ""},
+                       "has no result.json, expected a result directory of "
+                       "`calibrate`");
+    }
+    path = result.string();
+  }
   if (fs::path(path).extension() == ".json") {
     ShowResult(path);
   } else if (IsDataFile(path)) {

@@ -9,6 +9,7 @@
 #include "alidade/model/parameter_layout.h"
 #include "src/io/file_pattern.h"
 #include "src/io/names.h"
+#include "src/io/result_keys.h"
 
 namespace alidade {
 namespace {
@@ -43,8 +44,34 @@ YamlValue FormatEntry(const YamlValue& root) {
   return *entry;
 }
 
+// What reads a file that is none of the kind asked for.
+std::string ReaderOf(FileFormat format) {
+  switch (format) {
+    case FileFormat::kArm:
+      return "";
+    case FileFormat::kDeviations:
+      return ": deviations are named by jobs (`truth`) and simulations";
+    case FileFormat::kJob:
+      return ": `alidade calibrate` takes jobs";
+    case FileFormat::kSimulation:
+      return ": `alidade simulate` takes simulations";
+    case FileFormat::kPlan:
+      return ": `alidade plan` takes plans";
+  }
+  return "";
+}
+
 FileFormat ReadFormat(const YamlValue& root) {
-  const std::string text = FormatEntry(root).Choice("format", FormatNames());
+  const YamlValue entry = FormatEntry(root);
+  if (entry.Text() == kResultFormat) {
+    entry.Fail(
+        "is the result of a job, expected a file that is written by hand: "
+        "`alidade show`, `validate` and `report` take results");
+  }
+  if (entry.Text() == kPlanResultFormat) {
+    entry.Fail(kPlanResultIsForMachines);
+  }
+  const std::string text = entry.Choice("format", FormatNames());
   for (const auto& [format, name] : kFormats) {
     if (text == name) return format;
   }
@@ -68,7 +95,7 @@ YamlValue ReadConfigFile(const std::string& path, FileFormat expected) {
   if (format != expected) {
     FormatEntry(root).Fail("found " + Quote(FormatName(format)) +
                            ", expected " + Quote(FormatName(expected)) +
-                           " here");
+                           " here" + ReaderOf(format));
   }
   return root;
 }

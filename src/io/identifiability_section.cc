@@ -100,7 +100,9 @@ void ReadPriors(const JobContext& context, const YamlMap& identifiability,
   const YamlMap map = value->Map(keys);
   for (const auto& [key, dimension, target] : fields) {
     if (const auto entry = map.Optional(key)) {
-      *target = entry->Quantity(dimension, context.units);
+      *target = dimension == Dimension::kLength
+                    ? PositiveLength(*entry, context.units)
+                    : PositiveAngle(*entry, context.units);
     }
   }
   CheckOptions(*priors, map);

@@ -104,6 +104,9 @@ class JsonValue {
   }
 
   /// @throws InputError here.
+  [[noreturn]] void FailHere(const std::string& message) const {
+    Fail(path_, message);
+  }
   [[noreturn]] void FailType(const std::string& expected) const {
     Fail(path_, "expected " + expected + ", found " + json_.type_name());
   }

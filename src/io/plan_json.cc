@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "alidade/io/plan_config.h"
+#include "src/io/result_keys.h"
 
 namespace alidade {
 namespace {
@@ -82,7 +83,7 @@ std::string FormatPlanJson(const PlanResult& result) {
     units.push_back(UnitOf(dimension));
   }
   const Json json = {
-      {"format", "alidade-plan-result-1"},
+      {"format", kPlanResultFormat},
       {"version", result.version},
       {"command", result.command},
       {"title", result.title},

@@ -296,7 +296,11 @@ Json ParseJson(const std::string& path) {
 
 void CheckFormat(const JsonValue& json) {
   using Formats = std::array<std::pair<int, const char*>, 1>;
-  json["format"].Choice(Formats{{{1, kResultFormat}}});
+  const JsonValue format = json["format"];
+  if (format.Text() == kPlanResultFormat) {
+    format.FailHere(kPlanResultIsForMachines);
+  }
+  format.Choice(Formats{{{1, kResultFormat}}});
 }
 
 // What is known of the measurements besides their fit.

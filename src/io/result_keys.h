@@ -13,6 +13,11 @@ namespace alidade {
 /// The words of result.json. They stay as they are once published, whatever
 /// the words for people become.
 inline constexpr char kResultFormat[] = "alidade-result-1";
+inline constexpr char kPlanResultFormat[] = "alidade-plan-result-1";
+/// What to say where such a file is none of those expected.
+inline constexpr char kPlanResultIsForMachines[] =
+    "is what `alidade plan` has written, for machines: plan.txt beside it says "
+    "it in words, and poses.csv is the plan";
 
 inline constexpr std::array<std::pair<SolverStatus, const char*>, 6>
     kStatusKeys = {{

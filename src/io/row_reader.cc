@@ -112,7 +112,8 @@ std::vector<std::string> RowReader::ExpectedNames() const {
 void RowReader::RefuseOtherSeparators() const {
   if (cells_.size() > 1) return;
   for (const auto& [separator, name] :
-       {std::make_pair(';', "semicolons"), std::make_pair('\t', "tabs")}) {
+       {std::make_pair(';', "semicolons"), std::make_pair('\t', "tabs"),
+        std::make_pair(' ', "spaces")}) {
     if (lines_.line().find(separator) == std::string_view::npos) continue;
     lines_.Fail(std::string("cells are separated by ") + name +
                 ", expected commas, and points in decimal numbers");
@@ -149,9 +150,27 @@ int RowReader::FindSpec(std::string_view cell) const {
       std::find(filter_names_.begin(), filter_names_.end(), cell) !=
       filter_names_.end();
   if (!ignore_others_ && !is_in_filter && !IsForPeople(cell)) {
-    lines_.Fail(UnknownName("column", cell, ExpectedNames()), cell.data());
+    FailUnknown(cell);
   }
   return -1;
+}
+
+void RowReader::FailUnknown(std::string_view cell) const {
+  if (ParseNumber(cell)) {
+    lines_.Fail("found the number " + Quote(cell) +
+                    ", expected a line of column names first: " +
+                    JoinNames(ExpectedNames()),
+                cell.data());
+  }
+  std::string joints = FirstName(specs_.front());
+  if (arm_.num_joints() > 1) {
+    joints += " to " + FirstName(specs_[arm_.num_joints() - 1]);
+  }
+  lines_.Fail(UnknownName("column", cell, ExpectedNames()) +
+                  "; the arm's joints are " + joints +
+                  ". `columns` in the job's `data` says what other names stand "
+                  "for, and `columns: {}` passes over what is not needed",
+              cell.data());
 }
 
 RowReader::Column RowReader::ReadColumn(std::string_view cell) const {

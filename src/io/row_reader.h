@@ -76,6 +76,7 @@ class RowReader {
   void CheckNumJoints() const;
   Column ReadColumn(std::string_view cell) const;
   int FindSpec(std::string_view cell) const;
+  [[noreturn]] void FailUnknown(std::string_view cell) const;
   void RequireColumns() const;
   void CheckNumCells() const;
   bool IsKept() const;

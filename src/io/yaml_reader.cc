@@ -71,6 +71,16 @@ const Unit* ReadUnit(const YamlMap& map, Dimension dimension) {
   return unit;
 }
 
+// In braces a comma ends a value: of "{sigma: 0,03}" the key "03" is left.
+std::string HintAt(const std::string& key) {
+  const bool is_number =
+      !key.empty() && key.find_first_not_of("0123456789") == std::string::npos;
+  return is_number
+             ? ". If it belongs to a number: write a decimal point, not a "
+               "comma"
+             : "";
+}
+
 }  // namespace
 
 YamlValue ReadYaml(const std::string& path) {
@@ -228,7 +238,7 @@ YamlMap YamlValue::Map(const std::vector<std::string>& keys) const {
       SourceLocation location = value.location();
       location.line = item.key_place.line;
       location.column = item.key_place.column;
-      throw InputError(location, UnknownName("key", key, keys));
+      throw InputError(location, UnknownName("key", key, keys) + HintAt(key));
     }
     entries.emplace_back(key, value);
   }

@@ -1,0 +1,89 @@
+// Messages about files that are not what a command takes, or slips that people
+// make in them: what is wrong, where, and what to do.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/support/process.h"
+
+namespace alidade {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::ProcessResult;
+using testing::TemporaryDirectory;
+using testing::WriteWhole;
+
+constexpr char kJob[] =
+    "format: alidade-job-1\ntitle: Arm\nunits: {length: mm, angle: deg}\n"
+    "arm: " ALIDADE_SOURCE_DIR
+    "/configs/robots/rv2aj_wrist.yaml\n"
+    "data: " ALIDADE_SOURCE_DIR "/datasets/rv2aj/wrist_56.csv\n";
+
+struct Slip {
+  const char* name;
+  const char* file;
+  std::string text;
+  const char* command;
+  const char* message;
+};
+
+class MessageTest : public ::testing::TestWithParam<Slip> {};
+
+TEST_P(MessageTest, SaysWhatIsWrongAndWhatToDo) {
+  const Slip& slip = GetParam();
+  const TemporaryDirectory directory;
+  WriteWhole(directory / slip.file, slip.text);
+  const ProcessResult result = testing::RunProcess(
+      "cd " + directory.path().string() + " && " + ALIDADE_BINARY + " " +
+      slip.command + " " + slip.file);
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr(slip.message));
+}
+
+constexpr char kCheckData[] =
+    "check " ALIDADE_SOURCE_DIR "/configs/robots/rv2aj_wrist.yaml";
+
+INSTANTIATE_TEST_SUITE_P(
+    All, MessageTest,
+    ::testing::Values(
+        Slip{"ResultToCheck", "result.json",
+             "{\"format\": \"alidade-result-1\"}", "check",
+             "`alidade show`, `validate` and `report` take results"},
+        Slip{"PlanResultToCheck", "plan.json",
+             "{\"format\": \"alidade-plan-result-1\"}", "check",
+             "plan.txt beside it says it in words"},
+        Slip{"PlanResultToShow", "plan.json",
+             "{\"format\": \"alidade-plan-result-1\"}", "show",
+             "plan.txt beside it says it in words"},
+        Slip{"PlanToShow", "plan.yaml", "format: alidade-plan-1\n", "show",
+             "`alidade plan` takes plans"},
+        Slip{"SimulationToCalibrate", "s.yaml",
+             "format: alidade-simulation-1\n", "calibrate",
+             "`alidade simulate` takes simulations"},
+        Slip{"DeviationsToShow", "dev.yaml", "format: alidade-deviations-1\n",
+             "show", "deviations are named by jobs (`truth`)"},
+        Slip{"FolderToShow", "notes.txt", "", "show .", "has no result.json"},
+        Slip{"DecimalComma", "job.yaml",
+             kJob + std::string("measurement: {sigma: 0,03}\n"), "check",
+             "write a decimal point, not a comma"},
+        Slip{"NegativePrior", "job.yaml",
+             kJob + std::string("measurement: {sigma: 0.03}\n"
+                                "identifiability: {priors: {d: -1}}\n"),
+             "check",
+             "job.yaml:7:31: identifiability.priors.d: expected a length above "
+             "zero, found -1"},
+        Slip{"ForeignColumn", "data.csv", "J1,x_mm,y_mm,z_mm\n1,2,3,4\n",
+             kCheckData,
+             "the arm's joints are q1_deg to q5_deg. `columns` in the job's"},
+        Slip{"NoHeader", "data.csv", "3.901,1,2\n3.2,1,2\n", kCheckData,
+             "data.csv:1:1: found the number \"3.901\", expected a line of "
+             "column names first"},
+        Slip{"Spaces", "data.csv", "q1_deg q2_deg x_mm\n1 2 3\n", kCheckData,
+             "cells are separated by spaces, expected commas"}),
+    [](const auto& slip) { return slip.param.name; });
+
+}  // namespace
+}  // namespace alidade
