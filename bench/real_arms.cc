@@ -74,8 +74,9 @@ void WriteSplits(const RealArm& arm, const std::string& directory) {
   for (const std::uint64_t seed : Seeds()) {
     const HoldOut split = HoldOutFraction(arm.job.data, kHeldOut, seed);
     std::string text;
-    for (const PoseSource& source : split.heldout.sources) {
-      text += std::to_string(source.line - 2) + "\n";
+    const PoseSources& sources = split.heldout.sources;
+    for (std::size_t pose = 0; pose < sources.size(); ++pose) {
+      text += std::to_string(sources[pose].line - 2) + "\n";
     }
     WriteFileAtomically(
         directory + "/" + arm.name + "_" + std::to_string(seed) + ".txt", text);

@@ -61,7 +61,7 @@ struct Problem {
     data.joint_values = DrawJointValues(model.nominal(), 56, 1);
     data.positions() = model.Predict(truth, data.joint_values);
     data.sigmas() = Eigen::Matrix3Xd::Constant(3, 56, kSigma);
-    for (double& value : data.positions().reshaped()) {
+    for (double& value : data.positions().edit().reshaped()) {
       value += kSigma * random.Normal();
     }
   }

@@ -53,7 +53,7 @@ struct Measured {
     data.positions() = model.Predict(truth, data.joint_values);
     data.sigmas() = Eigen::Matrix3Xd::Constant(3, poses, kSigma);
     Random noise(kNoiseSeed);
-    for (double& value : data.positions().reshaped()) {
+    for (double& value : data.positions().edit().reshaped()) {
       value += kSigma * noise.Normal();
     }
     arm = nominal;
@@ -115,8 +115,8 @@ class Comparison {
       out.write(reinterpret_cast<const char*>(numbers.data()),
                 static_cast<std::streamsize>(numbers.size() * sizeof(double)));
     };
-    write("joints", measured_.data.joint_values);
-    write("points", measured_.data.positions());
+    write("joints", measured_.data.joint_values.eval());
+    write("points", measured_.data.positions().eval());
     write("nominal", start.head(5 * model.layout().num_joints()));
     Eigen::VectorXd columns(measured_.columns.size());
     for (Eigen::Index k = 0; k < columns.size(); ++k) {

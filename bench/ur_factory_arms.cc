@@ -111,12 +111,12 @@ Dataset MeasureArm(const Arm& arm, MeasurementKind kind, int num_poses,
     const Eigen::Vector3d position =
         TargetPose<double>(arm, ViewOf(model.layout(), values.data()),
                            data.joint_values.col(i).data(), &rotation);
-    block.measured.col(i).head<3>() = position + noise(kSigma);
-    block.sigmas.col(i).head<3>().setConstant(kSigma);
+    block.measured.edit().col(i).head<3>() = position + noise(kSigma);
+    block.sigmas.edit().col(i).head<3>().setConstant(kSigma);
     if (kind != MeasurementKind::kPose) continue;
-    block.measured.col(i).tail<3>() = VectorFromRotation<double>(
+    block.measured.edit().col(i).tail<3>() = VectorFromRotation<double>(
         RotationFromVector<double>(noise(kRotationSigma)) * rotation);
-    block.sigmas.col(i).tail<3>().setConstant(kRotationSigma);
+    block.sigmas.edit().col(i).tail<3>().setConstant(kRotationSigma);
   }
   data.blocks.push_back(block);
   return data;

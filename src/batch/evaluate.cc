@@ -63,57 +63,62 @@ void ForEach(const Dataset& data, const Visit& visit) {
   }
 }
 
-Eigen::Matrix3Xd MeasuredPositions(const Dataset& data) {
-  Eigen::Matrix3Xd positions = Eigen::Matrix3Xd::Constant(
-      3, data.num_observations(), std::numeric_limits<double>::quiet_NaN());
+LargeMatrix MeasuredPositions(const Dataset& data) {
+  if (IsPlain(data) && data.sigmas().allFinite()) return data.positions();
+  LargeMatrix all(3, data.num_observations());
+  LargeMatrix::Editable positions = all.edit();
+  positions.setConstant(std::numeric_limits<double>::quiet_NaN());
   ForEach(data, [&](const ObservationBlock& block, Eigen::Index i,
                     Eigen::Index count, Eigen::Index) {
     if (!HoldsPosition(block.kind)) return;
     if (!block.sigmas.col(i).head<3>().allFinite()) return;
     positions.col(count) = block.measured.col(i).head<3>();
   });
-  return positions;
+  return all;
 }
 
 // The first rows of every observation, up to three.
-Eigen::Matrix3Xd Lengths(const Dataset& data, const Eigen::VectorXd& errors) {
-  Eigen::Matrix3Xd lengths = Eigen::Matrix3Xd::Zero(3, data.num_observations());
+LargeMatrix Lengths(const Dataset& data, const LargeVector& errors) {
+  if (IsPlain(data)) return errors.Reshaped(3);
+  LargeMatrix all(3, data.num_observations());
+  LargeMatrix::Editable lengths = all.edit();
+  lengths.setZero();
   ForEach(data, [&](const ObservationBlock& block, Eigen::Index,
                     Eigen::Index count, Eigen::Index row) {
     const Eigen::Index height = std::min(3, block.rows_each());
     lengths.col(count).head(height) = errors.segment(row, height);
   });
-  return lengths;
+  return all;
 }
 
-Eigen::Matrix3Xd Rotations(const Dataset& data, const Eigen::VectorXd& errors) {
-  Eigen::Matrix3Xd turns = Eigen::Matrix3Xd::Zero(3, data.num_observations());
+LargeMatrix Rotations(const Dataset& data, const LargeVector& errors) {
+  LargeMatrix all(3, data.num_observations());
+  LargeMatrix::Editable turns = all.edit();
+  turns.setZero();
   ForEach(data, [&](const ObservationBlock& block, Eigen::Index,
                     Eigen::Index count, Eigen::Index row) {
     if (block.kind != MeasurementKind::kPose) return;
     turns.col(count) = errors.segment<3>(row + 3);
   });
-  return turns;
+  return all;
 }
 
 using Lists = std::vector<std::vector<double>>;  // one for each block
 
-Eigen::VectorXd ToVector(const std::vector<double>& values) {
-  return Eigen::Map<const Eigen::VectorXd>(
-      values.data(), static_cast<Eigen::Index>(values.size()));
-}
-
 Accuracy Summarize(const Dataset& data, Lists mine) {
   const std::vector<double> norms = InOrder(data, std::move(mine));
-  return ComputeOnFirst(data, [&] { return SummarizeErrors(ToVector(norms)); });
+  return ComputeOnFirst(data, [&] {
+    return SummarizeErrors(Eigen::Map<const Eigen::VectorXd>(
+        norms.data(), static_cast<Eigen::Index>(norms.size())));
+  });
 }
 
 // There is one block of poses at most.
-Lists RotationLists(const Eigen::VectorXd& errors, const Dataset& data) {
+Lists RotationLists(const LargeVector& errors, const Dataset& data) {
   Lists lists(data.blocks.size());
   for (std::size_t k = 0; k < lists.size(); ++k) {
     if (data.blocks[k].kind != MeasurementKind::kPose) continue;
-    const Eigen::VectorXd norms = RotationErrors(errors, data);
+    const LargeVector norms = RotationErrors(errors, data);
     lists[k].assign(norms.data(), norms.data() + norms.size());
   }
   return lists;
@@ -156,36 +161,38 @@ std::uint64_t Fingerprint(const Eigen::Ref<const Eigen::VectorXd>& joints) {
   return print;
 }
 
-// Poses of a share that others, here or at other members, repeat; with few that
-// only seem to.
-std::vector<Eigen::Index> RepeatedPoses(const Dataset& data) {
-  std::vector<std::uint64_t> mine;
+// The fingerprints of all members' poses that are there more than once, in
+// order.
+std::vector<std::uint64_t> RepeatedPrints(const Dataset& data) {
+  std::vector<std::vector<std::uint64_t>> lists(data.blocks.size());
+  if (lists.empty()) return {};
+  lists.front().reserve(static_cast<std::size_t>(data.num_poses()));
   for (Eigen::Index i = 0; i < data.num_poses(); ++i) {
-    mine.push_back(Fingerprint(data.joint_values.col(i)));
+    lists.front().push_back(Fingerprint(data.joint_values.col(i)));
   }
-  Team* const team = data.share.team;
-  ByteWriter writer;
-  writer.PutList(mine);
-  std::vector<std::uint64_t> all;
-  for (const std::string& bytes : team->GatherToFirst(writer.Take())) {
-    for (const std::uint64_t print :
-         ByteReader(bytes).GetList<std::uint64_t>()) {
-      all.push_back(print);
-    }
-  }
+  std::vector<std::uint64_t> all = InOrder(data, std::move(lists));
   std::sort(all.begin(), all.end());
   std::vector<std::uint64_t> repeated;
   for (std::size_t i = 1; i < all.size(); ++i) {
     if (all[i] == all[i - 1]) repeated.push_back(all[i]);
   }
+  Team* const team = data.share.team;
+  if (team == nullptr) return repeated;
   ByteWriter answer;
   answer.PutList(repeated);
   const std::string bytes = team->Broadcast(answer.Take());
-  repeated = ByteReader(bytes).GetList<std::uint64_t>();
+  return ByteReader(bytes).GetList<std::uint64_t>();
+}
+
+// Poses that others, here or at other members, repeat; with few that only seem
+// to.
+std::vector<Eigen::Index> RepeatedPoses(const Dataset& data) {
+  const std::vector<std::uint64_t> repeated = RepeatedPrints(data);
   std::vector<Eigen::Index> poses;
-  for (std::size_t i = 0; i < mine.size(); ++i) {
-    if (std::binary_search(repeated.begin(), repeated.end(), mine[i])) {
-      poses.push_back(static_cast<Eigen::Index>(i));
+  for (Eigen::Index i = 0; i < data.num_poses() && !repeated.empty(); ++i) {
+    const std::uint64_t print = Fingerprint(data.joint_values.col(i));
+    if (std::binary_search(repeated.begin(), repeated.end(), print)) {
+      poses.push_back(i);
     }
   }
   return poses;
@@ -218,25 +225,32 @@ void AddSpread(const ObservationBlock& block,
 
 }  // namespace
 
+ObservationLabel LabelOf(const Arm& arm, const Dataset& data, std::size_t block,
+                         Eigen::Index i) {
+  const ObservationBlock& mine = data.blocks[block];
+  ObservationLabel label;
+  label.kind = NameOf(mine.kind);
+  const Eigen::Index lengths = std::min(3, mine.rows_each());
+  const auto is_measured = mine.sigmas.col(i).array().isFinite().eval();
+  label.has_length = is_measured.head(lengths).any();
+  label.has_rotation = is_measured.tail(mine.rows_each() - lengths).any();
+  if (mine.kind == MeasurementKind::kPointDistance) {
+    label.pose = -1;
+  } else {
+    label.pose = static_cast<int>(data.share.first_pose) + mine.pose(i);
+    label.target = arm.targets[mine.target(i)].name;
+    label.where = SourceOf(data, mine.pose(i));
+  }
+  return label;
+}
+
 std::vector<ObservationLabel> LabelsOf(const Arm& arm, const Dataset& data) {
   std::vector<ObservationLabel> labels;
-  ForEach(data, [&](const ObservationBlock& block, Eigen::Index i, Eigen::Index,
-                    Eigen::Index) {
-    ObservationLabel label;
-    label.kind = NameOf(block.kind);
-    const Eigen::Index lengths = std::min(3, block.rows_each());
-    const auto is_measured = block.sigmas.col(i).array().isFinite().eval();
-    label.has_length = is_measured.head(lengths).any();
-    label.has_rotation = is_measured.tail(block.rows_each() - lengths).any();
-    if (block.kind == MeasurementKind::kPointDistance) {
-      label.pose = -1;
-    } else {
-      label.pose = static_cast<int>(data.share.first_pose) + block.pose(i);
-      label.target = arm.targets[block.target(i)].name;
-      label.where = SourceOf(data, block.pose(i));
+  for (std::size_t k = 0; k < data.blocks.size(); ++k) {
+    for (Eigen::Index i = 0; i < data.blocks[k].size(); ++i) {
+      labels.push_back(LabelOf(arm, data, k, i));
     }
-    labels.push_back(std::move(label));
-  });
+  }
   return labels;
 }
 
@@ -255,8 +269,8 @@ EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
     set.labels = LabelsInOrder(data, LabelsOf(model.nominal(), data));
   }
   set.positions = ObservationsInOrder(data, MeasuredPositions(data));
-  const Eigen::VectorXd errors_before = model.Errors(before, data);
-  const Eigen::VectorXd errors_after = model.Errors(after, data);
+  const LargeVector errors_before = model.Errors(before, data);
+  const LargeVector errors_after = model.Errors(after, data);
   set.residual_before = ObservationsInOrder(data, Lengths(data, errors_before));
   set.residual_after = ObservationsInOrder(data, Lengths(data, errors_after));
   if (data.Has(MeasurementKind::kPose)) {
@@ -265,20 +279,23 @@ EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
     set.rotation_residual_after =
         ObservationsInOrder(data, Rotations(data, errors_after));
   }
-  set.before = EvaluateAccuracy(model, data, before);
-  set.after = EvaluateAccuracy(model, data, after);
-  set.rotation_before = EvaluateRotations(model, data, before);
-  set.rotation_after = EvaluateRotations(model, data, after);
+  set.before = Summarize(data, CountedLengths(errors_before, data));
+  set.after = Summarize(data, CountedLengths(errors_after, data));
+  if (data.Has(MeasurementKind::kPose)) {
+    set.rotation_before = Summarize(data, RotationLists(errors_before, data));
+    set.rotation_after = Summarize(data, RotationLists(errors_after, data));
+  }
   return set;
 }
 
-Lists CountedLengths(const Eigen::VectorXd& errors, const Dataset& data) {
-  const Eigen::VectorXd norms = LengthErrors(errors, data);
+Lists CountedLengths(const LargeVector& errors, const Dataset& data) {
+  const LargeVector norms = LengthErrors(errors, data);
   Lists counted(data.blocks.size());
   Eigen::Index count = 0;
   for (std::size_t k = 0; k < counted.size(); ++k) {
     const ObservationBlock& block = data.blocks[k];
     const Eigen::Index height = std::min(3, block.rows_each());
+    counted[k].reserve(static_cast<std::size_t>(block.size()));
     for (Eigen::Index i = 0; i < block.size(); ++i, ++count) {
       if (block.kind == MeasurementKind::kPointDistance) continue;
       if (block.sigmas.col(i).head(height).array().isFinite().any()) {
@@ -301,13 +318,11 @@ Accuracy EvaluateRotations(const MeasurementModel& model, const Dataset& data,
 }
 
 RepeatSpread MeasureRepeats(const Dataset& data) {
-  if (data.share.team != nullptr) {
-    return MeasureRepeats(
-        GatherData(data, SelectPoses(data, RepeatedPoses(data))));
-  }
-  const std::vector<int> groups = GroupByJointValues(data);
+  const Dataset poses =
+      GatherData(data, SelectPoses(data, RepeatedPoses(data)));
+  const std::vector<int> groups = GroupByJointValues(poses);
   RepeatSpread spread;
-  for (const ObservationBlock& block : data.blocks) {
+  for (const ObservationBlock& block : poses.blocks) {
     if (!HoldsPosition(block.kind)) continue;
     std::map<std::pair<int, int>, std::vector<Eigen::Index>> repeats;
     for (Eigen::Index i = 0; i < block.size(); ++i) {

@@ -44,7 +44,7 @@ StageResult MakeStage(const FinishedFit& fit, const std::string& name,
   return stage;
 }
 
-void AppendTo(const Eigen::VectorXd& norms, std::vector<double>* all) {
+void AppendTo(const LargeVector& norms, std::vector<double>* all) {
   all->insert(all->end(), norms.data(), norms.data() + norms.size());
 }
 
@@ -125,9 +125,9 @@ std::vector<StageResult> ListStages(const FinishedFit& fit, int num_free) {
 
 std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit) {
   const Dataset& data = fit.config.data;
-  const Eigen::VectorXd errors = fit.model().Errors(fit.values, data);
-  const Eigen::VectorXd squared = SquaredNorms(errors, data);
-  const Eigen::VectorXd lengths = LengthErrors(errors, data);
+  const LargeVector errors = fit.model().Errors(fit.values, data);
+  const LargeVector squared = SquaredNorms(errors, data);
+  const LargeVector lengths = LengthErrors(errors, data);
   const double chance =
       kChanceOfOutlier /
       static_cast<double>(std::max<Eigen::Index>(1, data.all_observations()));
@@ -139,8 +139,6 @@ std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit) {
   constexpr int kPositionRows = 3;
   *limit = std::sqrt(limits[kPositionRows]);
   const std::vector<RobustLoss> losses = TunedLosses(fit.config.loss);
-  const std::vector<ObservationLabel> labels =
-      LabelsOf(fit.model().nominal(), data);
   std::vector<Outlier> outliers;
   Eigen::Index count = 0;
   for (std::size_t k = 0; k < data.blocks.size(); ++k) {
@@ -150,7 +148,8 @@ std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit) {
       if (rows == 0 || squared[count] <= limits[rows]) continue;
       const double weight =
           losses.empty() ? 1.0 : losses[rows - 1].Weight(squared[count]);
-      outliers.push_back({ObservationInAll(data, k, i), labels[count],
+      outliers.push_back({ObservationInAll(data, k, i),
+                          LabelOf(fit.model().nominal(), data, k, i),
                           lengths[count], std::sqrt(squared[count]), weight});
     }
   }
@@ -186,7 +185,7 @@ std::optional<CrossValidation> CrossValidate(const JobConfig& config,
     const MeasurementModel model(fold.arm, fold.references, num_threads);
     const Fit fit = FitOnce(fold, model, fold.identifiability);
     if (!fit.summary.IsSolutionUsable()) return std::nullopt;
-    const Eigen::VectorXd errors = model.Errors(fit.values, split.heldout);
+    const LargeVector errors = model.Errors(fit.values, split.heldout);
     for (const std::vector<double>& norms :
          CountedLengths(errors, split.heldout)) {
       lengths.insert(lengths.end(), norms.begin(), norms.end());

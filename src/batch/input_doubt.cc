@@ -43,13 +43,7 @@ class Positions {
  public:
   explicit Positions(const Dataset& data) {
     for (const ObservationBlock& block : data.blocks) {
-      members_.emplace_back();
-      if (!HoldsPosition(block.kind)) continue;
-      for (Eigen::Index i = 0; i < block.size(); ++i) {
-        if (block.target(i) != 0) continue;
-        if (!block.sigmas.col(i).head<3>().allFinite()) continue;
-        members_.back().push_back(i);
-      }
+      members_.emplace_back(block);
     }
     CountAll(data);
     Collect(data);
@@ -74,12 +68,39 @@ class Positions {
   }
 
  private:
+  // The observations of a block that are looked at. Where these are all, as in
+  // nearly all large blocks, they are not listed.
+  class Members {
+   public:
+    explicit Members(const ObservationBlock& block) {
+      for (Eigen::Index i = 0; i < block.size(); ++i) {
+        if (IsMember(block, i)) ++size_;
+      }
+      if (size_ == block.size()) return;
+      list_.reserve(static_cast<std::size_t>(size_));
+      for (Eigen::Index i = 0; i < block.size(); ++i) {
+        if (IsMember(block, i)) list_.push_back(i);
+      }
+    }
+    Eigen::Index size() const { return size_; }
+    Eigen::Index operator[](Eigen::Index k) const {
+      return list_.empty() ? k : list_[static_cast<std::size_t>(k)];
+    }
+
+   private:
+    static bool IsMember(const ObservationBlock& block, Eigen::Index i) {
+      return HoldsPosition(block.kind) && block.target(i) == 0 &&
+             block.sigmas.col(i).head<3>().allFinite();
+    }
+
+    Eigen::Index size_ = 0;
+    std::vector<Eigen::Index> list_;
+  };
+
   // Numbers of the first of each block here, and of all.
   void CountAll(const Dataset& data) {
     std::vector<std::int64_t> sizes;
-    for (const auto& list : members_) {
-      sizes.push_back(static_cast<std::int64_t>(list.size()));
-    }
+    for (const Members& members : members_) sizes.push_back(members.size());
     std::vector<std::vector<std::int64_t>> all = {sizes};
     std::size_t mine = 0;
     if (Team* const team = data.share.team; team != nullptr) {
@@ -124,12 +145,11 @@ class Positions {
     std::vector<std::int64_t> mine;
     for (std::size_t block = 0; block < members_.size(); ++block) {
       const ObservationBlock& observations = data.blocks[block];
-      for (std::size_t k = 0; k < members_[block].size(); ++k) {
+      for (Eigen::Index k = 0; k < members_[block].size(); ++k) {
         const Eigen::Index i = members_[block][k];
         const Eigen::Vector3d point = observations.measured.col(i).head<3>();
         are_finite = are_finite && point.allFinite();
-        const Eigen::Index number =
-            first_[block] + static_cast<Eigen::Index>(k);
+        const Eigen::Index number = first_[block] + k;
         if (!std::binary_search(wanted_.begin(), wanted_.end(), number)) {
           continue;
         }
@@ -165,7 +185,7 @@ class Positions {
            wanted_.begin();
   }
 
-  std::vector<std::vector<Eigen::Index>> members_;  // of each block here
+  std::vector<Members> members_;     // of each block here
   std::vector<Eigen::Index> first_;  // the number of the first of them
   Eigen::Index count_ = 0;
   bool are_finite_ = false;

@@ -356,7 +356,7 @@ class JobRunner {
     }
     const double freedom = DegreesOfFreedom(*problem_, fit.values);
     if (freedom >= 1.0) {
-      const Eigen::VectorXd squared =
+      const LargeVector squared =
           SquaredNorms(model_.Errors(fit.values, config_.data), config_.data);
       result().reduced_chi_square = SumInOrder(config_.data, squared) / freedom;
     }

@@ -301,11 +301,12 @@ class MonteCarlo {
     const bool misses =
         study_.joint_angle_sigma > 0.0 || study_.joint_length_sigma > 0.0;
     if (misses || study_.truth == SimulatedTruth::kPriors) {
-      MeasureExactly(model_, truth,
-                     misses ? MissedJointValues(study_, config_.arm,
-                                                data.joint_values, &random)
-                            : data.joint_values,
-                     &data);
+      LargeMatrix joint_values = data.joint_values;
+      if (misses) {
+        joint_values =
+            MissedJointValues(study_, config_.arm, joint_values, &random);
+      }
+      MeasureExactly(model_, truth, joint_values, &data);
     }
     AddNoise(study_, reach_, &random, &data);
     const RepeatedCalibration::Outcome outcome = calibration_.Run(data);
@@ -348,7 +349,7 @@ class MonteCarlo {
                    const RepeatedCalibration::Outcome& outcome) const {
     Dataset scaled = data;
     for (ObservationBlock& block : scaled.blocks) {
-      block.sigmas *= outcome.sigma_factor;
+      block.sigmas.edit() *= outcome.sigma_factor;
       for (Eigen::MatrixXd& w : block.whiteners) w /= outcome.sigma_factor;
     }
     const CalibrationProblem problem = calibration_.ProblemOf(scaled);

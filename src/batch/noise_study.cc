@@ -101,9 +101,10 @@ class NoiseStudy {
              Eigen::VectorXd* values) const {
     Dataset noisy = exact_;
     Random random(study_.seed, static_cast<std::uint64_t>(trial));
+    LargeMatrix::Editable positions = noisy.positions().edit();
     for (Eigen::Index i = 0; i < noisy.num_poses(); ++i) {
       for (int axis = 0; axis < 3; ++axis) {
-        noisy.positions()(axis, i) += noisy.sigmas()(axis, i) * random.Normal();
+        positions(axis, i) += noisy.sigmas()(axis, i) * random.Normal();
       }
     }
     const CalibrationProblem problem{model_, noisy, method.free_columns,

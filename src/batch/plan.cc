@@ -264,8 +264,8 @@ class Planner {
                                   : config_.candidates.joint_decimals;
     outcome_.sheet =
         MakePlannedData(model_, result().joint_values, config_.measurement);
-    outcome_.sheet.blocks.front().sigmas.setConstant(kInfinity);
-    outcome_.sheet.blocks.front().measured.setZero();
+    outcome_.sheet.blocks.front().sigmas.edit().setConstant(kInfinity);
+    outcome_.sheet.blocks.front().measured.edit().setZero();
   }
 
   void WarnIfUncovered() {

@@ -47,7 +47,7 @@ Dataset RowsOfClass(const Dataset& data, RowClass which) {
     block.whiteners.clear();
     for (int row = 0; row < block.rows_each(); ++row) {
       if (IsOf(which, row) && IsEstimated(block)) continue;
-      block.sigmas.row(row).setConstant(
+      block.sigmas.edit().row(row).setConstant(
           std::numeric_limits<double>::infinity());
     }
   }
@@ -98,7 +98,8 @@ void ChangeSigmas(RowClass which, const SigmaChange& change, Dataset* data) {
     if (!IsEstimated(block)) continue;
     for (int row = 0; row < block.rows_each(); ++row) {
       if (!IsOf(which, row)) continue;
-      auto sigmas = block.sigmas.row(row).array();
+      LargeMatrix::Editable all = block.sigmas.edit();
+      auto sigmas = all.row(row).array();
       sigmas =
           change.scale * (sigmas.square() + change.added * change.added).sqrt();
     }
@@ -109,7 +110,28 @@ void ChangeSigmas(RowClass which, const SigmaChange& change, Dataset* data) {
   }
 }
 
+// The one sigma of all measured rows; nothing where they differ.
+std::optional<double> CommonSigma(RowClass which, const Dataset& data) {
+  std::optional<double> common;
+  for (const ObservationBlock& block : data.blocks) {
+    if (!IsEstimated(block)) continue;
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      for (int row = 0; row < block.rows_each(); ++row) {
+        const double sigma = block.sigmas(row, i);
+        if (!IsOf(which, row) || !std::isfinite(sigma)) continue;
+        if (common && *common != sigma) return std::nullopt;
+        common = sigma;
+      }
+    }
+  }
+  return common;
+}
+
 double MedianSigma(RowClass which, const Dataset& data) {
+  if (data.share.team == nullptr) {
+    const std::optional<double> common = CommonSigma(which, data);
+    if (common) return *common;
+  }
   std::vector<std::vector<double>> lists(data.blocks.size());
   for (std::size_t k = 0; k < lists.size(); ++k) {
     const ObservationBlock& block = data.blocks[k];
@@ -173,7 +195,7 @@ struct ErrorsOfClass {
   std::vector<Row> rows;
   std::vector<int> dimensions;  // rows of each observation
 
-  ErrorsOfClass(const Eigen::VectorXd& errors, const Dataset& data) {
+  ErrorsOfClass(const LargeVector& errors, const Dataset& data) {
     std::vector<std::vector<Row>> rows_of(data.blocks.size());
     std::vector<std::vector<int>> dimensions_of(data.blocks.size());
     Eigen::Index first = 0;
@@ -248,8 +270,7 @@ SigmaChange FindChange(LossKind loss, const ErrorsOfClass& errors,
 
 double TypicalResidual(const MeasurementModel& model, const Dataset& data,
                        const Eigen::VectorXd& values) {
-  const Eigen::VectorXd squared =
-      SquaredNorms(model.Errors(values, data), data);
+  const LargeVector squared = SquaredNorms(model.Errors(values, data), data);
   std::vector<std::vector<double>> lists(data.blocks.size());
   Eigen::Index count = 0;
   for (std::size_t k = 0; k < lists.size(); ++k) {

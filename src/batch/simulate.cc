@@ -31,11 +31,11 @@ double ValueAt(const Range& range, int i) {
 // Joint values as a data set with so many decimals states them, to the bits
 // that its reader makes of them: the arm is measured exactly where the file
 // says.
-void RoundJointValues(const Arm& arm, int decimals, Eigen::MatrixXd* q) {
+void RoundJointValues(const Arm& arm, int decimals, LargeMatrix::Editable q) {
   const double scale = std::pow(10.0, decimals);
-  for (Eigen::Index i = 0; i < q->cols(); ++i) {
+  for (Eigen::Index i = 0; i < q.cols(); ++i) {
     for (int j = 0; j < arm.num_joints(); ++j) {
-      double& value = (*q)(j, i);
+      double& value = q(j, i);
       if (arm.joints[j].type == JointType::kRevolute) {
         value = std::round(value / kDegree * scale) / scale * kDegree;
       } else {
@@ -116,27 +116,28 @@ Eigen::MatrixXd PlanPoses(const SimulationConfig& config) {
   return std::get<PosesFromFile>(config.poses).joint_values;
 }
 
-Eigen::Matrix3Xd TruePositions(const SimulationConfig& config,
-                               const Eigen::MatrixXd& joint_values) {
+LargeMatrix TruePositions(const SimulationConfig& config,
+                          const LargeMatrix& joint_values) {
   using Real = long double;
   const ParameterLayout layout(config.arm);
   const Eigen::Matrix<Real, Eigen::Dynamic, 1> values =
       config.true_values.cast<Real>();
   const GeometryView<Real> geometry = ViewOf(layout, values.data());
-  Eigen::Matrix3Xd positions(3, joint_values.cols());
+  LargeMatrix positions(3, joint_values.cols());
+  LargeMatrix::Editable columns = positions.edit();
   for (Eigen::Index i = 0; i < joint_values.cols(); ++i) {
-    positions.col(i) =
+    columns.col(i) =
         TargetPosition(config.arm, geometry, joint_values.col(i).data())
             .cast<double>();
   }
   return positions;
 }
 
-void AddNoise(const SimulationConfig& config, Eigen::MatrixXd* positions) {
-  for (Eigen::Index i = 0; i < positions->cols(); ++i) {
+void AddNoise(const SimulationConfig& config, LargeMatrix::Editable positions) {
+  for (Eigen::Index i = 0; i < positions.cols(); ++i) {
     Random random(config.seed, kNoiseStreams + static_cast<std::uint64_t>(i));
     for (int axis = 0; axis < 3; ++axis) {
-      (*positions)(axis, i) += config.noise_sigma * random.Normal();
+      positions(axis, i) += config.noise_sigma * random.Normal();
     }
   }
 }
@@ -147,16 +148,18 @@ Dataset Simulate(const SimulationConfig& config) {
   Dataset data;
   data.name = config.output;
   data.joint_values = PlanPoses(config);
-  RoundJointValues(config.arm, config.joint_decimals, &data.joint_values);
+  RoundJointValues(config.arm, config.joint_decimals, data.joint_values.edit());
   data.positions() = TruePositions(config, data.joint_values);
-  if (config.noise_sigma > 0.0) AddNoise(config, &data.positions());
+  if (config.noise_sigma > 0.0) AddNoise(config, data.positions().edit());
   if (!data.joint_values.allFinite() || !data.positions().allFinite()) {
     throw InputError({config.path, 0, 0, ""},
                      "the arm, its limits or its deviations are so large that "
                      "positions are not finite");
   }
-  data.sigmas().setConstant(
-      3, data.num_poses(), config.noise_sigma > 0.0 ? config.noise_sigma : 1.0);
+  data.sigmas() = LargeMatrix::Repeated(
+      Eigen::Vector3d::Constant(config.noise_sigma > 0.0 ? config.noise_sigma
+                                                         : 1.0),
+      data.num_poses());
   return data;
 }
 

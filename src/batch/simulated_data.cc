@@ -13,7 +13,7 @@ namespace {
 // turn on the left.
 void Move(const Eigen::VectorXd& change, ObservationBlock* block,
           Eigen::Index i) {
-  auto measured = block->measured.col(i);
+  auto measured = block->measured.edit().col(i);
   if (block->kind != MeasurementKind::kPose) {
     measured += change;
     return;
@@ -52,10 +52,10 @@ bool IsLength(int row) { return row < 3; }
 
 void MeasureExactly(const MeasurementModel& model,
                     const Eigen::VectorXd& values,
-                    const Eigen::MatrixXd& joint_values, Dataset* data) {
-  const Eigen::MatrixXd stated = data->joint_values;
+                    const LargeMatrix& joint_values, Dataset* data) {
+  const LargeMatrix stated = data->joint_values;
   data->joint_values = joint_values;
-  const Eigen::VectorXd errors = model.Errors(values, *data);
+  const LargeVector errors = model.Errors(values, *data);
   data->joint_values = stated;
   Eigen::Index row = 0;
   for (ObservationBlock& block : data->blocks) {
@@ -87,9 +87,9 @@ void AddNoise(const MonteCarloConfig& config, double reach, Random* random,
 
 Eigen::MatrixXd MissedJointValues(const MonteCarloConfig& config,
                                   const Arm& arm,
-                                  const Eigen::MatrixXd& joint_values,
+                                  const LargeMatrix& joint_values,
                                   Random* random) {
-  Eigen::MatrixXd missed = joint_values;
+  Eigen::MatrixXd missed = joint_values.eval();
   for (Eigen::Index i = 0; i < missed.cols(); ++i) {
     for (int j = 0; j < arm.num_joints(); ++j) {
       const double sigma = arm.joints[j].type == JointType::kRevolute

@@ -15,7 +15,7 @@ namespace alidade {
 /// kPlane), whose measured values are zero by definition.
 void MeasureExactly(const MeasurementModel& model,
                     const Eigen::VectorXd& values,
-                    const Eigen::MatrixXd& joint_values, Dataset* data);
+                    const LargeMatrix& joint_values, Dataset* data);
 
 /// Adds Gaussian noise of the data's own sigmas (or covariances) to every
 /// measured row, and gross errors to some observations.
@@ -25,7 +25,7 @@ void AddNoise(const MonteCarloConfig& config, double reach, Random* random,
 /// Joint values that the arm really takes: off by its repeatability.
 Eigen::MatrixXd MissedJointValues(const MonteCarloConfig& config,
                                   const Arm& arm,
-                                  const Eigen::MatrixXd& joint_values,
+                                  const LargeMatrix& joint_values,
                                   Random* random);
 
 }  // namespace alidade

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "alidade/base/error.h"
+#include "alidade/base/memory.h"
 #include "alidade/base/version.h"
 #include "src/cli/command.h"
 #include "src/cli/launch.h"
@@ -24,10 +25,13 @@ DEFINE_bool(keep_going, false, "run all jobs, whatever becomes of one");
 DEFINE_bool(fail_fast, false, "start no more jobs once one is not done");
 DEFINE_int32(threads, 1, "threads to work with; results do not depend on it");
 DEFINE_uint64(seed, 0, "seed of everything random, instead of the file's");
+DEFINE_uint64(memory, 0, "MB of memory for data; 0: as base/memory.h says");
 DEFINE_int32(verbosity, 0, "0: warnings, 1: what is done, 2: details");
 
 namespace alidade {
 namespace {
+
+constexpr std::uint64_t kMostMemory = 1000000000;  // MB
 
 struct FlagHelp {
   const char* name;
@@ -56,6 +60,11 @@ const std::vector<FlagHelp>& FlagHelps() {
       {"threads",
        "--threads=N      threads to work with, 1 by default; "
        "results do not depend on it"},
+      {"memory",
+       "--memory=MB      memory for data and results, half of all by default; "
+       "what is\n                   more goes to temporary files in $TMPDIR, "
+       "or "
+       "/var/tmp"},
       {"verbosity",
        "--verbosity=N    0: warnings, 1: what is done, 2: "
        "details; on standard error"},
@@ -65,7 +74,8 @@ const std::vector<FlagHelp>& FlagHelps() {
 }
 
 bool Accepts(const Command& command, const std::string& flag) {
-  return flag == "threads" || flag == "verbosity" || flag == "help" ||
+  return flag == "threads" || flag == "memory" || flag == "verbosity" ||
+         flag == "help" ||
          std::find(command.flags.begin(), command.flags.end(), flag) !=
              command.flags.end();
 }
@@ -186,6 +196,11 @@ void CheckLine(const Command& command, const CommandLine& line) {
     ThrowUsage(command, "--threads = " + std::to_string(FLAGS_threads) +
                             ", must be between 1 and 1024");
   }
+  if (FLAGS_memory > kMostMemory) {
+    ThrowUsage(command, "--memory = " + std::to_string(FLAGS_memory) +
+                            ", must be a number of MB up to " +
+                            std::to_string(kMostMemory));
+  }
   if (FLAGS_keep_going && FLAGS_fail_fast) {
     ThrowUsage(command, "--keep-going and --fail-fast, expected one of both");
   }
@@ -223,6 +238,7 @@ ExitStatus RunCommand(const std::string& name,
                             " were started together");
   }
   SetVerbosity();
+  if (FLAGS_memory > 0) SetMemoryLimit(FLAGS_memory * 1000000);
   line.out = FLAGS_out;
   line.arm = FLAGS_arm;
   line.read_as = FLAGS_read_as;

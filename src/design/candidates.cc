@@ -52,8 +52,7 @@ double DrawFaceValue(const Arm& arm, int j, Random* random) {
 void RoundMotors(const Arm& arm, int decimals, Eigen::VectorXd* joints) {
   const double scale = std::pow(10.0, decimals);
   Eigen::VectorXd motors = MotorsFromJoints(arm, *joints);
-  const bool is_direct =
-      arm.joints_from_motors.size() == 0 && arm.motor_offsets.size() == 0;
+  const bool is_direct = !HasMotorMap(arm);
   for (int j = 0; j < arm.num_joints(); ++j) {
     const Joint& joint = arm.joints[j];
     const bool turns = joint.type == JointType::kRevolute;

@@ -19,11 +19,12 @@ Dataset MakePlannedData(const MeasurementModel& model,
   const Eigen::Index count = joint_values.cols() * num_targets;
   block.measured.resize(block.rows_each(), count);
   block.sigmas.resize(block.rows_each(), count);
-  block.sigmas.setConstant(measurement.rotation_sigma);
+  LargeMatrix::Editable sigmas = block.sigmas.edit();
+  sigmas.setConstant(measurement.rotation_sigma);
   for (int axis = 0; axis < 3; ++axis) {
-    block.sigmas.row(axis).setConstant(
-        measurement.axes[axis] ? measurement.sigma
-                               : std::numeric_limits<double>::infinity());
+    sigmas.row(axis).setConstant(measurement.axes[axis]
+                                     ? measurement.sigma
+                                     : std::numeric_limits<double>::infinity());
   }
   const Eigen::VectorXd values = model.NominalValues();
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -32,11 +33,11 @@ Dataset MakePlannedData(const MeasurementModel& model,
     block.poses.push_back(pose);
     block.targets.push_back(target);
     Eigen::Matrix3d rotation;
-    block.measured.col(i).head<3>() = TargetPose<double>(
+    block.measured.edit().col(i).head<3>() = TargetPose<double>(
         model.nominal(), ViewOf(model.layout(), values.data(), target),
         joint_values.col(pose).data(), &rotation);
     if (measurement.orientation) {
-      block.measured.col(i).tail<3>() = VectorFromRotation(rotation);
+      block.measured.edit().col(i).tail<3>() = VectorFromRotation(rotation);
     }
   }
   Dataset data;

@@ -100,7 +100,7 @@ class DataAnalyzer {
   int RankWithJointMoved(int joint) const {
     constexpr std::uint64_t kSeed = 1;
     Dataset moved = subset_;
-    moved.joint_values.row(joint) =
+    moved.joint_values.edit().row(joint) =
         DrawJointValues(model_.nominal(),
                         static_cast<int>(moved.joint_values.cols()), kSeed)
             .row(joint);

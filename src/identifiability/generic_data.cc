@@ -133,7 +133,8 @@ ObservationBlock Repeat(const ObservationBlock& block, int num_poses) {
       }
       for (int row = 0; row < block.rows_each(); ++row) {
         if ((axes >> static_cast<unsigned>(row) & 1U) != 0U) continue;
-        repeated.sigmas(row, i) = std::numeric_limits<double>::infinity();
+        repeated.sigmas.edit()(row, i) =
+            std::numeric_limits<double>::infinity();
       }
     }
   }
@@ -151,7 +152,7 @@ void MeasureOrientations(const MeasurementModel& model, Dataset* data) {
                          ViewOf(model.layout(), values.data(), block.target(i)),
                          data->joint_values.col(block.pose(i)).data(),
                          &rotation);
-      block.measured.col(i).tail<3>() = VectorFromRotation(rotation);
+      block.measured.edit().col(i).tail<3>() = VectorFromRotation(rotation);
     }
   }
 }
@@ -180,9 +181,10 @@ Dataset WithUnitSigmas(const MeasurementModel& model, Dataset data) {
   const double angle = 1.0 / ArmReach(model.nominal());
   for (ObservationBlock& block : data.blocks) {
     block.whiteners.clear();
+    LargeMatrix::Editable sigmas = block.sigmas.edit();
     for (Eigen::Index i = 0; i < block.size(); ++i) {
       for (int row = 0; row < block.rows_each(); ++row) {
-        double& sigma = block.sigmas(row, i);
+        double& sigma = sigmas(row, i);
         if (std::isfinite(sigma)) sigma = row < 3 ? 1.0 : angle;
       }
     }

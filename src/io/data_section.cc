@@ -226,13 +226,12 @@ LoadedData Simulate(const SimulationConfig& config, const DataFormat& defaults,
   LoadedData loaded;
   loaded.data = context->simulate(config);
   if (!(config.noise_sigma > 0.0)) {
-    loaded.data.sigmas().setConstant(defaults.sigma);
+    loaded.data.sigmas().edit().setConstant(defaults.sigma);
   }
   // Poses count as lines, so that these may stand in a list with files.
   loaded.data.files = {config.output};
-  for (int i = 0; i < loaded.data.num_poses(); ++i) {
-    loaded.data.sources.push_back({0, i + 1});
-  }
+  loaded.data.sources.Append({0, 1},
+                             static_cast<std::size_t>(loaded.data.num_poses()));
   return loaded;
 }
 

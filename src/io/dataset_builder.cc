@@ -16,8 +16,8 @@ ObservationBlock MakeBlock(const std::vector<const Observation*>& observations,
   bool has_target = false;
   for (Eigen::Index i = 0; i < size; ++i) {
     const Observation& observation = *observations[i];
-    block.measured.col(i) = observation.measured;
-    block.sigmas.col(i) = observation.sigmas;
+    block.measured.edit().col(i) = observation.measured;
+    block.sigmas.edit().col(i) = observation.sigmas;
     block.poses.push_back(observation.pose);
     block.targets.push_back(observation.target);
     has_target = has_target || observation.target != 0;

@@ -132,7 +132,7 @@ class DatasetText {
 
   // Cells are empty where nothing was measured.
   static void AppendLengths(const ObservationBlock& block,
-                            const Eigen::MatrixXd& numbers, Eigen::Index i,
+                            const LargeMatrix& numbers, Eigen::Index i,
                             std::string* text) {
     for (int row = 0; row < 3; ++row) {
       *text += ",";
@@ -142,7 +142,7 @@ class DatasetText {
   }
 
   static void AppendAngles(const ObservationBlock& block,
-                           const Eigen::MatrixXd& numbers, Eigen::Index i,
+                           const LargeMatrix& numbers, Eigen::Index i,
                            std::string* text) {
     for (int row = 3; row < 6; ++row) {
       *text += ",";
@@ -153,7 +153,7 @@ class DatasetText {
 
   const Dataset& data_;
   const Arm& arm_;
-  const Eigen::MatrixXd motors_;
+  const LargeMatrix motors_;
   const int joint_decimals_;
   const bool has_orientations_;
   const StatedSigmas sigmas_;

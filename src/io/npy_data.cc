@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -70,6 +71,7 @@ class Records {
 
   std::int64_t num_rows() const { return header_.num_rows; }
   std::size_t record_bytes() const { return header_.record_bytes(); }
+  const char* first() const { return data_; }
   double Number(std::int64_t row, std::size_t column) const {
     return LoadDouble(data_ + static_cast<std::size_t>(row) * record_bytes() +
                       8 * column);
@@ -177,7 +179,6 @@ class PlainRecords {
       if (state == PlainRows::State::kNothing) {
         nothing_[static_cast<std::size_t>(begin / block_)].push_back(i);
       }
-      rows_.SetLine(i, static_cast<int>(i) + 1);
     }
     return true;
   }
@@ -202,6 +203,91 @@ class PlainRecords {
   std::atomic<bool> is_in_doubt_{false};
 };
 
+// Data whose numbers stand in the array as they stand in memory: in SI, joints,
+// axes and sigmas each side by side in their order, all finite. Nothing where
+// they do not.
+class RecordsInPlace {
+ public:
+  RecordsInPlace(std::shared_ptr<const MappedFile> file, const Records& records,
+                 const PlainLayout& layout)
+      : file_(std::move(file)), records_(records), layout_(layout) {}
+
+  std::optional<LoadedData> Read(const Arm& arm, const ReadOptions& options) {
+    const RowSlots& slots = layout_.slots;
+    const int n = layout_.num_joints();
+    const std::optional<LargeMatrix> joints = Columns(0, n);
+    const std::optional<LargeMatrix> positions = Columns(slots.position, 3);
+    std::optional<LargeMatrix> sigmas =
+        LargeMatrix::Repeated(layout_.DefaultSigmas(), records_.num_rows());
+    if (layout_.states_sigmas) sigmas = Columns(slots.position_sigma, 3);
+    const bool is_as_it_stands =
+        IsAligned() && layout_.kind() == MeasurementKind::kPosition &&
+        !layout_.has_target && layout_.target == 0 && !layout_.has_set &&
+        !HasMotorMap(arm) && joints && positions && sigmas;
+    if (!is_as_it_stands) return std::nullopt;
+    std::atomic<bool> is_in_doubt{false};
+    ParallelFor(options.num_threads, records_.num_rows(), kRowsAtOnce,
+                [&](std::int64_t begin, std::int64_t end) {
+                  const auto rows = [&](const LargeMatrix& all) {
+                    return all.middleCols(begin, end - begin).array();
+                  };
+                  if (!(rows(*joints).isFinite().all() &&
+                        rows(*positions).isFinite().all() &&
+                        rows(*sigmas).isFinite().all() &&
+                        (rows(*sigmas) > 0.0).all())) {
+                    is_in_doubt = true;
+                  }
+                });
+    if (is_in_doubt) return std::nullopt;
+    LoadedData loaded;
+    loaded.data = MakePositions(*joints, *positions, *sigmas);
+    loaded.data.name = file_->path();
+    loaded.data.files = {file_->path()};
+    loaded.data.sources.Append({0, 1},
+                               static_cast<std::size_t>(records_.num_rows()));
+    return loaded;
+  }
+
+ private:
+  static constexpr std::int64_t kRowsAtOnce = 1 << 14;
+
+  // As this machine's doubles, where these are little endian too.
+  bool IsAligned() const {
+    constexpr double kNumber = 1.2345;
+    return reinterpret_cast<std::uintptr_t>(records_.first()) %
+                   alignof(double) ==
+               0 &&
+           LoadDouble(reinterpret_cast<const char*>(&kNumber)) == kNumber;
+  }
+
+  // The columns of `count` slots from `slot` on.
+  std::optional<LargeMatrix> Columns(int slot, int count) const {
+    const auto first = std::find_if(
+        layout_.columns.begin(), layout_.columns.end(),
+        [&](const PlainColumn& column) {
+          return column.use == PlainColumn::Use::kNumber && column.slot == slot;
+        });
+    if (layout_.columns.end() - first < count) return std::nullopt;
+    for (int k = 0; k < count; ++k) {
+      const PlainColumn& column = first[k];
+      if (column.use != PlainColumn::Use::kNumber || column.slot != slot + k ||
+          column.unit.exponent != 0 || column.unit.factor != 1.0) {
+        return std::nullopt;
+      }
+    }
+    const auto* const numbers =
+        reinterpret_cast<const double*>(records_.first()) +
+        (first - layout_.columns.begin());
+    return LargeMatrix(std::shared_ptr<const double>(file_, numbers), count,
+                       records_.num_rows(),
+                       static_cast<Eigen::Index>(layout_.columns.size()));
+  }
+
+  const std::shared_ptr<const MappedFile> file_;
+  const Records& records_;
+  const PlainLayout& layout_;
+};
+
 void RefuseTexts(const RowReader& rows, const DataFile& file) {
   if (!file.format.where.empty()) {
     rows.Fail(
@@ -221,12 +307,20 @@ void RefuseTexts(const RowReader& rows, const DataFile& file) {
   }
 }
 
-LoadedData Read(const DataFile& file, const Records& records,
+LoadedData Read(const DataFile& file,
+                const std::shared_ptr<const MappedFile>& mapped,
                 References* references, const ReadOptions& options) {
+  const Records records(file.path, mapped->text());
   const DatasetReader header(MappedFile(file.path, records.HeaderLine()),
                              file.arm, file.format, references);
   RefuseTexts(header.rows(), file);
   const std::optional<PlainLayout> layout = header.Layout();
+  const auto bytes = static_cast<std::int64_t>(mapped->text().size());
+  if (layout && !options.is_careful && bytes >= options.fewest_bytes_in_place) {
+    std::optional<LoadedData> loaded =
+        RecordsInPlace(mapped, records, *layout).Read(file.arm, options);
+    if (loaded) return *std::move(loaded);
+  }
   if (layout && !options.is_careful) {
     std::optional<LoadedData> loaded =
         PlainRecords(records, *layout, options).Read(file.path, file.arm);
@@ -237,7 +331,7 @@ LoadedData Read(const DataFile& file, const Records& records,
   ReadOptions careful;
   careful.is_careful = true;
   LoadedData loaded = reader.Read(careful);
-  for (PoseSource& source : loaded.data.sources) --source.line;
+  loaded.data.sources.MoveLines(-1);
   for (RejectedRow& row : loaded.rejected) --row.line;
   return loaded;
 }
@@ -258,10 +352,9 @@ InputError InArray(const InputError& error) {
 
 LoadedData LoadNpy(const DataFile& file, References* references,
                    const ReadOptions& options) {
-  const MappedFile mapped(file.path);
-  const Records records(file.path, mapped.text());
+  const auto mapped = std::make_shared<const MappedFile>(file.path);
   try {
-    return Read(file, records, references, options);
+    return Read(file, mapped, references, options);
   } catch (const InputError& error) {
     throw InArray(error);
   }

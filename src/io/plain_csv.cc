@@ -147,6 +147,7 @@ std::optional<LoadedData> ReadPlainCsv(const RowReader& rows,
   }
   if (num_rows == 0) return std::nullopt;
   PlainRows plain(layout, num_rows);
+  plain.KeepLines();
   std::atomic<bool> is_in_doubt{false};
   ParallelFor(options.num_threads, num_chunks, 1,
               [&](std::int64_t c, std::int64_t) {

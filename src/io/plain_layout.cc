@@ -78,7 +78,25 @@ bool FindTargets(const Arm& arm, const DataFormat& format,
   return found != names.end();
 }
 
+bool IsOfSigmas(const PlainColumn& column, const RowSlots& slots) {
+  const auto is_in = [&](int first) {
+    return column.slot >= first && column.slot < first + 3;
+  };
+  return column.use == PlainColumn::Use::kNumber &&
+         (is_in(slots.position_sigma) || is_in(slots.turn_sigma));
+}
+
 }  // namespace
+
+Eigen::VectorXd PlainLayout::DefaultSigmas() const {
+  Eigen::VectorXd sigmas(RowsOf(kind()));
+  for (Eigen::Index row = 0; row < sigmas.size(); ++row) {
+    const Eigen::Index first =
+        row < 3 ? slots.position_sigma : slots.turn_sigma - 3;
+    sigmas[row] = defaults[static_cast<std::size_t>(first + row)];
+  }
+  return sigmas;
+}
 
 std::optional<PlainLayout> MakePlainLayout(const ReadHeader& header,
                                            const Arm& arm,
@@ -94,6 +112,11 @@ std::optional<PlainLayout> MakePlainLayout(const ReadHeader& header,
     if (!plain) return std::nullopt;
     layout.columns.push_back(*plain);
   }
+  layout.states_sigmas =
+      std::any_of(layout.columns.begin(), layout.columns.end(),
+                  [&](const PlainColumn& column) {
+                    return IsOfSigmas(column, layout.slots);
+                  });
   layout.orientation = OrientationOf(header.groups);
   layout.convention = format.rotation;
   layout.has_target = header.rows.Has(header.columns.target);

@@ -61,8 +61,11 @@ struct PlainLayout {
   int target = 0;                                ///< of rows that name none
   bool has_target = false;                       ///< a column names it
   bool has_set = false;
+  bool states_sigmas = false;  ///< a column is one of sigmas
 
   int num_joints() const { return slots.position; }
+  /// Those of all rows where no column states them: RowsOf(kind()).
+  Eigen::VectorXd DefaultSigmas() const;
   MeasurementKind kind() const {
     return orientation == PlainOrientation::kNone ? MeasurementKind::kPosition
                                                   : MeasurementKind::kPose;

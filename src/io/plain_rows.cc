@@ -1,10 +1,7 @@
 #include "src/io/plain_rows.h"
 
-#include <sys/mman.h>
-
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <utility>
 
@@ -15,32 +12,15 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Asks for large pages below a large matrix that nothing was written to yet.
-// With small ones, most of the time of filling it is the system's, which
-// provides and clears one page after the other. Only a hint.
-void AskForLargePages(const Eigen::MatrixXd& matrix) {
-#ifdef MADV_HUGEPAGE
-  constexpr std::uintptr_t kPage = 1 << 21;
-  const auto begin = reinterpret_cast<std::uintptr_t>(matrix.data());
-  const std::uintptr_t end =
-      begin + sizeof(double) * static_cast<std::uintptr_t>(matrix.size());
-  const std::uintptr_t first = (begin + kPage - 1) / kPage * kPage;
-  if (first + kPage > end) return;
-  (void)madvise(reinterpret_cast<void*>(first), (end - first) / kPage * kPage,
-                MADV_HUGEPAGE);
-#else
-  (void)matrix;
-#endif
-}
-
 // A matrix keeps its columns `kept`, in their order.
-void KeepColumns(const std::vector<Eigen::Index>& kept,
-                 Eigen::MatrixXd* matrix) {
-  for (std::size_t to = 0; to < kept.size(); ++to) {
-    matrix->col(static_cast<Eigen::Index>(to)) = matrix->col(kept[to]);
+void KeepColumns(const std::vector<Eigen::Index>& kept, LargeMatrix* matrix) {
+  const auto count = static_cast<Eigen::Index>(kept.size());
+  LargeMatrix less(matrix->rows(), count);
+  LargeMatrix::Editable columns = less.edit();
+  for (Eigen::Index to = 0; to < count; ++to) {
+    columns.col(to) = matrix->col(kept[static_cast<std::size_t>(to)]);
   }
-  matrix->conservativeResize(Eigen::NoChange,
-                             static_cast<Eigen::Index>(kept.size()));
+  *matrix = std::move(less);
 }
 
 template <typename T>
@@ -57,31 +37,50 @@ void KeepEntries(const std::vector<Eigen::Index>& kept, std::vector<T>* list) {
 
 PlainRows::PlainRows(const PlainLayout& layout, Eigen::Index size)
     : layout_(layout),
+      rows_each_(RowsOf(layout.kind())),
       motors_(layout.num_joints(), size),
-      measured_(RowsOf(layout.kind()), size),
-      sigmas_(RowsOf(layout.kind()), size),
+      measured_(rows_each_, size),
       targets_(layout.has_target || layout.target != 0 ? size : 0,
                layout.target),
-      sets_(layout.has_set ? size : 0),
-      sources_(static_cast<std::size_t>(size)) {
-  for (const Eigen::MatrixXd* matrix : {&motors_, &measured_, &sigmas_}) {
-    AskForLargePages(*matrix);
+      sets_(layout.has_set ? size : 0) {
+  motor_numbers_ = motors_.edit().data();
+  measured_numbers_ = measured_.edit().data();
+  if (layout.states_sigmas) {
+    sigmas_.resize(rows_each_, size);
+    sigma_numbers_ = sigmas_.edit().data();
+  } else {
+    sigmas_ = LargeMatrix::Repeated(layout.DefaultSigmas(), size);
   }
+}
+
+// The sigmas of a row. As long as all rows have the same, there is one column
+// of them.
+double* PlainRows::SigmasOf(Eigen::Index i) {
+  std::call_once(has_own_sigmas_, [this] {
+    if (sigma_numbers_ == nullptr) sigma_numbers_ = sigmas_.edit().data();
+  });
+  return sigma_numbers_ + i * rows_each_;
 }
 
 PlainRows::State PlainRows::Set(Eigen::Index i, const double* row) {
   // A call of memmove for a handful of numbers takes longer than the loop.
-  double* const motors = &motors_(0, i);
+  double* const motors = motor_numbers_ + i * layout_.num_joints();
   for (int j = 0; j < layout_.num_joints(); ++j) motors[j] = row[j];
+  double* const measured = measured_numbers_ + i * rows_each_;
   const double* const position = row + layout_.slots.position;
   const double* const sigma = row + layout_.slots.position_sigma;
   int count = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const bool is_measured = !std::isnan(position[axis]);
-    measured_(axis, i) = is_measured ? position[axis] : 0.0;
-    sigmas_(axis, i) = is_measured ? sigma[axis] : kInfinity;
+    measured[axis] = is_measured ? position[axis] : 0.0;
     if (is_measured && std::isnan(sigma[axis])) return State::kDoubtful;
     count += is_measured ? 1 : 0;
+  }
+  if (layout_.states_sigmas || count < 3) {
+    double* const sigmas = SigmasOf(i);
+    for (int axis = 0; axis < 3; ++axis) {
+      sigmas[axis] = std::isnan(position[axis]) ? kInfinity : sigma[axis];
+    }
   }
   if (layout_.orientation != PlainOrientation::kNone) {
     return SetOrientation(i, row) ? State::kKept : State::kDoubtful;
@@ -95,7 +94,7 @@ bool PlainRows::SetOrientation(Eigen::Index i, const double* row) {
   const double* const sigma = row + layout_.slots.turn_sigma;
   for (int axis = 0; axis < 3; ++axis) {
     if (std::isnan(sigma[axis])) return false;
-    sigmas_(3 + axis, i) = sigma[axis];
+    if (layout_.states_sigmas) SigmasOf(i)[3 + axis] = sigma[axis];
   }
   Eigen::Matrix3d rotation;
   if (layout_.orientation == PlainOrientation::kQuaternion) {
@@ -110,7 +109,8 @@ bool PlainRows::SetOrientation(Eigen::Index i, const double* row) {
                    ? RotationOfVector(three)
                    : RotationOf(*layout_.convention, three);
   }
-  measured_.col(i).tail<3>() = MeasuredVector(rotation);
+  Eigen::Map<Eigen::Vector3d>(measured_numbers_ + i * rows_each_ + 3) =
+      MeasuredVector(rotation);
   return true;
 }
 
@@ -129,24 +129,28 @@ void PlainRows::Drop(const std::vector<Eigen::Index>& rows) {
   KeepColumns(kept, &sigmas_);
   KeepEntries(kept, &targets_);
   KeepEntries(kept, &sets_);
-  KeepEntries(kept, &sources_);
+  PoseSources sources;
+  for (const Eigen::Index i : kept) sources.push_back({0, LineOf(i)});
+  sources_ = std::move(sources);
 }
 
 LoadedData PlainRows::Finish(const std::string& path, const Arm& arm,
                              const std::vector<Eigen::Index>& nothing) {
   LoadedData loaded;
   for (const Eigen::Index i : nothing) {
-    loaded.rejected.push_back({path, sources_[i].line, kNothingMeasured});
+    loaded.rejected.push_back({path, LineOf(i), kNothingMeasured});
+  }
+  if (lines_.empty()) {
+    sources_.Append({0, 1}, static_cast<std::size_t>(motors_.cols()));
+  } else {
+    for (const int line : lines_) sources_.push_back({0, line});
   }
   if (!nothing.empty()) Drop(nothing);
-  const bool is_mapped =
-      arm.joints_from_motors.size() > 0 || arm.motor_offsets.size() > 0;
   Dataset& data = loaded.data;
   data.name = path;
   data.files = {path};
   data.sources = std::move(sources_);
-  data.joint_values =
-      is_mapped ? JointsFromMotors(arm, motors_) : std::move(motors_);
+  data.joint_values = JointsFromMotors(arm, motors_);
   ObservationBlock block;
   block.kind = layout_.kind();
   block.measured = std::move(measured_);

@@ -2,6 +2,7 @@
 #define ALIDADE_SRC_IO_PLAIN_ROWS_H_
 
 #include <Eigen/Core>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -24,13 +25,15 @@ class PlainRows {
     kDoubtful,  ///< not plain, or wrong: the careful reader is to look at it
   };
 
-  /// `layout` must outlive the object.
+  /// `layout` must outlive the object. Rows are lines from 1, unless KeepLines
+  /// is called and each told its own.
   PlainRows(const PlainLayout& layout, Eigen::Index size);
 
   /// The numbers of row i by their slots; NaN is what was not measured. No
   /// cell is looked at for infinities or sigmas below zero.
   State Set(Eigen::Index i, const double* row);
-  void SetLine(Eigen::Index i, int line) { sources_[i].line = line; }
+  void KeepLines() { lines_.resize(static_cast<std::size_t>(motors_.cols())); }
+  void SetLine(Eigen::Index i, int line) { lines_[i] = line; }
   void SetTarget(Eigen::Index i, int target) { targets_[i] = target; }
   void SetSet(Eigen::Index i, std::string_view set) { sets_[i] = set; }
 
@@ -42,15 +45,26 @@ class PlainRows {
 
  private:
   bool SetOrientation(Eigen::Index i, const double* row);
+  double* SigmasOf(Eigen::Index i);
+  int LineOf(Eigen::Index i) const {
+    return lines_.empty() ? static_cast<int>(i) + 1 : lines_[i];
+  }
   void Drop(const std::vector<Eigen::Index>& rows);
 
   const PlainLayout& layout_;
-  Eigen::MatrixXd motors_;
-  Eigen::MatrixXd measured_;
-  Eigen::MatrixXd sigmas_;
+  const int rows_each_;
+  LargeMatrix motors_;
+  LargeMatrix measured_;
+  LargeMatrix sigmas_;
+  // The numbers of these.
+  double* motor_numbers_ = nullptr;
+  double* measured_numbers_ = nullptr;
+  double* sigma_numbers_ = nullptr;  // null: one column for all rows
+  std::once_flag has_own_sigmas_;
   std::vector<int> targets_;       // empty: no column
   std::vector<std::string> sets_;  // empty: no column
-  std::vector<PoseSource> sources_;
+  std::vector<int> lines_;         // empty: as KeepLines says
+  PoseSources sources_;
 };
 
 }  // namespace alidade

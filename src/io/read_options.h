@@ -14,6 +14,10 @@ struct ReadOptions {
   /// one costs nothing beside reading it, small enough for its text and its
   /// numbers to stay in a core's cache between the passes.
   std::int64_t chunk_bytes = 1 << 18;
+  /// Arrays of so many bytes stay in their file where they can be used as they
+  /// are: it must not change then as long as the data are in use. Smaller ones
+  /// are copied.
+  std::int64_t fewest_bytes_in_place = std::int64_t{1} << 26;
 };
 
 }  // namespace alidade

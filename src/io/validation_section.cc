@@ -64,7 +64,7 @@ void RejectStraddling(const std::vector<bool>& is_heldout, JobConfig* job) {
     for (Eigen::Index i = 0; i < block.size(); ++i) {
       const int pose = block.pose(i);
       if (is_heldout[pose] == is_heldout[block.seconds[i]]) continue;
-      const PoseSource& source = data.sources[pose];
+      const PoseSource source = data.sources[pose];
       rejected.push_back(
           {data.files[source.file], source.line,
            "a difference between a pose that is held out and one that is not"});
@@ -153,8 +153,10 @@ void ReadFile(const YamlValue& value, const JobContext& context,
   const std::string text = value.Text();
   const std::string resolved = context.files.Resolve(value);
   std::vector<bool> is_heldout;
-  for (const PoseSource& source : data.sources) {
-    is_heldout.push_back(NamesFile(text, resolved, data, source.file));
+  is_heldout.reserve(data.sources.size());
+  for (std::size_t pose = 0; pose < data.sources.size(); ++pose) {
+    is_heldout.push_back(
+        NamesFile(text, resolved, data, data.sources[pose].file));
   }
   if (OnAllMembers(data, std::none_of(is_heldout.begin(), is_heldout.end(),
                                       [](bool held) { return held; }))) {

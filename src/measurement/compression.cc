@@ -53,9 +53,9 @@ class ScaledCondition {
 
 std::string VectorInstructions() { return kernel::TargetName(); }
 
-double RobustChiSquare(const Eigen::VectorXd& errors, const Dataset& data,
+double RobustChiSquare(const LargeVector& errors, const Dataset& data,
                        const std::vector<RobustLoss>& losses) {
-  const Eigen::VectorXd squared = SquaredNorms(errors, data);
+  const LargeVector squared = SquaredNorms(errors, data);
   if (losses.empty()) return squared.sum();
   const Eigen::VectorXi dimensions = Dimensions(data);
   double cost = 0.0;

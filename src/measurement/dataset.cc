@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <utility>
 
 namespace alidade {
 
@@ -125,17 +127,37 @@ ObservationBlock& Dataset::PositionBlock() {
 
 std::string SourceOf(const Dataset& data, int pose) {
   if (data.sources.empty()) return "";
-  const PoseSource& source = data.sources[pose];
+  const PoseSource source = data.sources[pose];
   return data.files[source.file] + ":" + std::to_string(source.line);
 }
 
-Dataset MakePositions(const Eigen::MatrixXd& joint_values,
-                      const Eigen::Matrix3Xd& points,
-                      const Eigen::Matrix3Xd& sigmas) {
+bool HaveOneSigma(const ObservationBlock& block, Eigen::Index first,
+                  Eigen::Index count) {
+  if (count < 2) return true;
+  const LargeMatrix& sigmas = block.sigmas;
+  const auto bytes = [&](Eigen::Index columns) {
+    return sizeof(double) * static_cast<std::size_t>(columns * sigmas.rows());
+  };
+  const double* const begin = sigmas.col(first).data();
+  if (sigmas.outerStride() == sigmas.rows()) {
+    // Each column is the one before it.
+    return std::memcmp(begin, sigmas.col(first + 1).data(), bytes(count - 1)) ==
+           0;
+  }
+  for (Eigen::Index i = 1; i < count; ++i) {
+    if (std::memcmp(begin, sigmas.col(first + i).data(), bytes(1)) != 0) {
+      return false;
+    }
+  }
+  return true;
+}
+
+Dataset MakePositions(LargeMatrix joint_values, LargeMatrix points,
+                      LargeMatrix sigmas) {
   Dataset data;
-  data.joint_values = joint_values;
-  data.positions() = points;
-  data.sigmas() = sigmas;
+  data.joint_values = std::move(joint_values);
+  data.positions() = std::move(points);
+  data.sigmas() = std::move(sigmas);
   return data;
 }
 

@@ -82,19 +82,19 @@ void JoinDifferences(const Dataset& data, std::vector<Eigen::Index>* first) {
   }
 }
 
-template <typename Entry>
-void Gather(const std::vector<Entry>& from,
-            const std::vector<Eigen::Index>& indices, std::vector<Entry>* to) {
+template <typename List>
+void Gather(const List& from, const std::vector<Eigen::Index>& indices,
+            List* to) {
   if (from.empty()) return;
   for (const Eigen::Index i : indices) to->push_back(from[i]);
 }
 
-void GatherColumns(const Eigen::MatrixXd& from,
-                   const std::vector<Eigen::Index>& indices,
-                   Eigen::MatrixXd* to) {
+void GatherColumns(const LargeMatrix& from,
+                   const std::vector<Eigen::Index>& indices, LargeMatrix* to) {
   to->resize(from.rows(), static_cast<Eigen::Index>(indices.size()));
+  LargeMatrix::Editable columns = to->edit();
   for (std::size_t i = 0; i < indices.size(); ++i) {
-    to->col(static_cast<Eigen::Index>(i)) = from.col(indices[i]);
+    columns.col(static_cast<Eigen::Index>(i)) = from.col(indices[i]);
   }
 }
 

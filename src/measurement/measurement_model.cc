@@ -89,19 +89,19 @@ References MeasurementModel::ReferencesAt(const Eigen::VectorXd& values) const {
 }
 
 Eigen::Matrix3Xd MeasurementModel::Predict(const Eigen::VectorXd& values,
-                                           const Eigen::MatrixXd& joint_values,
+                                           const LargeMatrix& joint_values,
                                            int target) const {
   // Errors of what was measured at the origin.
   const Eigen::Index poses = joint_values.cols();
-  Dataset at_origin =
-      MakePositions(joint_values, Eigen::Matrix3Xd::Zero(3, poses),
-                    Eigen::Matrix3Xd::Ones(3, poses));
+  Dataset at_origin = MakePositions(
+      joint_values, LargeMatrix::Repeated(Eigen::Vector3d::Zero(), poses),
+      LargeMatrix::Repeated(Eigen::Vector3d::Ones(), poses));
   if (target != 0) at_origin.blocks.front().targets.assign(poses, target);
   return Errors(values, at_origin).reshaped(3, poses);
 }
 
-Eigen::VectorXd MeasurementModel::Errors(const Eigen::VectorXd& values,
-                                         const Dataset& data) const {
+LargeVector MeasurementModel::Errors(const Eigen::VectorXd& values,
+                                     const Dataset& data) const {
   Tiles tiles(nominal_, data, 0, RowScale::kUnit);
   const kernel::Columns no_columns(layout_, {});
   kernel::Constants constants;
@@ -112,15 +112,16 @@ Eigen::VectorXd MeasurementModel::Errors(const Eigen::VectorXd& values,
     first_rows.push_back(num_rows);
     num_rows += block.size() * block.rows_each();
   }
-  Eigen::VectorXd errors(num_rows);
+  LargeVector errors(num_rows);
+  double* const first_error = errors.edit().data();
   const auto work = [&](std::int64_t begin, std::int64_t end) {
     TileRows rows(&tiles, layout_.num_joints(), 0);
     for (std::int64_t tile = begin; tile < end; ++tile) {
       rows.Evaluate(constants, no_columns, tile);
       const int height = rows.height();
       for (int lane = 0; lane < rows.tile().count; ++lane) {
-        double* const to = &errors[first_rows[rows.tile().block] +
-                                   tiles.Observation(tile, lane) * height];
+        double* const to = first_error + first_rows[rows.tile().block] +
+                           tiles.Observation(tile, lane) * height;
         for (int row = 0; row < height; ++row) {
           to[row] = rows.residual()[std::ptrdiff_t{row} * kTile + lane];
         }
@@ -153,51 +154,52 @@ double MeasurementModel::RoundingError() const {
   return std::numeric_limits<double>::epsilon() * Reach(nominal_);
 }
 
-Eigen::VectorXd SquaredNorms(const Eigen::VectorXd& errors,
-                             const Dataset& data) {
-  Eigen::VectorXd whitened = errors;
-  Eigen::Index row = 0;
-  for (const ObservationBlock& block : data.blocks) {
-    const Eigen::Index size = block.size() * block.rows_each();
-    Whiten(block, 0, block.size(), whitened.segment(row, size));
-    row += size;
-  }
-  Eigen::VectorXd norms(data.num_observations());
-  Eigen::Index count = 0;
-  ForEachObservation(data, [&](const ObservationBlock& block, Eigen::Index,
+LargeVector SquaredNorms(const LargeVector& errors, const Dataset& data) {
+  LargeVector norms(data.num_observations());
+  double* norm = norms.edit().data();
+  ForEachObservation(data, [&](const ObservationBlock& block, Eigen::Index i,
                                Eigen::Index first) {
-    norms[count++] = whitened.segment(first, block.rows_each()).squaredNorm();
+    Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> rows =
+        errors.segment(first, block.rows_each());
+    Whiten(block, i, 1, rows);
+    *norm++ = rows.squaredNorm();
   });
   return norms;
 }
 
-double ChiSquare(const Eigen::VectorXd& errors, const Dataset& data) {
+double ChiSquare(const LargeVector& errors, const Dataset& data) {
   return SquaredNorms(errors, data).sum();
 }
 
-Eigen::VectorXd LengthErrors(const Eigen::VectorXd& errors,
-                             const Dataset& data) {
-  Eigen::VectorXd norms(data.num_observations());
-  Eigen::Index count = 0;
+LargeVector LengthErrors(const LargeVector& errors, const Dataset& data) {
+  LargeVector norms(data.num_observations());
+  double* norm = norms.edit().data();
   ForEachObservation(data, [&](const ObservationBlock& block, Eigen::Index,
                                Eigen::Index first) {
     const int height = std::min(3, block.rows_each());
-    norms[count++] = errors.segment(first, height).norm();
+    *norm++ = errors.segment(first, height).norm();
   });
   return norms;
 }
 
-Eigen::VectorXd RotationErrors(const Eigen::VectorXd& errors,
-                               const Dataset& data) {
-  std::vector<double> norms;
+LargeVector RotationErrors(const LargeVector& errors, const Dataset& data) {
+  const auto is_measured = [](const ObservationBlock& block, Eigen::Index i) {
+    return block.kind == MeasurementKind::kPose &&
+           block.sigmas.col(i).tail<3>().array().isFinite().any();
+  };
+  Eigen::Index count = 0;
+  ForEachObservation(
+      data, [&](const ObservationBlock& block, Eigen::Index i, Eigen::Index) {
+        if (is_measured(block, i)) ++count;
+      });
+  LargeVector norms(count);
+  double* norm = norms.edit().data();
   ForEachObservation(data, [&](const ObservationBlock& block, Eigen::Index i,
                                Eigen::Index first) {
-    if (block.kind != MeasurementKind::kPose) return;
-    if (!block.sigmas.col(i).tail<3>().array().isFinite().any()) return;
-    norms.push_back(errors.segment<3>(first + 3).norm());
+    if (!is_measured(block, i)) return;
+    *norm++ = errors.segment<3>(first + 3).norm();
   });
-  return Eigen::Map<const Eigen::VectorXd>(
-      norms.data(), static_cast<Eigen::Index>(norms.size()));
+  return norms;
 }
 
 Eigen::VectorXi Dimensions(const Dataset& data) {

@@ -84,8 +84,8 @@ ObservationBlock MergeBlocks(const std::vector<PartBlock>& parts,
   Eigen::Index first = 0;
   for (const PartBlock& part : parts) {
     const ObservationBlock& block = *part.block;
-    all.measured.middleCols(first, block.size()) = block.measured;
-    all.sigmas.middleCols(first, block.size()) = block.sigmas;
+    all.measured.edit().middleCols(first, block.size()) = block.measured;
+    all.sigmas.edit().middleCols(first, block.size()) = block.sigmas;
     first += block.size();
     AppendPoses(part, &all.poses);
     if (has_target) AppendList(block.targets, block.size(), 0, &all.targets);
@@ -120,12 +120,11 @@ Dataset MergeDatasets(std::vector<Dataset> parts) {
   for (const Dataset& part : parts) {
     all.shards.push_back({first, {}});
     all.name += (all.name.empty() ? "" : ", ") + part.name;
-    all.joint_values.middleCols(first, part.num_poses()) = part.joint_values;
+    all.joint_values.edit().middleCols(first, part.num_poses()) =
+        part.joint_values;
     const auto first_file = static_cast<int>(all.files.size());
     if (has_sources) {
-      for (const PoseSource& source : part.sources) {
-        all.sources.push_back({source.file + first_file, source.line});
-      }
+      all.sources.Append(part.sources, first_file);
     }
     all.files.insert(all.files.end(), part.files.begin(), part.files.end());
     for (const ObservationBlock& block : part.blocks) {

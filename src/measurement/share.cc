@@ -152,6 +152,22 @@ void PutBlock(const ObservationBlock& block, ByteWriter* writer) {
   }
 }
 
+void PutSources(const PoseSources& sources, ByteWriter* writer) {
+  writer->PutList(sources.runs());
+  writer->Put(static_cast<std::int64_t>(sources.size()));
+}
+
+PoseSources GetSources(ByteReader* reader) {
+  const auto runs = reader->GetList<PoseSources::Run>();
+  const auto size = static_cast<std::size_t>(reader->Get<std::int64_t>());
+  PoseSources sources;
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    const std::size_t end = k + 1 < runs.size() ? runs[k + 1].first_pose : size;
+    sources.Append(runs[k].source, end - runs[k].first_pose);
+  }
+  return sources;
+}
+
 ObservationBlock GetBlock(MeasurementKind kind, ByteReader* reader) {
   ObservationBlock block;
   block.kind = kind;
@@ -169,18 +185,18 @@ ObservationBlock GetBlock(MeasurementKind kind, ByteReader* reader) {
 }
 
 // Columns of every member, one member after the other.
-Eigen::MatrixXd SideBySide(Eigen::Index rows,
-                           const std::vector<std::string>& members) {
+LargeMatrix SideBySide(Eigen::Index rows,
+                       const std::vector<std::string>& members) {
   std::vector<Eigen::MatrixXd> parts;
   Eigen::Index count = 0;
   for (const std::string& bytes : members) {
     parts.push_back(ByteReader(bytes).GetMatrix());
     count += parts.back().cols();
   }
-  Eigen::MatrixXd all(rows, count);
+  LargeMatrix all(rows, count);
   Eigen::Index first = 0;
   for (const Eigen::MatrixXd& part : parts) {
-    all.middleCols(first, part.cols()) = part;
+    all.edit().middleCols(first, part.cols()) = part;
     first += part.cols();
   }
   return all;
@@ -197,9 +213,9 @@ Dataset JoinMembers(const std::vector<Dataset>& parts, Dataset mine) {
   std::vector<std::vector<PartBlock>> blocks(mine.blocks.size());
   Eigen::Index first = 0;
   for (const Dataset& part : parts) {
-    all.joint_values.middleCols(first, part.num_poses()) = part.joint_values;
-    all.sources.insert(all.sources.end(), part.sources.begin(),
-                       part.sources.end());
+    all.joint_values.edit().middleCols(first, part.num_poses()) =
+        part.joint_values;
+    all.sources.Append(part.sources, 0);
     for (std::size_t k = 0; k < blocks.size(); ++k) {
       blocks[k].push_back({&part.blocks[k], static_cast<int>(first)});
     }
@@ -220,9 +236,9 @@ void ShareData(Team* team, Dataset* data) {
   Rearrange(whole.blocks(), data);
   data->name = whole.name();
   data->files = whole.files();
-  for (PoseSource& source : data->sources) {
-    source.file += whole.first_file(team->rank());
-  }
+  PoseSources sources;
+  sources.Append(data->sources, whole.first_file(team->rank()));
+  data->sources = std::move(sources);
   data->share.team = team;
   CountShare(data);
 }
@@ -279,14 +295,14 @@ Dataset GatherData(const Dataset& data, Dataset mine) {
   if (team == nullptr) return mine;
   ByteWriter writer;
   writer.PutMatrix(mine.joint_values);
-  writer.PutList(mine.sources);
+  PutSources(mine.sources, &writer);
   for (const ObservationBlock& block : mine.blocks) PutBlock(block, &writer);
   std::vector<Dataset> parts;
   for (const std::string& bytes : team->Gather(writer.Take())) {
     ByteReader reader(bytes);
     parts.emplace_back();
     parts.back().joint_values = reader.GetMatrix();
-    parts.back().sources = reader.GetList<PoseSource>();
+    parts.back().sources = GetSources(&reader);
     for (const ObservationBlock& block : mine.blocks) {
       parts.back().blocks.push_back(GetBlock(block.kind, &reader));
     }
@@ -294,7 +310,7 @@ Dataset GatherData(const Dataset& data, Dataset mine) {
   return JoinMembers(parts, std::move(mine));
 }
 
-Eigen::MatrixXd PosesInOrder(const Dataset& data, Eigen::MatrixXd mine) {
+LargeMatrix PosesInOrder(const Dataset& data, LargeMatrix mine) {
   if (data.share.team == nullptr) return mine;
   const Eigen::Index rows = mine.rows();
   ByteWriter writer;
@@ -303,10 +319,9 @@ Eigen::MatrixXd PosesInOrder(const Dataset& data, Eigen::MatrixXd mine) {
   return SideBySide(rows, data.share.team->GatherToFirst(writer.Take()));
 }
 
-Eigen::MatrixXd ObservationsInOrder(const Dataset& data, Eigen::MatrixXd mine) {
+LargeMatrix ObservationsInOrder(const Dataset& data, LargeMatrix mine) {
   if (data.share.team == nullptr) return mine;
-  Eigen::MatrixXd all(mine.rows(),
-                      KnowsAll(data) ? data.all_observations() : 0);
+  LargeMatrix all(mine.rows(), KnowsAll(data) ? data.all_observations() : 0);
   Eigen::Index mine_first = 0;
   Eigen::Index first = 0;
   for (std::size_t block = 0; block < data.blocks.size(); ++block) {
@@ -314,22 +329,21 @@ Eigen::MatrixXd ObservationsInOrder(const Dataset& data, Eigen::MatrixXd mine) {
     ByteWriter writer;
     writer.PutMatrix(mine.middleCols(mine_first, size));
     mine_first += size;
-    const Eigen::MatrixXd columns =
+    const LargeMatrix columns =
         SideBySide(mine.rows(), data.share.team->GatherToFirst(writer.Take()));
-    all.middleCols(first, columns.cols()) = columns;
+    all.edit().middleCols(first, columns.cols()) = columns;
     first += columns.cols();
   }
   return all;
 }
 
-Eigen::VectorXd EntriesInOrder(const Dataset& data, Eigen::VectorXd mine) {
+LargeVector EntriesInOrder(const Dataset& data, LargeVector mine) {
   if (data.share.team == nullptr) return mine;
-  return ObservationsInOrder(data, Eigen::MatrixXd(mine.transpose()))
-      .transpose();
+  return ObservationsInOrder(data, mine.transpose()).transpose();
 }
 
-double SumInOrder(const Dataset& data, Eigen::VectorXd mine) {
-  const Eigen::VectorXd all = EntriesInOrder(data, std::move(mine));
+double SumInOrder(const Dataset& data, LargeVector mine) {
+  const LargeVector all = EntriesInOrder(data, std::move(mine));
   return ComputeOnFirst(data, [&] { return all.sum(); });
 }
 

@@ -26,7 +26,18 @@ void Add(const SigmaTotals& more, SigmaTotals* sum) {
   sum->rotation_information += more.rotation_information;
 }
 
+// Of `count` observations that are all like this one.
+SigmaTotals Times(Eigen::Index count, SigmaTotals one) {
+  one.equations *= count;
+  one.length_information *= static_cast<double>(count);
+  one.rotation_information *= static_cast<double>(count);
+  return one;
+}
+
 SigmaTotals Sum(const ObservationBlock& block, const Piece& piece) {
+  if (piece.count > 1 && HaveOneSigma(block, piece.first, piece.count)) {
+    return Times(piece.count, Sum(block, {piece.block, piece.first, 1}));
+  }
   const auto sigmas = block.sigmas.middleCols(piece.first, piece.count).array();
   SigmaTotals totals;
   totals.are_positive = (sigmas > 0.0).all();

@@ -71,8 +71,34 @@ Tiles::Tiles(const Arm& arm, const Dataset& data, std::size_t cache_bytes,
 void Tiles::AppendGroup(const Group& group) {
   groups_.push_back(group);
   groups_.back().first_tile = num_tiles_;
+  if (HasOneSigma(group)) ShareSigmas(&groups_.back());
   num_tiles_ += (group.size + kTile - 1) / kTile;
-  largest_ = std::max(largest_, SizeOf(group));
+  largest_ = std::max(largest_, SizeOf(groups_.back()));
+}
+
+// Whether the sigmas of all observations are the same; of a few, no matter.
+bool Tiles::HasOneSigma(const Group& group) const {
+  const ObservationBlock& block = data_.blocks[group.block];
+  if (group.size < 2 * kTile || !block.whiteners.empty()) return false;
+  const LargeMatrix& sigmas = block.sigmas;
+  if (orders_[group.block].empty()) {
+    return HaveOneSigma(block, group.first, group.size);
+  }
+  const Eigen::Index first = InBlock(group, 0);
+  for (Eigen::Index i = 1; i < group.size; ++i) {
+    if (sigmas.col(InBlock(group, i)) != sigmas.col(first)) return false;
+  }
+  return true;
+}
+
+void Tiles::ShareSigmas(Group* group) {
+  const std::size_t size = RowsOf(data_.blocks[group->block].kind) * kTile;
+  shared_sigmas_.push_back(AllocateDoubles(2 * size));
+  double* const shared = shared_sigmas_.back().get();
+  FillSigmas(*group, 0, kTile, shared);
+  const Eigen::Index last = (group->size - 1) / kTile * kTile;
+  FillSigmas(*group, last, static_cast<int>(group->size - last), shared + size);
+  group->shared_sigmas = shared;
 }
 
 void Tiles::AddGroups(std::size_t shard, std::size_t block) {
@@ -124,8 +150,9 @@ const Tiles::Group& Tiles::GroupOf(std::int64_t tile) const {
 
 std::size_t Tiles::SizeOf(const Group& group) const {
   const MeasurementKind kind = data_.blocks[group.block].kind;
-  const std::size_t arrays = JointArrays(kind, is_revolute_.size()) +
-                             MeasuredArrays(kind) + RowsOf(kind);
+  std::size_t arrays =
+      JointArrays(kind, is_revolute_.size()) + MeasuredArrays(kind);
+  if (group.shared_sigmas == nullptr) arrays += RowsOf(kind);
   return arrays * kTile;
 }
 
@@ -192,7 +219,13 @@ Tile Tiles::Layout(std::int64_t tile, const double* arrays) const {
   result.joints = arrays;
   result.second_joints = arrays + 2 * joints * kTile;
   result.measured = arrays + JointArrays(kind, joints) * kTile;
-  result.inverse_sigmas = result.measured + MeasuredArrays(kind) * kTile;
+  if (group.shared_sigmas == nullptr) {
+    result.inverse_sigmas = result.measured + MeasuredArrays(kind) * kTile;
+  } else {
+    const bool is_last = (tile - group.first_tile + 1) * kTile >= group.size;
+    result.inverse_sigmas =
+        group.shared_sigmas + (is_last ? RowsOf(kind) * kTile : 0);
+  }
   return result;
 }
 
@@ -210,8 +243,11 @@ Tile Tiles::Fill(std::int64_t tile, double* arrays) const {
                arrays + joint_arrays / 2 * kTile);
   }
   double* const measured = arrays + joint_arrays * kTile;
-  FillMeasured(group, first, result.count, measured,
+  FillMeasured(group, first, result.count, measured);
+  if (group.shared_sigmas == nullptr) {
+    FillSigmas(group, first, result.count,
                measured + MeasuredArrays(kind) * kTile);
+  }
   return result;
 }
 
@@ -235,11 +271,10 @@ void Tiles::FillJoints(const Group& group, Eigen::Index first, int count,
   }
 }
 
-void Tiles::FillMeasured(const Group& group, Eigen::Index first, int count,
-                         double* measured, double* inverse_sigmas) const {
+void Tiles::FillSigmas(const Group& group, Eigen::Index first, int count,
+                       double* inverse_sigmas) const {
   const ObservationBlock& block = data_.blocks[group.block];
   const int rows = block.rows_each();
-  std::fill(measured, measured + MeasuredArrays(block.kind) * kTile, 0.0);
   std::fill(inverse_sigmas, inverse_sigmas + IndexOf(rows, 0), 0.0);
   for (int lane = 0; lane < count; ++lane) {
     const Eigen::Index i = InBlock(group, first + lane);
@@ -248,11 +283,22 @@ void Tiles::FillMeasured(const Group& group, Eigen::Index first, int count,
         (!block.whiteners.empty() && block.whiteners[i].size() > 0);
     for (int row = 0; row < rows; ++row) {
       const double sigma = block.sigmas(row, i);
-      const bool is_measured = !std::isinf(sigma);
       inverse_sigmas[IndexOf(row, lane)] =
-          is_scaled_later ? (is_measured ? 1.0 : 0.0) : 1.0 / sigma;
+          is_scaled_later ? (std::isinf(sigma) ? 0.0 : 1.0) : 1.0 / sigma;
+    }
+  }
+}
+
+void Tiles::FillMeasured(const Group& group, Eigen::Index first, int count,
+                         double* measured) const {
+  const ObservationBlock& block = data_.blocks[group.block];
+  const int rows = std::min(3, block.rows_each());
+  std::fill(measured, measured + MeasuredArrays(block.kind) * kTile, 0.0);
+  for (int lane = 0; lane < count; ++lane) {
+    const Eigen::Index i = InBlock(group, first + lane);
+    for (int row = 0; row < rows; ++row) {
       // What was not measured may be anything in the data, NaN too.
-      if (row < 3 && is_measured) {
+      if (!std::isinf(block.sigmas(row, i))) {
         measured[IndexOf(row, lane)] = block.measured(row, i);
       }
     }

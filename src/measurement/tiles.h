@@ -85,10 +85,15 @@ class Tiles {
     Eigen::Index first = 0;  // in the order of the block
     Eigen::Index size = 0;
     std::int64_t first_tile = 0;
+    // Inverse sigmas of a full tile, then of the last one, where those of all
+    // observations are the same: no tile has its own. Null: each has.
+    const double* shared_sigmas = nullptr;
   };
 
   void AddGroups(std::size_t shard, std::size_t block);
   void AppendGroup(const Group& group);
+  bool HasOneSigma(const Group& group) const;
+  void ShareSigmas(Group* group);
   const Group& GroupOf(std::int64_t tile) const;
   std::size_t SizeOf(const Group& group) const;
   // Where a tile is in the cache.
@@ -100,13 +105,16 @@ class Tiles {
   void FillJoints(const Group& group, Eigen::Index first, int count,
                   bool second, double* arrays) const;
   void FillMeasured(const Group& group, Eigen::Index first, int count,
-                    double* measured, double* inverse_sigmas) const;
+                    double* measured) const;
+  void FillSigmas(const Group& group, Eigen::Index first, int count,
+                  double* inverse_sigmas) const;
   Tile Layout(std::int64_t tile, const double* arrays) const;
 
   const Dataset& data_;
   const RowScale scale_;
   std::vector<bool> is_revolute_;
   std::vector<Group> groups_;
+  std::vector<AlignedDoubles> shared_sigmas_;
   // For each block its observations, sorted by group; empty: as they are.
   std::vector<std::vector<std::int32_t>> orders_;
   std::int64_t num_tiles_ = 0;

@@ -37,6 +37,10 @@ double Reach(const Arm& arm) {
   return sum > 0.0 ? sum : 1.0;
 }
 
+bool HasMotorMap(const Arm& arm) {
+  return arm.joints_from_motors.size() > 0 || arm.motor_offsets.size() > 0;
+}
+
 Eigen::MatrixXd JointsFromMotors(const Arm& arm,
                                  const Eigen::MatrixXd& motors) {
   Eigen::MatrixXd joints = motors;

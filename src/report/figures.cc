@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <iterator>
 #include <string>
 #include <utility>
@@ -17,6 +18,9 @@ constexpr std::size_t kMostMarkedIterations = 40;
 // Poses lie in one plane when their height varies by less than this share of
 // their extent.
 constexpr double kFlat = 0.05;
+// Of more poses than so many only the worst of neighbours are drawn: the others
+// would lie behind them.
+constexpr Eigen::Index kMostDrawn = 100000;
 
 // Keeps a number and its unit on one line.
 constexpr const char* kNoBreak = "\u00a0";
@@ -43,40 +47,51 @@ std::string Headline(const Accuracy& accuracy) {
          ", mean " + LengthInWords(accuracy.mean);
 }
 
-std::vector<double> InMillimetres(const Eigen::VectorXd& metres) {
+std::vector<double> InMillimetres(
+    const Eigen::Ref<const Eigen::VectorXd, 0, Eigen::InnerStride<>>& metres) {
   std::vector<double> values;
   values.reserve(static_cast<std::size_t>(metres.size()));
   for (const double value : metres) values.push_back(value / kMillimetre);
   return values;
 }
 
+ChartSeries ErrorByPose(const LargeVector& errors) {
+  ChartSeries series;
+  series.marker = MarkerStyle::kStem;
+  const Eigen::Index n = errors.size();
+  const Eigen::Index step = std::max<Eigen::Index>(1, n / kMostDrawn);
+  for (Eigen::Index first = 0; first < n; first += step) {
+    Eigen::Index worst = 0;
+    errors.segment(first, std::min(step, n - first)).maxCoeff(&worst);
+    series.x.push_back(static_cast<double>(first + worst + 1));
+    series.y.push_back(errors[first + worst] / kMillimetre);
+  }
+  return series;
+}
+
 LineChart PoseChart(const std::string& title, const Accuracy& accuracy,
-                    const Eigen::VectorXd& errors, const std::string& poses) {
+                    const LargeVector& errors, const std::string& poses) {
   LineChart chart;
   chart.title = title;
   chart.subtitle = Headline(accuracy) + " (" + Count(accuracy.n, poses) + ")";
   chart.x.label = poses;
   chart.x.integer_ticks = true;
   chart.y.label = "position error [mm]";
-  ChartSeries series;
-  series.y = InMillimetres(errors);
-  for (std::size_t i = 0; i < series.y.size(); ++i) {
-    series.x.push_back(static_cast<double>(i + 1));
-  }
-  series.marker = MarkerStyle::kStem;
-  chart.series.push_back(std::move(series));
+  chart.series.push_back(ErrorByPose(errors));
   return chart;
 }
 
 bool LiesInHorizontalPlane(const EvaluatedSet& set) {
-  if (set.positions.cols() < 3 || !set.positions.allFinite()) return false;
+  if (set.positions.cols() < 3 || set.positions.cols() > kMostDrawn ||
+      !set.positions.allFinite())
+    return false;
   const Eigen::Vector3d extent =
       set.positions.rowwise().maxCoeff() - set.positions.rowwise().minCoeff();
   return extent.z() < kFlat * extent.head<2>().maxCoeff();
 }
 
 MapChart PlaneChart(const std::string& title, const Accuracy& accuracy,
-                    const EvaluatedSet& set, const Eigen::VectorXd& errors) {
+                    const EvaluatedSet& set, const LargeVector& errors) {
   MapChart chart;
   chart.title = title;
   const double height = set.positions.row(2).mean() / kMillimetre;
@@ -94,7 +109,7 @@ MapChart PlaneChart(const std::string& title, const Accuracy& accuracy,
 
 std::string ValidationFigure(const std::string& when, const Accuracy& accuracy,
                              const EvaluatedSet& set,
-                             const Eigen::VectorXd& errors) {
+                             const LargeVector& errors) {
   const std::string title = "Position error " + when + ", validation poses";
   if (LiesInHorizontalPlane(set)) {
     return RenderSvg(PlaneChart(title, accuracy, set, errors));

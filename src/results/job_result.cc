@@ -5,11 +5,11 @@
 
 namespace alidade {
 
-Eigen::VectorXd EvaluatedSet::ErrorBefore() const {
+LargeVector EvaluatedSet::ErrorBefore() const {
   return residual_before.colwise().norm().transpose();
 }
 
-Eigen::VectorXd EvaluatedSet::ErrorAfter() const {
+LargeVector EvaluatedSet::ErrorAfter() const {
   return residual_after.colwise().norm().transpose();
 }
 

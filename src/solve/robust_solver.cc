@@ -28,10 +28,12 @@ std::vector<LossKind> StagesTo(LossKind loss) {
 // The equations that still have a say, each observation counted by its weight.
 double EffectiveEquations(const CalibrationProblem& problem,
                           const Eigen::VectorXd& values) {
-  const Eigen::VectorXd squared =
+  const LargeVector squared =
       SquaredNorms(problem.model.Errors(values, problem.data), problem.data);
   const Eigen::VectorXi dimensions = Dimensions(problem.data);
-  Eigen::VectorXd equations = Eigen::VectorXd::Zero(squared.size());
+  LargeVector all(squared.size());
+  LargeVector::Editable equations = all.edit();
+  equations.setZero();
   for (Eigen::Index i = 0; i < squared.size(); ++i) {
     const int dimension = dimensions[i];
     if (dimension == 0) continue;
@@ -39,7 +41,7 @@ double EffectiveEquations(const CalibrationProblem& problem,
     if (problem.losses.empty()) continue;
     equations[i] *= problem.losses[dimension - 1].Weight(squared[i]);
   }
-  return SumInOrder(problem.data, std::move(equations));
+  return SumInOrder(problem.data, std::move(all));
 }
 
 // Data of which no more than this part is left are given up.

@@ -82,7 +82,7 @@ LossMoments MomentsOf(const FinishedProblem& fit) {
     double squared_norm;
     int dimension;
   };
-  const Eigen::VectorXd squared =
+  const LargeVector squared =
       SquaredNorms(fit.model.Errors(fit.values, fit.data), fit.data);
   std::vector<std::vector<Entry>> entries(fit.data.blocks.size());
   Eigen::Index count = 0;

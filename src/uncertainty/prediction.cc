@@ -37,9 +37,9 @@ Dataset PosesOf(const MeasurementModel& model, const Eigen::VectorXd& values,
       ViewOf(model.layout(), values.data(), target);
   for (Eigen::Index i = 0; i < n; ++i) {
     Eigen::Matrix3d rotation;
-    block.measured.col(i).head<3>() = TargetPose<double>(
+    block.measured.edit().col(i).head<3>() = TargetPose<double>(
         model.nominal(), geometry, joint_values.col(i).data(), &rotation);
-    block.measured.col(i).tail<3>() = VectorFromRotation(rotation);
+    block.measured.edit().col(i).tail<3>() = VectorFromRotation(rotation);
   }
   data.blocks.push_back(std::move(block));
   return data;

@@ -69,7 +69,7 @@ TEST(IdentifiabilityCacheTest, NoiseAsksTheSameQuestion) {
   IdentifiabilityCache cache;
   Question question;
   question.Ask(&cache);
-  question.data.blocks[0].measured.array() += 1e-3;
+  question.data.blocks[0].measured.edit().array() += 1e-3;
   EXPECT_TRUE(AreSame(question.Ask(&cache), question.Analyze()));
   EXPECT_EQ(cache.num_made(), 1U);
 }
@@ -83,8 +83,8 @@ TEST(IdentifiabilityCacheTest, AllElseIsAnotherQuestion) {
       [](Question* q) {
         q->arm.targets[0].last_from_target.translation()[0] += 0.1;
       },
-      [](Question* q) { q->data.joint_values(0, 0) += 1e-6; },
-      [](Question* q) { q->data.blocks[0].sigmas(1, 3) *= 2.0; },
+      [](Question* q) { q->data.joint_values.edit()(0, 0) += 1e-6; },
+      [](Question* q) { q->data.blocks[0].sigmas.edit()(1, 3) *= 2.0; },
       [](Question* q) { q->data.blocks[0].targets.assign(20, 0); },
       [](Question* q) {
         q->data.blocks[0].whiteners.assign(20, Eigen::Matrix3d::Identity());
@@ -117,11 +117,12 @@ TEST(IdentifiabilityCacheTest, MeasuredOrientationsArePartOfTheQuestion) {
   Question question;
   ObservationBlock& block = question.data.blocks[0];
   block.kind = MeasurementKind::kPose;
-  block.measured.conservativeResize(6, Eigen::NoChange);
-  block.measured.bottomRows(3).setConstant(0.1);
+  Eigen::MatrixXd poses = Eigen::MatrixXd::Constant(6, 20, 0.1);
+  poses.topRows(3) = block.measured;
+  block.measured = poses;
   block.sigmas = Eigen::MatrixXd::Constant(6, 20, 1e-4);
   question.Ask(&cache);
-  block.measured(4, 2) = 0.2;
+  block.measured.edit()(4, 2) = 0.2;
   EXPECT_TRUE(AreSame(question.Ask(&cache), question.Analyze()));
   EXPECT_EQ(cache.num_made(), 2U);
 }

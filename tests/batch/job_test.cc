@@ -96,7 +96,8 @@ TEST(JobTest, RankShortWithoutAChoiceIsRefusedWithTheAnalysis) {
 
 TEST(JobTest, SolverThatCannotSolveIsReportedAndLeavesTheArmNominal) {
   JobConfig config = LoadStudy();
-  config.data.positions()(1, 7) = std::numeric_limits<double>::quiet_NaN();
+  config.data.positions().edit()(1, 7) =
+      std::numeric_limits<double>::quiet_NaN();
   const JobOutcome outcome = RunJob(config, "test", 1);
   EXPECT_EQ(outcome.status, JobStatus::kFailed);
   EXPECT_THAT(outcome.message, HasSubstr("not finite"));
@@ -107,8 +108,8 @@ TEST(JobTest, ResidualsBeyondTheirSigmasAreAWarning) {
   JobConfig config = LoadStudy();
   EXPECT_THAT(RunJob(config, "test", 1).result.warnings,
               Not(Contains(HasSubstr("as the sigmas say"))));
-  config.data.positions().row(2).array() += 0.5e-3;
-  config.data.positions()(0, 3) += 5e-3;
+  config.data.positions().edit().row(2).array() += 0.5e-3;
+  config.data.positions().edit()(0, 3) += 5e-3;
   const JobOutcome outcome = RunJob(config, "test", 1);
   EXPECT_THAT(outcome.result.warnings, Contains(HasSubstr("sigmas")));
 }
@@ -119,7 +120,7 @@ TEST(JobTest, PositionsThatDependOnWhatIsNotMeasuredAreAWarning) {
   config.identifiability.method = IdentifiabilityMethod::kRank;
   EXPECT_THAT(RunJob(config, "test", 1).result.warnings,
               Not(Contains(HasSubstr("positions depend on"))));
-  config.data.sigmas().bottomRows(2).setConstant(
+  config.data.sigmas().edit().bottomRows(2).setConstant(
       std::numeric_limits<double>::infinity());
   EXPECT_THAT(RunJob(config, "test", 1).result.warnings,
               Contains(AllOf(HasSubstr("positions depend on"),

@@ -67,18 +67,19 @@ class Bench {
     ObservationBlock block = Block(MeasurementKind::kPosition);
     block.targets.assign(data_.num_poses(), target);
     for (Eigen::Index i = 0; i < block.size(); ++i) {
-      block.measured.col(i) = Position(i, target) + Noise(kSigma);
+      block.measured.edit().col(i) = Position(i, target) + Noise(kSigma);
     }
     return Append(std::move(block));
   }
 
   Bench& Poses() {
     ObservationBlock block = Block(MeasurementKind::kPose);
-    block.sigmas.bottomRows<3>().setConstant(kRotationSigma);
+    block.sigmas.edit().bottomRows<3>().setConstant(kRotationSigma);
     for (Eigen::Index i = 0; i < block.size(); ++i) {
       Eigen::Matrix3d rotation;
-      block.measured.col(i).head<3>() = Pose(i, 0, &rotation) + Noise(kSigma);
-      block.measured.col(i).tail<3>() = VectorFromRotation<double>(
+      block.measured.edit().col(i).head<3>() =
+          Pose(i, 0, &rotation) + Noise(kSigma);
+      block.measured.edit().col(i).tail<3>() = VectorFromRotation<double>(
           RotationFromVector<double>(Noise(kRotationSigma)) * rotation);
     }
     return Append(std::move(block));
@@ -88,7 +89,7 @@ class Bench {
     ObservationBlock block = Block(MeasurementKind::kDistance);
     block.references.assign(data_.num_poses(), point);
     for (Eigen::Index i = 0; i < block.size(); ++i) {
-      block.measured(0, i) =
+      block.measured.edit()(0, i) =
           (Position(i, 0) - anchor).norm() + kSigma * random_.Normal();
     }
     return Append(std::move(block));
@@ -99,7 +100,7 @@ class Bench {
     const auto count = static_cast<int>(data_.num_poses());
     for (int i = 0; i < count; ++i) {
       block.seconds.push_back((i + 1) % count);
-      block.measured.col(i) =
+      block.measured.edit().col(i) =
           Position(i, 0) - Position((i + 1) % count, 0) + Noise(kSigma);
     }
     return Append(std::move(block));
@@ -220,8 +221,9 @@ TEST(KindsTest, AxesThatWereNotMeasuredDoNotCount) {
   Dataset data = Bench(real, q).Positions(0).data();
   for (Eigen::Index i = 0; i < 120; i += 2) {
     // Garbage where nothing was measured.
-    data.blocks[0].measured(1, i) = 123.0;
-    data.blocks[0].sigmas(1, i) = std::numeric_limits<double>::infinity();
+    data.blocks[0].measured.edit()(1, i) = 123.0;
+    data.blocks[0].sigmas.edit()(1, i) =
+        std::numeric_limits<double>::infinity();
   }
   const JobResult result = Calibrate(JobOf(data));
   // The root mean square of the norms of 2 and 3 coordinates alternately.
@@ -405,8 +407,8 @@ TEST(KindsTest, SigmasOfLengthsAndOrientationsAreEstimatedApart) {
   const Arm real = RealArm();
   const Eigen::MatrixXd q = DrawJointValues(real, 200, 5);
   JobConfig job = JobOf(Bench(real, q).Poses().data());
-  job.data.blocks[0].sigmas.topRows<3>() *= 4.0;
-  job.data.blocks[0].sigmas.bottomRows<3>() /= 5.0;
+  job.data.blocks[0].sigmas.edit().topRows<3>() *= 4.0;
+  job.data.blocks[0].sigmas.edit().bottomRows<3>() /= 5.0;
   job.estimate_sigma = true;
   const JobResult result = Calibrate(job);
   EXPECT_NEAR(result.estimated_sigma, kSigma, 0.12 * kSigma);
@@ -482,26 +484,28 @@ INSTANTIATE_TEST_SUITE_P(
     Slips, SlipTest,
     ::testing::Values(
         Slip{"degrees", "in degrees but read as radians",
-             [](Dataset* data) { data->joint_values /= kDegree; }},
+             [](Dataset* data) { data->joint_values.edit() /= kDegree; }},
         Slip{"radians", "in radians but read as degrees",
-             [](Dataset* data) { data->joint_values *= kDegree; }},
+             [](Dataset* data) { data->joint_values.edit() *= kDegree; }},
         Slip{"millimetres", "in mm but read as m",
-             [](Dataset* data) { data->positions() *= 1e3; }},
+             [](Dataset* data) { data->positions().edit() *= 1e3; }},
         Slip{"metres", "in m but read as mm",
-             [](Dataset* data) { data->positions() /= 1e3; }},
+             [](Dataset* data) { data->positions().edit() /= 1e3; }},
         Slip{"joints", "q2 and q3 are swapped",
              [](Dataset* data) {
-               data->joint_values.row(1).swap(data->joint_values.row(2));
+               auto q = data->joint_values.edit();
+               q.row(1).swap(q.row(2));
              }},
         Slip{"axes", "mirror image",
              [](Dataset* data) {
-               data->positions().row(0).swap(data->positions().row(2));
+               auto p = data->positions().edit();
+               p.row(0).swap(p.row(2));
              }},
         Slip{"sign", "joint 2 counts the other way",
-             [](Dataset* data) { data->joint_values.row(1) *= -1.0; }},
+             [](Dataset* data) { data->joint_values.edit().row(1) *= -1.0; }},
         Slip{"late", "one row late",
              [](Dataset* data) {
-               Eigen::MatrixXd& p = data->positions();
+               auto p = data->positions().edit();
                p.rightCols(59) = p.leftCols(59).eval();
              }}),
     [](const ::testing::TestParamInfo<Slip>& slip) {
@@ -515,7 +519,7 @@ TEST(DoubtTest, DataThatNoSlipExplainsAreWarnedOf) {
   job.arm = NominalArm();
   job.data = Bench(real, q).Positions(0).data();
   job.identifiability.candidates = {true, true, true};
-  Eigen::MatrixXd& p = job.data.positions();
+  auto p = job.data.positions().edit();
   p = p.rowwise().reverse().eval();
   const JobOutcome outcome = RunJob(job, "test", 1);
   ASSERT_FALSE(outcome.result.warnings.empty());
@@ -528,7 +532,7 @@ TEST(DoubtTest, OrientationsInAnotherConventionAreRefused) {
   const Arm real = RealArm();
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
   JobConfig job = JobOf(Bench(real, q).Poses().data());
-  for (auto column : job.data.blocks[0].measured.colwise()) {
+  for (auto column : job.data.blocks[0].measured.edit().colwise()) {
     // The inverse rotation: what reads target and instrument the wrong way.
     column.tail<3>() *= -1.0;
   }

@@ -66,7 +66,7 @@ TEST(SimulateTest, ExactPositionsAreThoseOfTheRealArm) {
   const SimulationConfig config = StudySimulation(3);
   const Dataset data = Simulate(config);
   const MeasurementModel model(config.arm);
-  const Eigen::VectorXd errors = model.Errors(config.true_values, data);
+  const LargeVector errors = model.Errors(config.true_values, data);
   // A few units in the last place of half a metre.
   EXPECT_LT(errors.cwiseAbs().maxCoeff(), 4e-16);
   EXPECT_GT(model.Errors(model.NominalValues(), data).norm(), 1e-3);

@@ -25,7 +25,7 @@ using ::testing::UnorderedElementsAre;
 
 Dataset StudyData(const Arm& arm) {
   Dataset data = testing::MeasureStudyPoses(arm);
-  data.sigmas().setConstant(0.02 * kMillimetre);
+  data.sigmas().edit().setConstant(0.02 * kMillimetre);
   return data;
 }
 
@@ -142,9 +142,9 @@ TEST(AnalysisTest, LargeNoiseMakesParametersImpractical) {
   const Arm arm = testing::Ur10();
   const MeasurementModel model(arm);
   Dataset data = testing::MeasureGenericPoses(arm, model.NominalValues(), 60);
-  data.sigmas().setConstant(1e-6);
+  data.sigmas().edit().setConstant(1e-6);
   EXPECT_THAT(AnalyzeIdentifiability(model, data, {}).weak, IsEmpty());
-  data.sigmas().setConstant(0.5);
+  data.sigmas().edit().setConstant(0.5);
   const IdentifiabilityResult noisy =
       AnalyzeIdentifiability(model, data, WithPolicy(WeakPolicy::kFreeze));
   EXPECT_GT(noisy.weak.size(), 5u);
@@ -168,7 +168,7 @@ Dataset VerticalToolData(const Arm& arm) {
   grid.start *= kDegree;
   config.poses = grid;
   Dataset data = Simulate(config);
-  data.sigmas().setConstant(0.02 * kMillimetre);
+  data.sigmas().edit().setConstant(0.02 * kMillimetre);
   return data;
 }
 
@@ -192,7 +192,7 @@ TEST(AnalysisTest, VerticalToolTellsThirteenOfTheStudysSeventeen) {
 TEST(AnalysisTest, NothingIsLeftWhereTheNoiseDrownsEverything) {
   const Arm arm = testing::Rv2ajWrist();
   Dataset data = StudyData(arm);
-  data.sigmas().setConstant(1e6);
+  data.sigmas().edit().setConstant(1e6);
   for (const WeakPolicy policy :
        {WeakPolicy::kFreeze, WeakPolicy::kPrior, WeakPolicy::kKeep}) {
     const IdentifiabilityResult result =

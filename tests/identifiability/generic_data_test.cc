@@ -146,7 +146,7 @@ void ExpectUnitSigmas(const MeasurementModel& model, const Dataset& data) {
 TEST_P(GenericDataTest, RowsAreInMetres) { ExpectUnitSigmas(model_, generic_); }
 
 TEST_P(GenericDataTest, OrientationsAreThoseOfTheNominalArm) {
-  const Eigen::VectorXd turns =
+  const LargeVector turns =
       RotationErrors(model_.Errors(model_.NominalValues(), generic_), generic_);
   ASSERT_GT(turns.size(), 0);
   // The rotation to a vector and back, and between two of them: some tens of
@@ -197,7 +197,7 @@ TEST(GenericDataOfPositionsTest, HasNoPosesButTheDrawnOnes) {
   data =
       MakePositions(Eigen::MatrixXd::Zero(3, 4), Eigen::Matrix3Xd::Zero(3, 4),
                     Eigen::Matrix3Xd::Constant(3, 4, 1e-4));
-  data.sigmas().col(2) << kInfinity, 1e-4, kInfinity;
+  data.sigmas().edit().col(2) << kInfinity, 1e-4, kInfinity;
   EXPECT_EQ(MakeGenericData(model, data, kPoses, kSeed).num_equations(),
             4 * kPoses);
 }
@@ -206,7 +206,7 @@ TEST(GenericDataOfPositionsTest, HasNoPosesButTheDrawnOnes) {
 Dataset DataOf(int num_poses) {
   Dataset data;
   data.joint_values = Eigen::MatrixXd::Zero(2, num_poses);
-  for (int i = 0; i < num_poses; ++i) data.joint_values(0, i) = 1e-3 * i;
+  for (int i = 0; i < num_poses; ++i) data.joint_values.edit()(0, i) = 1e-3 * i;
   return data;
 }
 

@@ -344,7 +344,7 @@ Dataset TwoJointPoses(const MeasurementModel& model) {
   Dataset data;
   data.joint_values = Eigen::MatrixXd::Zero(2, 3);
   data.positions() = model.Predict(model.NominalValues(), data.joint_values);
-  data.sigmas().setOnes(3, 3);
+  data.sigmas() = Eigen::MatrixXd::Ones(3, 3);
   return data;
 }
 

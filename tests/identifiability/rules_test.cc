@@ -130,7 +130,7 @@ TEST(ZeroColumnRuleTest, LooksAtTheMeasuredPosesOnly) {
   EXPECT_EQ(
       FrozenBy(ApplyRules(MeasurementModel(arm), data, {}), "zero_column"),
       Names{"theta2"});
-  data.joint_values.row(1).setZero();
+  data.joint_values.edit().row(1).setZero();
   EXPECT_EQ(
       FrozenBy(ApplyRules(MeasurementModel(arm), data, {}), "zero_column"),
       (Names{"alpha2", "theta2"}));

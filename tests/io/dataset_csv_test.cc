@@ -264,16 +264,17 @@ Dataset RandomDataset(int num_poses) {
   data.positions().resize(3, num_poses);
   data.sigmas().resize(3, num_poses);
   for (int i = 0; i < num_poses; ++i) {
-    data.joint_values(0, i) =
+    data.joint_values.edit()(0, i) =
         std::round(random.Uniform(-180e4, 180e4)) / 1e4 * kDegree;
-    data.joint_values(1, i) = std::round(random.Uniform(-500e4, 500e4)) / 1e7;
+    data.joint_values.edit()(1, i) =
+        std::round(random.Uniform(-500e4, 500e4)) / 1e7;
     for (int axis = 0; axis < 3; ++axis) {
       const double size = std::pow(10.0, random.Uniform(-20.0, 20.0));
-      data.positions()(axis, i) = random.Normal() * size;
-      data.sigmas()(axis, i) = random.Uniform() + 1e-9;
+      data.positions().edit()(axis, i) = random.Normal() * size;
+      data.sigmas().edit()(axis, i) = random.Uniform() + 1e-9;
     }
   }
-  data.positions()(0, 0) = 0.0;
+  data.positions().edit()(0, 0) = 0.0;
   return data;
 }
 
@@ -295,10 +296,10 @@ TEST(FormatDatasetTest, CommentCannotBreakOutOfItsLine) {
 TEST(FormatDatasetTest, WritesWhatPeopleExpect) {
   Dataset data;
   data.joint_values.resize(2, 2);
-  data.joint_values << -90.0 * kDegree, -1e-9, 0.0125, 0.0;
+  data.joint_values.edit() << -90.0 * kDegree, -1e-9, 0.0125, 0.0;
   data.positions().resize(3, 2);
-  data.positions() << 0.0721, -0.21, 0.3, 12.0, 0.0, 1e-12;
-  data.sigmas().setConstant(3, 2, kSigma);
+  data.positions().edit() << 0.0721, -0.21, 0.3, 12.0, 0.0, 1e-12;
+  data.sigmas() = Eigen::MatrixXd::Constant(3, 2, kSigma);
   EXPECT_EQ(FormatDataset(data, TwoJoints(), 2, false, {"Two poses."}),
             "# Two poses.\n"
             "q1_deg,q2_mm,x_mm,y_mm,z_mm\n"

@@ -12,10 +12,14 @@
 namespace alidade {
 
 /// Whether two matrices have the same bits, signs of zeros included.
-inline bool HaveSameBits(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
-  return a.rows() == b.rows() && a.cols() == b.cols() &&
-         (a.size() == 0 ||
-          std::memcmp(a.data(), b.data(), sizeof(double) * a.size()) == 0);
+template <typename A, typename B>
+bool HaveSameBits(const Eigen::MatrixBase<A>& a,
+                  const Eigen::MatrixBase<B>& b) {
+  if (a.rows() != b.rows() || a.cols() != b.cols()) return false;
+  const Eigen::MatrixXd x = a.derived().eval();
+  const Eigen::MatrixXd y = b.derived().eval();
+  return x.size() == 0 ||
+         std::memcmp(x.data(), y.data(), sizeof(double) * x.size()) == 0;
 }
 
 inline void ExpectSameBlocks(const ObservationBlock& a,

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 #include <string>
@@ -190,6 +191,78 @@ TEST(NpyTest, FastPathGivesTheBitsOfTheSameCsv) {
       EXPECT_EQ(rows.size(), 1u) << error.what();
     }
     if (HasFailure()) FAIL() << trial;
+  }
+}
+
+// What is read of an array that is large enough to stay where it is.
+LoadedData LoadLarge(const std::string& bytes) {
+  ReadOptions options;
+  options.num_threads = 2;
+  options.fewest_bytes_in_place = 0;
+  return Load(bytes, {}, options);
+}
+
+LoadedData LoadCarefully(const std::string& bytes) {
+  ReadOptions options;
+  options.is_careful = true;
+  return Load(bytes, {}, options);
+}
+
+TEST(NpyTest, NumbersInSiStayInTheirFile) {
+  const Names with_sigmas = {"q1_rad", "q2_m",    "x_m",     "y_m",
+                             "z_m",    "std_x_m", "std_y_m", "std_z_m"};
+  for (const Names& names : {kNames, with_sigmas}) {
+    Random random(3, 0);
+    Rows rows(17000, std::vector<double>(names.size()));
+    for (std::vector<double>& row : rows) {
+      for (double& number : row) number = random.Uniform(0.1, 2.0);
+    }
+    const std::string bytes = Npy(names, rows);
+    const LoadedData loaded = LoadLarge(bytes);
+    ExpectSameLoaded(loaded, LoadCarefully(bytes));
+    const auto width = static_cast<Eigen::Index>(names.size());
+    EXPECT_EQ(loaded.data.joint_values.outerStride(), width);
+    EXPECT_EQ(loaded.data.positions().data(),
+              loaded.data.joint_values.data() + 2);
+    // To be edited they are copied; the file stays as it is.
+    LargeMatrix edited = loaded.data.positions();
+    edited.edit()(0, 0) = 7.0;
+    EXPECT_EQ(loaded.data.positions()(0, 0), rows[0][2]);
+  }
+}
+
+TEST(NpyTest, NumbersThatDoNotStandAsInMemoryAreCopied) {
+  const Rows row = {{1, 2, 3, 4, 5}, {6, 7, 8, 9, 10}};
+  Rows holes = row;
+  holes[1][3] = kNan;
+  const std::string unaligned = WithHeader(
+      "{'descr': [('q1_rad', '<f8'), ('q2_m', '<f8'), ('x_m', '<f8'), ('y_m', "
+      "'<f8'), ('z_m', '<f8')], 'fortran_order': False, 'shape': (2,), }",
+      Bytes(row));
+  ASSERT_NE(unaligned.find("}") % 8, 7u);
+  for (const std::string& bytes :
+       {Npy({"q1_deg", "q2_m", "x_m", "y_m", "z_m"}, row),
+        Npy({"q1_rad", "q2_m", "x_mm", "y_mm", "z_mm"}, row),
+        Npy({"q2_m", "q1_rad", "x_m", "y_m", "z_m"}, row),
+        Npy({"q1_rad", "q2_m", "x_m", "z_m", "y_m"}, row), Npy(kNames, holes),
+        unaligned}) {
+    const LoadedData loaded = LoadLarge(bytes);
+    ExpectSameLoaded(loaded, LoadCarefully(bytes));
+    EXPECT_EQ(loaded.data.joint_values.outerStride(), 2);
+  }
+}
+
+TEST(NpyTest, WrongNumbersInLargeArraysAreNamed) {
+  Rows rows(20000, {1, 2, 3, 4, 5, 0.1, 0.1, 0.1});
+  rows[15000][6] = -0.1;
+  try {
+    LoadLarge(Npy({"q1_rad", "q2_m", "x_m", "y_m", "z_m", "std_x_m", "std_y_m",
+                   "std_z_m"},
+                  rows));
+    FAIL() << "expected an error";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.location().line, 15001);
+    EXPECT_EQ(error.location().key, "std_y_m");
   }
 }
 

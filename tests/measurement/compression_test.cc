@@ -38,7 +38,7 @@ void Repeat(int times, ObservationBlock* block, Random* random) {
   RepeatList(times, &block->whiteners);
   block->measured = block->measured.replicate(1, times).eval();
   block->sigmas = block->sigmas.replicate(1, times).eval();
-  for (double& value : block->measured.reshaped()) {
+  for (double& value : block->measured.edit().reshaped()) {
     value += 1e-4 * random->Normal();
   }
 }
@@ -241,8 +241,8 @@ TEST(CompressGradientTest, IsThatOfTheRobustCost) {
 TEST(CompressorTest, SummarizesAllKinds) {
   const MeasuredArm measured = ManyMeasurements(30, 7);
   const MeasurementModel model = ModelOf(measured, 2);
-  const Eigen::VectorXd errors = model.Errors(measured.values, measured.data);
-  const Eigen::VectorXd lengths = LengthErrors(errors, measured.data);
+  const LargeVector errors = model.Errors(measured.values, measured.data);
+  const LargeVector lengths = LengthErrors(errors, measured.data);
   const double rms = lengths.norm() / std::sqrt(double(lengths.size()));
   for (const LossKind kind : {LossKind::kNone, LossKind::kHuber,
                               LossKind::kCauchy, LossKind::kTukey}) {
@@ -277,7 +277,8 @@ TEST(CompressorTest, PassesOverNanThatWasNotMeasured) {
       for (int row = 0; row < block.rows_each(); ++row) {
         // A half-measured orientation has no meaning: all of it or nothing.
         if (row >= 3 || !std::isinf(block.sigmas(row, i))) continue;
-        block.measured(row, i) = std::numeric_limits<double>::quiet_NaN();
+        block.measured.edit()(row, i) =
+            std::numeric_limits<double>::quiet_NaN();
         ++num_nan;
       }
     }

@@ -16,24 +16,24 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // orientation; of the one between, a distance and a position without z.
 Dataset MixedData() {
   Dataset data;
-  data.joint_values.setZero(1, 3);
+  data.joint_values = Eigen::MatrixXd::Zero(1, 3);
   ObservationBlock poses;
   poses.kind = MeasurementKind::kPose;
   poses.poses = {0, 2};
-  poses.measured.setZero(6, 2);
-  poses.sigmas.setConstant(6, 2, 0.5);
-  poses.sigmas.col(1).tail<3>().setConstant(kInfinity);
+  poses.measured = Eigen::MatrixXd::Zero(6, 2);
+  poses.sigmas = Eigen::MatrixXd::Constant(6, 2, 0.5);
+  poses.sigmas.edit().col(1).tail<3>().setConstant(kInfinity);
   ObservationBlock distances;
   distances.kind = MeasurementKind::kDistance;
   distances.poses = {1};
   distances.references = {0};
-  distances.measured.setZero(1, 1);
-  distances.sigmas.setConstant(1, 1, 2.0);
+  distances.measured = Eigen::MatrixXd::Zero(1, 1);
+  distances.sigmas = Eigen::MatrixXd::Constant(1, 1, 2.0);
   ObservationBlock positions;
   positions.poses = {1};
-  positions.measured.setZero(3, 1);
+  positions.measured = Eigen::MatrixXd::Zero(3, 1);
   positions.sigmas.resize(3, 1);
-  positions.sigmas << 1.0, 1.0, kInfinity;
+  positions.sigmas.edit() << 1.0, 1.0, kInfinity;
   positions.whiteners.resize(1);
   positions.whiteners[0].setZero(3, 3);
   positions.whiteners[0].topLeftCorner<2, 2>() << 1.0, 2.0, 0.0, 3.0;
@@ -94,21 +94,21 @@ TEST(DatasetDeathTest, OtherKindsAreNotReadAsPositions) {
 
 TEST(ErrorsTest, LengthsAndRotationsAreApart) {
   const Dataset data = MixedData();
-  const Eigen::VectorXd lengths = LengthErrors(Errors(), data);
+  const LargeVector lengths = LengthErrors(Errors(), data);
   ASSERT_EQ(lengths.size(), 4);
   EXPECT_DOUBLE_EQ(lengths[0], 3.0);
   EXPECT_DOUBLE_EQ(lengths[1], 5.0);
   EXPECT_DOUBLE_EQ(lengths[2], 6.0);
   EXPECT_DOUBLE_EQ(lengths[3], 1.0);
   // One orientation was measured.
-  const Eigen::VectorXd rotations = RotationErrors(Errors(), data);
+  const LargeVector rotations = RotationErrors(Errors(), data);
   ASSERT_EQ(rotations.size(), 1);
   EXPECT_DOUBLE_EQ(rotations[0], 0.5);
 }
 
 TEST(ErrorsTest, SquaredNormsAreWhitened) {
   const Dataset data = MixedData();
-  const Eigen::VectorXd squared = SquaredNorms(Errors(), data);
+  const LargeVector squared = SquaredNorms(Errors(), data);
   ASSERT_EQ(squared.size(), 4);
   EXPECT_DOUBLE_EQ(squared[0], 4.0 * (9.0 + 0.25));
   EXPECT_DOUBLE_EQ(squared[1], 4.0 * 25.0);
@@ -120,10 +120,10 @@ TEST(ErrorsTest, SquaredNormsAreWhitened) {
 
 TEST(WhitenTest, TakesTheObservationsFromTheFirstOn) {
   ObservationBlock block;
-  block.measured.setZero(3, 4);
+  block.measured = Eigen::MatrixXd::Zero(3, 4);
   block.sigmas.resize(3, 4);
-  block.sigmas << 9.0, 1.0, 2.0, 9.0,  //
-      9.0, 4.0, 8.0, 9.0,              //
+  block.sigmas.edit() << 9.0, 1.0, 2.0, 9.0,  //
+      9.0, 4.0, 8.0, 9.0,                     //
       9.0, kInfinity, 16.0, 9.0;
   Eigen::MatrixXd rows = Eigen::MatrixXd::Constant(6, 2, 16.0);
   Whiten(block, 1, 2, rows);

@@ -13,11 +13,11 @@ Dataset RowsAt(const std::vector<double>& configurations) {
   Dataset data;
   data.name = "rows";
   data.joint_values.resize(2, count);
-  data.positions().setZero(3, count);
-  data.sigmas().setConstant(3, count, 1e-3);
+  data.positions() = Eigen::MatrixXd::Zero(3, count);
+  data.sigmas() = Eigen::MatrixXd::Constant(3, count, 1e-3);
   for (Eigen::Index i = 0; i < count; ++i) {
-    data.joint_values.col(i) << 0.5, configurations[i];
-    data.positions()(0, i) = static_cast<double>(i);
+    data.joint_values.edit().col(i) << 0.5, configurations[i];
+    data.positions().edit()(0, i) = static_cast<double>(i);
   }
   return data;
 }
@@ -133,7 +133,7 @@ Dataset MixedData() {
   distances.targets = {0, 1, 1, 0, 1};
   distances.references = {3, 1, 4, 1, 5};
   distances.measured.resize(1, 5);
-  distances.measured << 50.0, 51.0, 52.0, 53.0, 54.0;
+  distances.measured.edit() << 50.0, 51.0, 52.0, 53.0, 54.0;
   distances.sigmas = 1e-3 * distances.measured;
   for (int i = 0; i < 5; ++i) {
     distances.whiteners.push_back(Eigen::MatrixXd::Constant(1, 1, 10.0 + i));
@@ -142,15 +142,15 @@ Dataset MixedData() {
   differences.kind = MeasurementKind::kDifference;
   differences.poses = {0, 3, 6};
   differences.seconds = {3, 1, 2};
-  differences.measured.setZero(3, 3);
-  differences.measured.row(0) << 70.0, 71.0, 72.0;
-  differences.sigmas.setOnes(3, 3);
+  differences.measured = Eigen::MatrixXd::Zero(3, 3);
+  differences.measured.edit().row(0) << 70.0, 71.0, 72.0;
+  differences.sigmas = Eigen::MatrixXd::Ones(3, 3);
   ObservationBlock bars;
   bars.kind = MeasurementKind::kPointDistance;
   bars.references = {0, 1};
   bars.seconds = {1, 2};
-  bars.measured.setConstant(1, 2, 0.5);
-  bars.sigmas.setConstant(1, 2, 1e-5);
+  bars.measured = Eigen::MatrixXd::Constant(1, 2, 0.5);
+  bars.sigmas = Eigen::MatrixXd::Constant(1, 2, 1e-5);
   data.blocks.insert(data.blocks.end(), {distances, differences, bars});
   return data;
 }
@@ -227,7 +227,7 @@ TEST(SelectPosesTest, DifferencesWithoutAListOfPosesNeedBothToo) {
 TEST(GroupByConfigurationTest, JoinsThePosesOfDifferences) {
   // 0 - 3, 3 - 1 and 6 - 2; pose 4 repeats pose 1.
   Dataset data = MixedData();
-  data.joint_values.col(4) = data.joint_values.col(1);
+  data.joint_values.edit().col(4) = data.joint_values.col(1);
   EXPECT_EQ(GroupByConfiguration(data),
             (std::vector<int>{0, 0, 1, 0, 0, 2, 1, 3}));
 }

@@ -78,7 +78,7 @@ MeasuredArm ManyPoses(int times, Random* random) {
   const Eigen::Index poses = measured.data.num_poses();
   measured.data.joint_values =
       measured.data.joint_values.replicate(1, times).eval();
-  for (double& value : measured.data.joint_values.reshaped()) {
+  for (double& value : measured.data.joint_values.edit().reshaped()) {
     value += random->Uniform(-0.5, 0.5);
   }
   for (ObservationBlock& block : measured.data.blocks) {
@@ -120,7 +120,7 @@ TEST_P(KernelTest, RowsAreThoseOfTheTemplate) {
   Linearization rows;
   model.Linearize(measured.values, measured.data, columns, &rows);
   const auto whitened = [&](const Eigen::VectorXd& values) {
-    Eigen::VectorXd errors = model.Errors(values, measured.data);
+    Eigen::VectorXd errors = model.Errors(values, measured.data).eval();
     Eigen::Index row = 0;
     for (const ObservationBlock& block : measured.data.blocks) {
       const Eigen::Index size = block.size() * block.rows_each();

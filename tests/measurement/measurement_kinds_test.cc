@@ -91,7 +91,7 @@ TEST_P(MeasurementKindsTest, ResidualsVanishAtTheTruth) {
   for (int stream = 0; stream < kArms; ++stream) {
     const MeasuredArm measured = MakeArm(stream);
     const MeasurementModel model(measured.arm, measured.references, 1);
-    const Eigen::VectorXd errors = model.Errors(measured.values, measured.data);
+    const LargeVector errors = model.Errors(measured.values, measured.data);
     const Eigen::VectorXd residuals = LinearizeAll(measured, model).residuals;
     // Far points are twice the reach away: lengths up to about three of it.
     const double unit = kEpsilon * (3.0 + 3.0 * Reach(measured.arm));
@@ -115,7 +115,7 @@ TEST_P(MeasurementKindsTest, ResidualsAreThoseOfTheOracle) {
     MeasuredArm measured = MakeArm(stream);
     MoveAway(&measured, &random_);
     const MeasurementModel model(measured.arm, measured.references, 1);
-    const Eigen::VectorXd errors = model.Errors(measured.values, measured.data);
+    const LargeVector errors = model.Errors(measured.values, measured.data);
     const Eigen::VectorXd residuals = LinearizeAll(measured, model).residuals;
     const testing::VectorXl values = measured.values.cast<long double>();
     const double unit = kEpsilon * (3.0 + 3.0 * Reach(measured.arm));

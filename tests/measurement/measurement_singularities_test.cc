@@ -67,13 +67,13 @@ MeasuredArm ExactArm(MeasurementKind kind) {
   measured.arm.joints[0].r = 0.25;
   measured.references.points = {{"a", {0.5, 0.0, 0.25}},
                                 {"b", {0.5, 0.0, 0.25}}};
-  measured.data.joint_values.setZero(1, 1);
+  measured.data.joint_values = Eigen::MatrixXd::Zero(1, 1);
   ObservationBlock block;
   block.kind = kind;
   block.references = {0};
   block.seconds = {1};
-  block.measured.setZero(RowsOf(kind), 1);
-  block.sigmas.setOnes(RowsOf(kind), 1);
+  block.measured = Eigen::MatrixXd::Zero(RowsOf(kind), 1);
+  block.sigmas = Eigen::MatrixXd::Ones(RowsOf(kind), 1);
   measured.data.blocks = {block};
   measured.values =
       MeasurementModel(measured.arm, measured.references, 1).NominalValues();
@@ -84,7 +84,7 @@ TEST(ZeroLengthTest, HasNoDerivative) {
   for (const MeasurementKind kind :
        {MeasurementKind::kDistance, MeasurementKind::kPointDistance}) {
     MeasuredArm measured = ExactArm(kind);
-    measured.data.blocks[0].measured(0, 0) = 0.125;
+    measured.data.blocks[0].measured.edit()(0, 0) = 0.125;
     const Rows rows = Evaluate(measured);
     EXPECT_EQ(rows.geometric.residuals[0], -0.125);
     EXPECT_EQ(rows.autodiff.residuals[0], -0.125);
@@ -198,7 +198,7 @@ void SetOrientationError(const Vector3l& error, MeasuredArm* measured) {
                            0)
           .topLeftCorner<3, 3>();
   const testing::Matrix3l off = testing::MatrixFromVector(-error) * r;
-  measured->data.blocks[0].measured.col(0).tail<3>() =
+  measured->data.blocks[0].measured.edit().col(0).tail<3>() =
       testing::LogOfMatrix(off).cast<double>();
 }
 
@@ -255,7 +255,8 @@ INSTANTIATE_TEST_SUITE_P(Angles, OrientationErrorTest,
 
 TEST(OrientationTest, NoErrorAndHalfATurnAreExactWhereTheMatrixIs) {
   MeasuredArm measured = ExactArm(MeasurementKind::kPose);
-  measured.data.blocks[0].measured.col(0) << 0.5, 0.0, 0.25, 0.0, 0.0, 0.0;
+  measured.data.blocks[0].measured.edit().col(0) << 0.5, 0.0, 0.25, 0.0, 0.0,
+      0.0;
   EXPECT_TRUE(Evaluate(measured).geometric.residuals.isZero(0.0));
   for (int axis = 0; axis < 3; ++axis) {
     Eigen::Vector3d diagonal(-1.0, -1.0, -1.0);

@@ -18,7 +18,7 @@ ObservationBlock Block(MeasurementKind kind, int size, double first) {
   block.kind = kind;
   block.measured.resize(RowsOf(kind), size);
   for (Eigen::Index i = 0; i < block.measured.size(); ++i) {
-    block.measured.data()[i] = first + static_cast<double>(i);
+    block.measured.edit().data()[i] = first + static_cast<double>(i);
   }
   block.sigmas = block.measured.array() + 0.5;
   return block;
@@ -29,7 +29,7 @@ Dataset Part(int num_poses, std::vector<ObservationBlock> blocks) {
   part.name = "part";
   part.files = {"part"};
   part.joint_values = Eigen::MatrixXd::Random(2, num_poses);
-  part.sources.assign(num_poses, {0, num_poses});
+  for (int i = 0; i < num_poses; ++i) part.sources.push_back({0, num_poses});
   part.blocks = std::move(blocks);
   return part;
 }
@@ -88,7 +88,7 @@ TEST(MergeDatasetsTest, KindsListsAndWhitenersGoOnWhereThePosesDo) {
 // As planned poses, which no file has, joined to measured ones.
 TEST(MergeDatasetsTest, SourcesAreOfAllPosesOrOfNone) {
   Dataset planned = Part(3, {Block(MeasurementKind::kPosition, 3, 0.0)});
-  planned.sources.clear();
+  planned.sources = {};
   planned.files.clear();
   const Dataset measured = Part(2, {Block(MeasurementKind::kPosition, 2, 1.0)});
   const Dataset all = MergeDatasets({planned, measured});

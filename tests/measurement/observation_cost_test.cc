@@ -72,7 +72,7 @@ struct Problem {
         values(testing::ValuesWithRotations(arm, frames ? rotation_length : 0.0,
                                             &random)),
         data(testing::RandomDataset(arm, values, 1, &random)) {
-    data.positions().col(0) += testing::RandomVector(0.01, &random);
+    data.positions().edit().col(0) += testing::RandomVector(0.01, &random);
   }
 
   ObservationCost MakeCost() const {
@@ -153,7 +153,7 @@ TEST_P(ObservationCostTest, AgreesWithTheGeometricJacobian) {
 
 TEST_P(ObservationCostTest, ResidualVanishesAtTheTruth) {
   Problem problem(num_joints(), 0.4, with_frames(), 604);
-  problem.data.positions().col(0) =
+  problem.data.positions().edit().col(0) =
       testing::MatrixPosition(problem.arm, problem.values.cast<long double>(),
                               problem.data.joint_values.data())
           .cast<double>();
@@ -180,7 +180,7 @@ TEST_P(ObservationCostTest, SigmaOfOneAxisScalesItsRowOnly) {
   Evaluation expected = problem.EvaluateCost();
   const int axis = 2;
   // A power of two, so that the scaled numbers agree to the bit.
-  problem.data.sigmas()(axis, 0) *= 8.0;
+  problem.data.sigmas().edit()(axis, 0) *= 8.0;
   expected.residuals[axis] /= 8.0;
   expected.jacobian.row(axis) /= 8.0;
   const Evaluation scaled = problem.EvaluateCost();

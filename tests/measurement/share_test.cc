@@ -41,10 +41,10 @@ Dataset Measure(const MeasurementModel& model, int count, std::uint64_t seed,
   positions.sigmas = Eigen::MatrixXd::Constant(3, count, 1e-4);
   for (Eigen::Index i = 0; i < count; ++i) {
     for (int axis = 0; axis < 3; ++axis) {
-      positions.measured(axis, i) += 1e-3 * random.Normal();
+      positions.measured.edit()(axis, i) += 1e-3 * random.Normal();
     }
     if (i % 7 == 0) {
-      positions.sigmas(1, i) = std::numeric_limits<double>::infinity();
+      positions.sigmas.edit()(1, i) = std::numeric_limits<double>::infinity();
     }
     data.sources.push_back({0, static_cast<int>(i) + 2});
   }
@@ -94,10 +94,10 @@ class ShareTest : public ::testing::Test {
     return all;
   }
 
-  static void AppendColumns(const Eigen::MatrixXd& more, Eigen::MatrixXd* to) {
-    const Eigen::MatrixXd before = *to;
+  static void AppendColumns(const LargeMatrix& more, LargeMatrix* to) {
+    const LargeMatrix before = *to;
     to->resize(more.rows(), before.cols() + more.cols());
-    *to << before, more;
+    to->edit() << before, more;
   }
 
   static void AppendPart(const Dataset& part, Dataset* all) {
@@ -132,9 +132,9 @@ class ShareTest : public ::testing::Test {
     AppendColumns(part.joint_values, &all->joint_values);
     all->files.push_back(part.name);
     all->name += (all->name.empty() ? "" : ", ") + part.name;
-    for (const PoseSource& source : part.sources) {
+    for (std::size_t pose = 0; pose < part.sources.size(); ++pose) {
       all->sources.push_back(
-          {static_cast<int>(all->files.size()) - 1, source.line});
+          {static_cast<int>(all->files.size()) - 1, part.sources[pose].line});
     }
   }
 
@@ -202,14 +202,13 @@ TEST_F(ShareTest, CompressedProblemsHaveTheBitsOfTheWhole) {
 
 TEST_F(ShareTest, NumbersComeInTheOrderOfTheWhole) {
   const Dataset whole = PartsOf(0, 1);
-  const Eigen::VectorXd expected =
+  const LargeVector expected =
       LengthErrors(model_.Errors(values_, whole), whole);
   const SigmaTotals totals = SumSigmas(whole, 2);
   EXPECT_EQ(totals.equations, whole.num_equations());
   OnTeams([&](const Dataset& share) {
-    const Eigen::VectorXd mine =
-        LengthErrors(model_.Errors(values_, share), share);
-    const Eigen::VectorXd all = EntriesInOrder(share, mine);
+    const LargeVector mine = LengthErrors(model_.Errors(values_, share), share);
+    const LargeVector all = EntriesInOrder(share, mine);
     EXPECT_EQ(share.all_observations(), expected.size());
     if (KnowsAll(share)) {
       EXPECT_EQ(all, expected);
@@ -230,7 +229,7 @@ TEST_F(ShareTest, FractionsAreHeldOutAlike) {
   OnTeams([&](const Dataset& share) {
     const HoldOut split = HoldOutFraction(share, 0.3, 9);
     EXPECT_EQ(split.train.all_poses(), expected.train.num_poses());
-    const Eigen::MatrixXd heldout =
+    const LargeMatrix heldout =
         PosesInOrder(split.heldout, split.heldout.joint_values);
     if (KnowsAll(share)) {
       EXPECT_EQ(heldout, expected.heldout.joint_values);

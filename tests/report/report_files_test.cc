@@ -133,7 +133,7 @@ TEST(MakeFiguresTest, ValidationIsAMapOnlyInAHorizontalPlane) {
   JobResult result = MakeResult();
   EXPECT_TRUE(Contains(ContentOf(MakeFigures(result), "validation_after.svg"),
                        ">x [mm]</text>"));
-  result.heldout->positions(2, 3) += 0.05;
+  result.heldout->positions.edit()(2, 3) += 0.05;
   const std::string svg =
       ContentOf(MakeFigures(result), "validation_after.svg");
   EXPECT_FALSE(Contains(svg, ">x [mm]</text>"));

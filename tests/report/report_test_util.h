@@ -62,10 +62,11 @@ inline EvaluatedSet MakeSet(int num_poses, double before, double after) {
   set.residual_after.resize(3, num_poses);
   for (int i = 0; i < num_poses; ++i) {
     const double angle = 2.0 * kPi * i / num_poses;
-    set.joint_values.col(i) << 0.25 * kPi, 0.012;
-    set.positions.col(i) << 0.3 * std::cos(angle), 0.3 * std::sin(angle), 0.215;
-    set.residual_before.col(i) << 0.6 * before, 0.0, -0.8 * before;
-    set.residual_after.col(i) << 0.0, after, 0.0;
+    set.joint_values.edit().col(i) << 0.25 * kPi, 0.012;
+    set.positions.edit().col(i) << 0.3 * std::cos(angle), 0.3 * std::sin(angle),
+        0.215;
+    set.residual_before.edit().col(i) << 0.6 * before, 0.0, -0.8 * before;
+    set.residual_after.edit().col(i) << 0.0, after, 0.0;
   }
   set.before = SummarizeErrors(set.ErrorBefore());
   set.after = SummarizeErrors(set.ErrorAfter());
@@ -206,23 +207,23 @@ inline EvaluatedSet MakeMixedSet() {
   set.name = "mixed.csv";
   set.joint_dimensions = {Dimension::kAngle, Dimension::kLength};
   set.joint_values.resize(2, 2);
-  set.joint_values << 0.25 * kPi, 0.5 * kPi, 0.012, 0.016;
+  set.joint_values.edit() << 0.25 * kPi, 0.5 * kPi, 0.012, 0.016;
   set.labels = {{"position", 1, "ball, \"left\"", "data,1.csv:12"},
                 {"distance", 0, "smr", "data.csv:7"},
                 {"pose", 1, "", "", false, true},
                 {"point distance", -1, "", ""}};
-  set.positions.setConstant(3, 4, std::nan(""));
-  set.positions.col(0) << 0.25, 0.5, 0.125;
-  set.residual_before.setZero(3, 4);
-  set.residual_before.col(0) << 0.003, 0.0, 0.004;
-  set.residual_before(0, 1) = -0.002;
-  set.residual_before(0, 3) = 0.001;
-  set.residual_after.setZero(3, 4);
-  set.residual_after(0, 1) = 0.0005;
-  set.rotation_residual_before.setZero(3, 4);
-  set.rotation_residual_before.col(2) << 0.0, 0.5 * kDegree, 0.0;
-  set.rotation_residual_after.setZero(3, 4);
-  set.rotation_residual_after.col(2) << 0.25 * kDegree, 0.0, 0.0;
+  set.positions = Eigen::MatrixXd::Constant(3, 4, std::nan(""));
+  set.positions.edit().col(0) << 0.25, 0.5, 0.125;
+  set.residual_before = Eigen::MatrixXd::Zero(3, 4);
+  set.residual_before.edit().col(0) << 0.003, 0.0, 0.004;
+  set.residual_before.edit()(0, 1) = -0.002;
+  set.residual_before.edit()(0, 3) = 0.001;
+  set.residual_after = Eigen::MatrixXd::Zero(3, 4);
+  set.residual_after.edit()(0, 1) = 0.0005;
+  set.rotation_residual_before = Eigen::MatrixXd::Zero(3, 4);
+  set.rotation_residual_before.edit().col(2) << 0.0, 0.5 * kDegree, 0.0;
+  set.rotation_residual_after = Eigen::MatrixXd::Zero(3, 4);
+  set.rotation_residual_after.edit().col(2) << 0.25 * kDegree, 0.0, 0.0;
   set.before = SummarizeErrors(Eigen::Vector2d(0.005, 0.002));
   set.after = SummarizeErrors(Eigen::Vector2d(0.0, 0.0005));
   set.rotation_before =

@@ -72,7 +72,7 @@ void RepeatWithNoise(int times, ObservationBlock* block, Random* random) {
   block->sigmas = block->sigmas.replicate(1, times).eval();
   for (Eigen::Index i = 0; i < block->size(); ++i) {
     const double size = i % 25 == 7 ? 30.0 : 1.0;
-    block->measured.col(i) += NoiseOf(*block, i, size, random);
+    block->measured.edit().col(i) += NoiseOf(*block, i, size, random);
   }
 }
 
@@ -325,7 +325,7 @@ TEST_P(CompressedLossTest, SolvesWithinActiveBounds) {
 TEST_P(CompressedLossTest, SolvesForJointsByPositions) {
   Calibration calibration = testing::NoisyFlangeCalibration(7, 120);
   for (int k = 0; k < 6; ++k) {
-    calibration.data.positions()(k % 3, 20 * k) += 5e-4;
+    calibration.data.positions().edit()(k % 3, 20 * k) += 5e-4;
   }
   CalibrationProblem problem = calibration.Problem();
   problem.losses = TunedLosses(GetParam());
@@ -387,7 +387,7 @@ TEST(CompressedRankTest, SolvesWhereColumnsAreRounding) {
   for (const Arm& nominal : {testing::Rv2ajFlange(), testing::Rv2ajWrist()}) {
     Arm real = testing::WithRv2ajDeviations(nominal);
     Dataset data = testing::NoisyPositions(real, 40, kSigma, 12);
-    data.sigmas().topRows(2).setConstant(kInfinity);
+    data.sigmas().edit().topRows(2).setConstant(kInfinity);
     const MeasurementModel model(nominal);
     CalibrationProblem problem{model, data, {}};
     for (int column = 0; column < 25; ++column) {

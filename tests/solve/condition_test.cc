@@ -52,7 +52,7 @@ Measured MakeMeasured(double skew, int poses, int threads = 1) {
   measured.data.positions() =
       measured.model.Predict(truth, measured.data.joint_values);
   measured.data.sigmas() = Eigen::Matrix3Xd::Constant(3, poses, kSigma);
-  for (double& value : measured.data.positions().reshaped()) {
+  for (double& value : measured.data.positions().edit().reshaped()) {
     value += kSigma * random.Normal();
   }
   return measured;

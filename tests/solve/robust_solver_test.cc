@@ -18,7 +18,7 @@ constexpr int kOutliers = 10;
 Calibration WithOutliers() {
   Calibration calibration = NoisyFlangeCalibration(3, kPoses);
   for (int k = 0; k < kOutliers; ++k) {
-    calibration.data.positions()(k % 3, 10 * k) += 5e-3;
+    calibration.data.positions().edit()(k % 3, 10 * k) += 5e-3;
   }
   return calibration;
 }
@@ -26,7 +26,7 @@ Calibration WithOutliers() {
 // Root mean square error at the poses against the clean measurements (m).
 double RmsAgainst(const Calibration& calibration, const Dataset& clean,
                   const Eigen::VectorXd& values) {
-  const Eigen::VectorXd errors = calibration.model.Errors(values, clean);
+  const LargeVector errors = calibration.model.Errors(values, clean);
   return std::sqrt(LengthErrors(errors, clean).array().square().mean());
 }
 
@@ -113,7 +113,7 @@ TEST(SolveRobustTest, CountsTheIterationsOfAllStages) {
 TEST(SolveRobustTest, GivingUpNearlyAllObservationsIsAFailure) {
   Calibration calibration = NoisyFlangeCalibration(3, kPoses);
   // A thousandth of the noise that is there: all residuals are outliers.
-  calibration.data.sigmas() *= 1e-3;
+  calibration.data.sigmas().edit() *= 1e-3;
   const Outcome robust = Solve(calibration, LossKind::kTukey);
   EXPECT_EQ(robust.summary.status, SolverStatus::kFailed);
   EXPECT_NE(robust.summary.message.find("gives up nearly all"),

@@ -106,7 +106,8 @@ inline Calibration FlangeCalibration(std::uint64_t seed) {
 inline void AddNoise(Random* random, Dataset* data) {
   for (Eigen::Index i = 0; i < data->num_poses(); ++i) {
     for (int axis = 0; axis < 3; ++axis) {
-      data->positions()(axis, i) += data->sigmas()(axis, i) * random->Normal();
+      data->positions().edit()(axis, i) +=
+          data->sigmas()(axis, i) * random->Normal();
     }
   }
 }

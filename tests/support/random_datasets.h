@@ -48,11 +48,11 @@ inline Dataset RandomDataset(const Arm& arm, const Eigen::VectorXd& values,
   data.sigmas().resize(3, num_poses);
   const VectorXl exact_values = values.cast<long double>();
   for (int i = 0; i < num_poses; ++i) {
-    data.positions().col(i) =
+    data.positions().edit().col(i) =
         MatrixPosition(arm, exact_values, data.joint_values.col(i).data())
             .cast<double>();
     for (int axis = 0; axis < 3; ++axis) {
-      data.sigmas()(axis, i) = random->Uniform(1e-5, 1e-3);
+      data.sigmas().edit()(axis, i) = random->Uniform(1e-5, 1e-3);
     }
   }
   return data;

@@ -79,8 +79,8 @@ inline void PlaceReferences(MeasuredArm* measured, Random* random) {
 inline ObservationBlock MakeBlock(MeasurementKind kind, int count) {
   ObservationBlock block;
   block.kind = kind;
-  block.measured.setZero(RowsOf(kind), count);
-  block.sigmas.setOnes(RowsOf(kind), count);
+  block.measured = Eigen::MatrixXd::Zero(RowsOf(kind), count);
+  block.sigmas = Eigen::MatrixXd::Ones(RowsOf(kind), count);
   const bool is_of_points = kind == MeasurementKind::kPointDistance;
   for (int i = 0; i < count; ++i) {
     if (!is_of_points) {
@@ -109,13 +109,13 @@ inline ObservationBlock MakeBlock(MeasurementKind kind, int count) {
 /// What the values really give, rounded to double.
 inline void Measure(const MeasuredArm& measured, ObservationBlock* block) {
   const VectorXl values = measured.values.cast<long double>();
-  block->measured.setZero();
+  block->measured.edit().setZero();
   if (block->kind == MeasurementKind::kFixedPoint ||
       block->kind == MeasurementKind::kPlane) {
     return;
   }
   for (Eigen::Index i = 0; i < block->size(); ++i) {
-    block->measured.col(i) =
+    block->measured.edit().col(i) =
         OracleResidual(measured, values, *block, i).cast<double>();
   }
 }
@@ -127,12 +127,12 @@ inline void WeightRows(Weighting weighting, ObservationBlock* block,
   const int height = block->rows_each();
   for (Eigen::Index i = 0; i < block->size(); ++i) {
     for (int row = 0; row < height; ++row) {
-      block->sigmas(row, i) = random->Uniform(1e-5, 1e-3);
+      block->sigmas.edit()(row, i) = random->Uniform(1e-5, 1e-3);
     }
     const bool is_masked = weighting != Weighting::kSigmas && i % 3 == 1;
     const auto mask = static_cast<int>(i + 1) % height;
     if (is_masked) {
-      block->sigmas(mask, i) = std::numeric_limits<double>::infinity();
+      block->sigmas.edit()(mask, i) = std::numeric_limits<double>::infinity();
     }
     if (weighting != Weighting::kFull) continue;
     Eigen::MatrixXd whitener;

@@ -99,7 +99,7 @@ TEST(DiagnosticsTest, CooksDistanceIsHowFarTheEstimateMoves) {
 
 TEST(DiagnosticsTest, ABadPoseIsTheOneThatIsFound) {
   Dataset data = testing::NoisyPositions(testing::Rv2ajFlange(), 40, kSigma, 6);
-  data.positions().col(11) += Eigen::Vector3d(0.3e-3, 0.0, 0.0);
+  data.positions().edit().col(11) += Eigen::Vector3d(0.3e-3, 0.0, 0.0);
   const ResidualDiagnostics diagnostics = Fitted(data).Diagnose();
   const auto worst =
       std::max_element(diagnostics.poses.begin(), diagnostics.poses.end(),
@@ -118,7 +118,7 @@ TEST(DiagnosticsTest, DriftIsNotWhite) {
   EXPECT_GT(Fitted(still).Diagnose().whiteness.p_value, 0.01);
   Dataset drifting = still;
   for (Eigen::Index i = 0; i < 100; ++i) {
-    drifting.positions().col(i).array() +=
+    drifting.positions().edit().col(i).array() +=
         2.0 * kSigma * std::sin(0.06 * static_cast<double>(i));
   }
   EXPECT_LT(Fitted(drifting).Diagnose().whiteness.p_value, 1e-4);

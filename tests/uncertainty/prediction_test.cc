@@ -124,11 +124,12 @@ TEST(PredictionTest, HeldOutMeasurementsAgreeWithWhatIsPredicted) {
     values(known.columns) += known.covariance.root * u;
     Dataset fresh = heldout;
     for (Eigen::Index i = 0; i < fresh.num_poses(); ++i) {
-      fresh.positions().col(i) =
+      fresh.positions().edit().col(i) =
           testing::MatrixPosition(known.model.nominal(),
                                   fresh.joint_values.col(i).data())
               .cast<double>();
-      for (double& x : fresh.positions().col(i)) x += kSigma * random.Normal();
+      for (double& x : fresh.positions().edit().col(i))
+        x += kSigma * random.Normal();
     }
     const PredictionCheck check =
         CheckPrediction(known.model, values, known.covariance, fresh, 0.95);
@@ -178,10 +179,10 @@ TEST(PredictionTest, VerdictsAreWrongAsOftenAsTheyMayBe) {
       }
       Dataset fresh = heldout;
       fresh.positions() = exact;
-      for (double& x : fresh.positions().reshaped()) {
+      for (double& x : fresh.positions().edit().reshaped()) {
         x += kSigma * random.Normal();
       }
-      fresh.sigmas() *= scale;
+      fresh.sigmas().edit() *= scale;
       known.covariance.root = scale * root;
       known.covariance.degrees_of_freedom = dof;
       ++verdicts[CheckPrediction(known.model, values, known.covariance, fresh,
@@ -199,7 +200,7 @@ TEST(PredictionTest, SmallerErrorsThanPredictedAreCalledSo) {
   const Known known;
   Dataset cautious =
       testing::NoisyPositions(known.model.nominal(), 200, kSigma, 9);
-  cautious.sigmas() *= 2.0;
+  cautious.sigmas().edit() *= 2.0;
   const PredictionCheck check =
       CheckPrediction(known.model, known.model.NominalValues(),
                       known.covariance, cautious, 0.95);
@@ -209,7 +210,7 @@ TEST(PredictionTest, SmallerErrorsThanPredictedAreCalledSo) {
 TEST(PredictionTest, LargerErrorsThanPredictedAreCalledSo) {
   const Known known;
   Dataset wrong = testing::NoisyPositions(known.model.nominal(), 40, kSigma, 9);
-  wrong.positions().array() += 0.3e-3;
+  wrong.positions().edit().array() += 0.3e-3;
   const PredictionCheck check = CheckPrediction(
       known.model, known.model.NominalValues(), known.covariance, wrong, 0.95);
   EXPECT_EQ(check.verdict, "larger");

@@ -36,11 +36,15 @@ class ByteWriter {
     Put(static_cast<std::int64_t>(texts.size()));
     for (const std::string& text : texts) PutText(text);
   }
-  void PutMatrix(const Eigen::MatrixXd& matrix) {
+  /// @pre each column lies in memory as it is.
+  template <typename Derived>
+  void PutMatrix(const Eigen::MatrixBase<Derived>& matrix) {
     Put(static_cast<std::int64_t>(matrix.rows()));
     Put(static_cast<std::int64_t>(matrix.cols()));
-    Append(matrix.data(),
-           static_cast<std::size_t>(matrix.size()) * sizeof(double));
+    for (Eigen::Index column = 0; column < matrix.cols(); ++column) {
+      PutArray(matrix.col(column).data(),
+               static_cast<std::size_t>(matrix.rows()));
+    }
   }
 
   /// Without their number, which the reader must know.

@@ -10,7 +10,11 @@
 
 namespace alidade {
 
-/// What each observation of `data` is of. @pre the arm has its targets.
+/// What observation i of a block of `data` is of. @pre the arm has its targets.
+ObservationLabel LabelOf(const Arm& arm, const Dataset& data, std::size_t block,
+                         Eigen::Index i);
+
+/// The same of each observation.
 std::vector<ObservationLabel> LabelsOf(const Arm& arm, const Dataset& data);
 
 /// Errors of two sets of values, before and after, at the poses of `data`. Of a
@@ -24,7 +28,7 @@ EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
 /// The norms of lengths that an accuracy is made of, block by block, from the
 /// stacked errors of a model: without point distances and observations of
 /// orientation alone. Of a share its own.
-std::vector<std::vector<double>> CountedLengths(const Eigen::VectorXd& errors,
+std::vector<std::vector<double>> CountedLengths(const LargeVector& errors,
                                                 const Dataset& data);
 
 /// Accuracy of one set of values over all observations of `data`, as lengths

@@ -2,12 +2,14 @@
 #define ALIDADE_MEASUREMENT_COMPRESSION_H_
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "alidade/base/memory.h"
 #include "alidade/measurement/dataset.h"
 #include "alidade/measurement/measurement_model.h"
 #include "alidade/measurement/robust_loss.h"
@@ -32,7 +34,7 @@ std::string VectorInstructions();
 
 /// The sum of rho(|r_i|^2) over the observations, from the stacked errors of a
 /// model; `losses` of 1, 2 ... rows, empty for chi-square.
-double RobustChiSquare(const Eigen::VectorXd& errors, const Dataset& data,
+double RobustChiSquare(const LargeVector& errors, const Dataset& data,
                        const std::vector<RobustLoss>& losses);
 
 /// A least-squares problem in few rows that has the cost, the gradient and the
@@ -68,8 +70,8 @@ struct CompressorOptions {
   Factorization factorization = Factorization::kAutomatic;
   /// What is kept of sines, cosines, measured values and sigmas in the order of
   /// the kernel (bytes). Of what does not fit they are taken anew at every
-  /// evaluation.
-  std::size_t cache_bytes = std::size_t{1} << 31;
+  /// evaluation. By default half of MemoryLimit(), at most 2 GiB.
+  std::size_t cache_bytes = std::min(std::size_t{1} << 31, MemoryLimit() / 2);
 };
 
 /// Compresses one data set again and again, at changing parameter values.

@@ -8,6 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "alidade/base/large_matrix.h"
+#include "alidade/measurement/pose_sources.h"
+
 namespace alidade {
 
 class Team;
@@ -65,10 +68,10 @@ struct ObservationBlock {
   std::vector<int> seconds = {};
   /// RowsOf(kind) x M (m, rad); orientations as rotation vectors; zero for
   /// kFixedPoint and kPlane.
-  Eigen::MatrixXd measured = {};
+  LargeMatrix measured = {};
   /// Standard deviation of each row of the residual, RowsOf(kind) x M (m, rad),
   /// positive; infinite where that row was not measured.
-  Eigen::MatrixXd sigmas = {};
+  LargeMatrix sigmas = {};
   /// Where an observation's rows are correlated: W with W^T W the inverse of
   /// their covariance; the whitened residual is W e instead of e / sigma. One
   /// entry per observation or none at all; an empty matrix leaves the sigmas.
@@ -82,12 +85,6 @@ struct ObservationBlock {
   int target(Eigen::Index i) const { return targets.empty() ? 0 : targets[i]; }
   /// Rows of observation i that were measured.
   int Dimension(Eigen::Index i) const;
-};
-
-/// Where a pose was read: for messages.
-struct PoseSource {
-  int file = 0;  ///< index in Dataset::files
-  int line = 0;  ///< from 1
 };
 
 /// Where what came from one file begins.
@@ -109,14 +106,16 @@ struct DataShare {
 };
 
 /// Measurements of an arm at known joint values. Observations are counted, and
-/// their residual rows stacked, block after block.
+/// their residual rows stacked, block after block. Numbers of poses and
+/// observations may be those of a mapped file, or lie in a temporary one
+/// (base/memory.h).
 struct Dataset {
   std::string name;  ///< file it came from, for messages
   /// Joint values, num_joints x poses (rad for revolute, m for prismatic).
-  Eigen::MatrixXd joint_values;
+  LargeMatrix joint_values;
   std::vector<ObservationBlock> blocks;
   /// One entry per pose, or none where the data come from no file.
-  std::vector<PoseSource> sources = {};
+  PoseSources sources = {};
   std::vector<std::string> files = {};
   /// One entry per file, in ascending order; empty: all is one. What is summed
   /// or factored over all poses is so for each shard first, then over shards,
@@ -149,10 +148,10 @@ struct Dataset {
   /// The measured points and their sigmas (3 x poses, m) of a data set of one
   /// block of positions, as MakePositions returns it; an empty data set becomes
   /// one. @pre there is no other block.
-  Eigen::MatrixXd& positions() { return PositionBlock().measured; }
-  Eigen::MatrixXd& sigmas() { return PositionBlock().sigmas; }
-  const Eigen::MatrixXd& positions() const { return blocks.front().measured; }
-  const Eigen::MatrixXd& sigmas() const { return blocks.front().sigmas; }
+  LargeMatrix& positions() { return PositionBlock().measured; }
+  LargeMatrix& sigmas() { return PositionBlock().sigmas; }
+  const LargeMatrix& positions() const { return blocks.front().measured; }
+  const LargeMatrix& sigmas() const { return blocks.front().sigmas; }
 
  private:
   ObservationBlock& PositionBlock();
@@ -161,11 +160,15 @@ struct Dataset {
 /// "file:line" of a pose; empty where it comes from no file.
 std::string SourceOf(const Dataset& data, int pose);
 
+/// Whether the sigmas of observations [first, first + count) of a block are the
+/// same. O(count), at the speed of memory.
+bool HaveOneSigma(const ObservationBlock& block, Eigen::Index first,
+                  Eigen::Index count);
+
 /// One measured position per pose: joint values n x N, points 3 x N (m), sigmas
 /// 3 x N (m).
-Dataset MakePositions(const Eigen::MatrixXd& joint_values,
-                      const Eigen::Matrix3Xd& points,
-                      const Eigen::Matrix3Xd& sigmas);
+Dataset MakePositions(LargeMatrix joint_values, LargeMatrix points,
+                      LargeMatrix sigmas);
 
 /// Clears the block's list of poses where it says nothing: 0, 1, ... of a data
 /// set with as many poses, or observations that belong to none.

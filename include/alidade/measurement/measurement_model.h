@@ -50,13 +50,12 @@ class MeasurementModel {
 
   /// Predicted positions of a target (3 x N, m) at joint values (n x N).
   Eigen::Matrix3Xd Predict(const Eigen::VectorXd& values,
-                           const Eigen::MatrixXd& joint_values,
+                           const LargeMatrix& joint_values,
                            int target = 0) const;
 
   /// Predicted minus measured, stacked, not whitened (m, rad). Zero in rows
   /// that were not measured.
-  Eigen::VectorXd Errors(const Eigen::VectorXd& values,
-                         const Dataset& data) const;
+  LargeVector Errors(const Eigen::VectorXd& values, const Dataset& data) const;
 
   /// Residuals, and the Jacobian's columns `columns` in that order, without
   /// repeats. O(N n) time.
@@ -76,20 +75,17 @@ class MeasurementModel {
 
 /// Squared norm of each observation's whitened residual, from the stacked
 /// errors of a model.
-Eigen::VectorXd SquaredNorms(const Eigen::VectorXd& errors,
-                             const Dataset& data);
+LargeVector SquaredNorms(const LargeVector& errors, const Dataset& data);
 
 /// Chi-square of stacked errors: the sum of squared whitened residuals.
-double ChiSquare(const Eigen::VectorXd& errors, const Dataset& data);
+double ChiSquare(const LargeVector& errors, const Dataset& data);
 
 /// Norm of each observation's error in lengths (m): of the position rows.
-Eigen::VectorXd LengthErrors(const Eigen::VectorXd& errors,
-                             const Dataset& data);
+LargeVector LengthErrors(const LargeVector& errors, const Dataset& data);
 
 /// Norm of the rotation vector of each measured orientation (rad), in the
 /// order of observations; none for data sets without poses.
-Eigen::VectorXd RotationErrors(const Eigen::VectorXd& errors,
-                               const Dataset& data);
+LargeVector RotationErrors(const LargeVector& errors, const Dataset& data);
 
 /// Degrees of freedom of each observation: the rows that were measured.
 Eigen::VectorXi Dimensions(const Dataset& data);

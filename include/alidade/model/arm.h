@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "alidade/base/large_matrix.h"
+
 namespace alidade {
 
 enum class JointType { kRevolute, kPrismatic };
@@ -79,12 +81,27 @@ double ArmReach(const Arm& arm);
 /// the length that the model's rounding errors scale with. Never zero.
 double Reach(const Arm& arm);
 
+/// Whether joint values are other than the motors' (below).
+bool HasMotorMap(const Arm& arm);
+
 /// q = joints_from_motors * motors + motor_offsets, column by column: n x poses
 /// (rad or m). @pre sizes agree.
 Eigen::MatrixXd JointsFromMotors(const Arm& arm, const Eigen::MatrixXd& motors);
 
 /// The inverse. @pre sizes agree, joints_from_motors is regular.
 Eigen::MatrixXd MotorsFromJoints(const Arm& arm, const Eigen::MatrixXd& joints);
+
+/// Both of many columns; not copied where motors turn the joints as they are.
+template <typename Plain>
+Large<Plain> JointsFromMotors(const Arm& arm, const Large<Plain>& motors) {
+  if (!HasMotorMap(arm)) return motors;
+  return JointsFromMotors(arm, motors.eval());
+}
+template <typename Plain>
+Large<Plain> MotorsFromJoints(const Arm& arm, const Large<Plain>& joints) {
+  if (!HasMotorMap(arm)) return joints;
+  return MotorsFromJoints(arm, joints.eval());
+}
 
 }  // namespace alidade
 

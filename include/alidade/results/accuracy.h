@@ -23,8 +23,8 @@ struct Accuracy {
 /// @pre not empty; fraction in [0, 1].
 double SortedPercentile(const Eigen::VectorXd& sorted, double fraction);
 
-/// Statistics of `errors` (m, not negative). O(n log n).
-Accuracy SummarizeErrors(const Eigen::VectorXd& errors);
+/// Statistics of `errors` (m, not negative). O(n).
+Accuracy SummarizeErrors(const Eigen::Ref<const Eigen::VectorXd>& errors);
 
 }  // namespace alidade
 

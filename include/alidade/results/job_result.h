@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "alidade/base/large_matrix.h"
 #include "alidade/base/units.h"
 #include "alidade/results/accuracy.h"
 #include "alidade/results/identifiability_result.h"
@@ -57,30 +58,31 @@ struct ObservationLabel {
 };
 
 /// The error of the arm, before and after calibration, at the poses of one
-/// data set. All lengths in m, all angles in rad.
+/// data set. All lengths in m, all angles in rad. Matrices may share their
+/// numbers with the data set that was evaluated.
 struct EvaluatedSet {
-  std::string name;              ///< file of the poses
-  Eigen::MatrixXd joint_values;  ///< one column per pose
+  std::string name;          ///< file of the poses
+  LargeMatrix joint_values;  ///< one column per pose
   /// What each joint value measures, one per row of `joint_values`.
   std::vector<Dimension> joint_dimensions;
   /// One entry per observation, as are the columns below; empty where they are
   /// one position per pose.
   std::vector<ObservationLabel> labels;
   /// Measured, or true where simulated; NaN where no position was measured.
-  Eigen::Matrix3Xd positions;
-  Eigen::Matrix3Xd residual_before;  ///< predicted - measured, lengths
-  Eigen::Matrix3Xd residual_after;
+  LargeMatrix positions;
+  LargeMatrix residual_before;  ///< predicted - measured, lengths
+  LargeMatrix residual_after;
   /// Rotation vectors of measured orientations, zero of other observations;
   /// empty where no orientation was measured.
-  Eigen::Matrix3Xd rotation_residual_before;
-  Eigen::Matrix3Xd rotation_residual_after;
+  LargeMatrix rotation_residual_before;
+  LargeMatrix rotation_residual_after;
   Accuracy before;
   Accuracy after;
   Accuracy rotation_before;  ///< (rad); n = 0 without orientations
   Accuracy rotation_after;
 
-  Eigen::VectorXd ErrorBefore() const;
-  Eigen::VectorXd ErrorAfter() const;
+  LargeVector ErrorBefore() const;
+  LargeVector ErrorAfter() const;
 };
 
 /// One solver on the training data.
