@@ -76,7 +76,7 @@ std::vector<std::size_t> RowsOfPoses(const ResultTable& table, int column) {
 std::string ContentOf(const std::vector<ReportFile>& files,
                       const std::string& name) {
   for (const ReportFile& file : files) {
-    if (file.name == name) return file.content;
+    if (file.name == name) return file.Text();
   }
   return "";
 }

@@ -14,7 +14,7 @@ FileDescriptor::~FileDescriptor() {
   if (fd_ >= 0) close(fd_);
 }
 
-bool FileDescriptor::WriteAll(const std::string& content) const {
+bool FileDescriptor::WriteAll(std::string_view content) const {
   std::size_t written = 0;
   while (written < content.size()) {
     const ssize_t count =

@@ -9,6 +9,8 @@
 #include <atomic>
 #include <cerrno>
 #include <filesystem>
+#include <optional>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -44,16 +46,41 @@ std::string TargetOfLinks(const std::string& path) {
   return error ? path : target.string();
 }
 
-// Zero, or the errno of what failed; the file does not exist then.
-int TryWriteNewFile(const std::string& path, const std::string& content) {
-  FileDescriptor file(path, O_WRONLY | O_CREAT | O_EXCL);
-  if (file.get() < 0) return errno;
-  if (file.WriteAll(content) && fsync(file.get()) == 0 && file.Close()) {
-    return 0;
+constexpr int kNewFile = O_WRONLY | O_CREAT | O_EXCL;
+
+// Takes a file away again on every way out but that where it is complete.
+class Unfinished {
+ public:
+  explicit Unfinished(const std::string& path) : path_(path) {}
+  ~Unfinished() {
+    if (!is_finished_) unlink(path_.c_str());
   }
-  const int error = errno;
-  unlink(path.c_str());
-  return error;
+  Unfinished(const Unfinished&) = delete;
+  Unfinished& operator=(const Unfinished&) = delete;
+
+  void Finish() { is_finished_ = true; }
+
+ private:
+  const std::string path_;
+  bool is_finished_ = false;
+};
+
+// All of `content`, synced; returns its size. `path`: what errors name.
+std::uint64_t WriteAndSync(const std::string& path, const TextSource& content,
+                           FileDescriptor* file) {
+  std::uint64_t size = 0;
+  content([&](std::string_view piece) {
+    if (!file->WriteAll(piece)) Fail(path, "cannot be written", errno);
+    size += piece.size();
+  });
+  if (fsync(file->get()) != 0 || !file->Close()) {
+    Fail(path, "cannot be written", errno);
+  }
+  return size;
+}
+
+TextSource InOnePiece(const std::string& content) {
+  return [&content](const TextSink& sink) { sink(content); };
 }
 
 // "a/link/../b" is not "a/b" where link is a symbolic link.
@@ -91,7 +118,12 @@ std::string ReadFile(const std::string& path) {
   return content;
 }
 
-void WriteFileAtomically(const std::string& given, const std::string& content) {
+void WriteFileAtomically(const std::string& path, const std::string& content) {
+  WriteFileAtomically(path, InOnePiece(content));
+}
+
+std::uint64_t WriteFileAtomically(const std::string& given,
+                                  const TextSource& content) {
   const std::string path = TargetOfLinks(given);
   // Renaming over a device or a pipe would put a file in its place.
   std::error_code ignored;
@@ -103,22 +135,33 @@ void WriteFileAtomically(const std::string& given, const std::string& content) {
     throw InputError(location,
                      "is a device or a pipe, expected a file or a new name");
   }
-  int error = EEXIST;
   std::string temporary;
-  while (error == EEXIST) {
+  std::optional<FileDescriptor> file;
+  do {
     temporary = TemporaryName(path);
-    error = TryWriteNewFile(temporary, content);
+    file.emplace(temporary, kNewFile);
+  } while (file->get() < 0 && errno == EEXIST);
+  if (file->get() < 0) Fail(path, "cannot be written", errno);
+  Unfinished unfinished(temporary);
+  const std::uint64_t size = WriteAndSync(path, content, &*file);
+  if (rename(temporary.c_str(), path.c_str()) != 0) {
+    Fail(path, "cannot be written", errno);
   }
-  if (error == 0 && rename(temporary.c_str(), path.c_str()) != 0) {
-    error = errno;
-    unlink(temporary.c_str());
-  }
-  if (error != 0) Fail(path, "cannot be written", error);
+  unfinished.Finish();
+  return size;
 }
 
 void WriteNewFile(const std::string& path, const std::string& content) {
-  const int error = TryWriteNewFile(path, content);
-  if (error != 0) Fail(path, "cannot be written", error);
+  WriteNewFile(path, InOnePiece(content));
+}
+
+std::uint64_t WriteNewFile(const std::string& path, const TextSource& content) {
+  FileDescriptor file(path, kNewFile);
+  if (file.get() < 0) Fail(path, "cannot be written", errno);
+  Unfinished unfinished(path);
+  const std::uint64_t size = WriteAndSync(path, content, &file);
+  unfinished.Finish();
+  return size;
 }
 
 void SyncDirectory(const std::string& path) {

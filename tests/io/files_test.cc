@@ -1,12 +1,18 @@
 #include "alidade/io/files.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <csignal>
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 
+#include "alidade/io/file_descriptor.h"
 #include "tests/io/io_test_util.h"
 
 namespace alidade {
@@ -86,6 +92,98 @@ TEST(WriteFileAtomicallyTest, NamesADirectoryThatDoesNotExist) {
   const std::string path = directory.Path("none/x");
   ExpectInputError([&] { WriteFileAtomically(path, "text"); },
                    {0, 0, "", "cannot be written: No such file"});
+}
+
+// `count` pieces of 1000 bytes, each of another letter.
+TextSource Letters(int count) {
+  return [count](const TextSink& sink) {
+    for (int i = 0; i < count; ++i) {
+      sink(std::string(1000, static_cast<char>('a' + i % 26)));
+    }
+  };
+}
+
+// Gives some of its text and then fails.
+void GiveHalf(const TextSink& sink) {
+  sink(std::string(100000, 'x'));
+  throw std::runtime_error("out of rows");
+}
+
+// As long as it lives, files end at a size, as on a full disk: a write gives
+// EFBIG.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit full = {bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &full);
+  }
+  ~FullDisk() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+
+ private:
+  void (*const handler_)(int);
+  rlimit before_ = {};
+};
+
+TEST(WritePiecesTest, GivesTheBytesOfTheWholeAndTheirNumber) {
+  const TestDirectory directory;
+  std::string whole;
+  Letters(300)([&](std::string_view piece) { whole += piece; });
+  ASSERT_EQ(whole.size(), 300000U);
+  const std::string path = directory.Write("x", "old");
+  EXPECT_EQ(WriteFileAtomically(path, Letters(300)), 300000U);
+  EXPECT_EQ(ReadFile(path), whole);
+  EXPECT_EQ(WriteNewFile(directory.Path("new"), Letters(300)), 300000U);
+  EXPECT_EQ(ReadFile(directory.Path("new")), whole);
+  EXPECT_EQ(WriteNewFile(directory.Path("empty"), Letters(0)), 0U);
+  EXPECT_EQ(ReadFile(directory.Path("empty")), "");
+  EXPECT_EQ(NumFiles(directory.Path("")), 3U);
+}
+
+TEST(WritePiecesTest, LeavesNothingOfASourceThatFails) {
+  const TestDirectory directory;
+  const std::string old = directory.Write("old", "as it was");
+  EXPECT_THROW(WriteFileAtomically(old, GiveHalf), std::runtime_error);
+  EXPECT_THROW(WriteFileAtomically(directory.Path("a"), GiveHalf),
+               std::runtime_error);
+  EXPECT_THROW(WriteNewFile(directory.Path("b"), GiveHalf), std::runtime_error);
+  EXPECT_EQ(ReadFile(old), "as it was");
+  EXPECT_EQ(NumFiles(directory.Path("")), 1U);
+}
+
+TEST(WritePiecesTest, LeavesNothingWhereTheDiskIsFull) {
+  const TestDirectory directory;
+  const std::string old = directory.Write("old", "as it was");
+  const ExpectedError expected = {0, 0, "", "cannot be written: File too"};
+  {
+    const FullDisk disk(100500);  // in the middle of a piece
+    ExpectInputError([&] { WriteFileAtomically(old, Letters(300)); }, expected);
+    ExpectInputError([&] { WriteNewFile(directory.Path("new"), Letters(300)); },
+                     expected);
+    EXPECT_EQ(WriteNewFile(directory.Path("fits"), Letters(100)), 100000U);
+  }
+  EXPECT_EQ(ReadFile(old), "as it was");
+  EXPECT_EQ(NumFiles(directory.Path("")), 2U);
+}
+
+TEST(WritePiecesTest, ReplacesNoFileByANewOne) {
+  const TestDirectory directory;
+  const std::string path = directory.Write("x", "as it was");
+  ExpectInputError([&] { WriteNewFile(path, Letters(1)); },
+                   {0, 0, "", "cannot be written: File exists"});
+  EXPECT_EQ(ReadFile(path), "as it was");
+}
+
+TEST(FileDescriptorTest, TellsThatTheDeviceIsFull) {
+  const FileDescriptor full("/dev/full", O_WRONLY);
+  ASSERT_GE(full.get(), 0);
+  EXPECT_FALSE(full.WriteAll("text"));
+  EXPECT_EQ(errno, ENOSPC);
 }
 
 TEST(MakeDirectoriesTest, MakesParentsAndAcceptsWhatExists) {

@@ -2,6 +2,7 @@
 #define ALIDADE_IO_FILE_DESCRIPTOR_H_
 
 #include <string>
+#include <string_view>
 
 namespace alidade {
 
@@ -16,7 +17,7 @@ class FileDescriptor {
 
   int get() const { return fd_; }
   /// False with errno set where not all of it reached the file.
-  bool WriteAll(const std::string& content) const;
+  bool WriteAll(std::string_view content) const;
   /// False with errno set where the last write did not reach the file.
   bool Close();
 

@@ -1,7 +1,10 @@
 #ifndef ALIDADE_IO_FILES_H_
 #define ALIDADE_IO_FILES_H_
 
+#include <cstdint>
 #include <string>
+
+#include "alidade/base/text_pieces.h"
 
 namespace alidade {
 
@@ -11,10 +14,17 @@ std::string ReadFile(const std::string& path);
 /// Writes to a temporary name in the same directory, syncs it and renames it,
 /// so that no reader ever sees half a file. @throws InputError.
 void WriteFileAtomically(const std::string& path, const std::string& content);
+/// The same of a text that comes in pieces; returns how many bytes they are.
+/// Nothing is left of it either where `content` throws, which goes on to the
+/// caller. Memory does not grow with the text.
+std::uint64_t WriteFileAtomically(const std::string& path,
+                                  const TextSource& content);
 
 /// Writes a file that is not there yet and syncs it: for directories that are
 /// renamed as a whole. @throws InputError.
 void WriteNewFile(const std::string& path, const std::string& content);
+/// The same in pieces, as WriteFileAtomically.
+std::uint64_t WriteNewFile(const std::string& path, const TextSource& content);
 
 /// Makes names in a directory, or their removal, outlast a loss of power.
 /// @throws InputError.

@@ -1,0 +1,21 @@
+#ifndef ALIDADE_BASE_TEXT_PIECES_H_
+#define ALIDADE_BASE_TEXT_PIECES_H_
+
+#include <functional>
+#include <string_view>
+
+namespace alidade {
+
+/// A text that may be too long for the memory is handed on in pieces: who has
+/// it calls a sink with one piece after the other, each valid during the call.
+
+/// Takes the next piece of a text. Throws where it can take no more, and who
+/// calls it lets that through.
+using TextSink = std::function<void(std::string_view piece)>;
+
+/// Gives a whole text to a sink, the same at every call.
+using TextSource = std::function<void(const TextSink& sink)>;
+
+}  // namespace alidade
+
+#endif  // ALIDADE_BASE_TEXT_PIECES_H_
