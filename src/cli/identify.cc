@@ -36,8 +36,12 @@ JobConfig LoadJobOrPair(const CommandLine& line) {
 ExitStatus RunIdentify(const CommandLine& line) {
   JobConfig config = LoadJobOrPair(line);
   if (line.seed) config.identifiability.seed = *line.seed;
-  std::cout << config.arm.name << ", " << config.data.num_poses() << " poses\n"
-            << FormatIdentifiability(IdentifyJob(config, line.threads));
+  std::cout << config.arm.name << ", " << config.data.num_poses() << " poses\n";
+  if (line.files.size() > 1) {
+    std::cout << "where the data state no standard deviation, 1 mm is taken: a "
+                 "job states the instrument's\n";
+  }
+  std::cout << FormatIdentifiability(IdentifyJob(config, line.threads));
   return kExitDone;
 }
 

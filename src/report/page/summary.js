@@ -10,6 +10,9 @@ function judged(result) {
       {set: accuracy.train, seen: true};
 }
 
+// A mean error of more than this part of what it was is no gain.
+const HARDLY_BETTER = 0.9;
+
 const isUsable =
     (solver) => ['converged', 'rounding_floor', 'iteration_limit'].includes(
         solver.status);
@@ -31,6 +34,7 @@ function verdictOf(result) {
     };
   }
   const worse = after.mean > before.mean;
+  const hardly = after.mean > HARDLY_BETTER * before.mean;
   const where = `at ${count(after.n, 'pose')} ` +
       (seen ? 'it was fitted to' : 'the fit has not seen');
   const sentence = worse ?
@@ -49,13 +53,15 @@ function verdictOf(result) {
     sentence: sentence + limits,
     seen,
     kind: worse || missed.length > 0 ? 'bad' :
-        doubtful                     ? 'warn' :
+        doubtful || hardly           ? 'warn' :
                                        'good',
     word: worse ? 'Worse than before' :
         missed.length > 0 ?
                   'Not accepted' :
                   (result.acceptance.length > 0 ? 'Accepted' : 'Usable') +
-            (doubtful ? ', with warnings' : '')
+            (hardly       ? ', hardly better than before' :
+                 doubtful ? ', with warnings' :
+                            '')
   };
 }
 
