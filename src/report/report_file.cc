@@ -6,9 +6,7 @@
 namespace alidade {
 
 ReportFile::ReportFile(std::string file_name, std::string text)
-    : ReportFile(
-          std::move(file_name),
-          [text = std::move(text)](const TextSink& sink) { sink(text); }) {}
+    : ReportFile(std::move(file_name), WholeText(std::move(text))) {}
 
 ReportFile::ReportFile(std::string file_name, TextSource source)
     : name(std::move(file_name)), content(std::move(source)) {}
