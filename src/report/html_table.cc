@@ -1,10 +1,10 @@
 #include "src/report/html_table.h"
 
-#include <charconv>
 #include <string>
 #include <vector>
 
 #include "src/report/html_json.h"
+#include "src/report/text.h"
 
 namespace alidade {
 namespace {
@@ -13,16 +13,10 @@ namespace {
 constexpr int kErrorDigits = 4;
 constexpr int kDigits = 7;
 
-bool ParseNumber(const std::string& cell, double* value) {
-  const char* end = cell.data() + cell.size();
-  const auto result = std::from_chars(cell.data(), end, *value);
-  return result.ec == std::errc() && result.ptr == end;
-}
-
 std::string CellJson(const std::string& cell, int digits) {
   double value = 0.0;
   if (cell.empty()) return "null";
-  return ParseNumber(cell, &value) ? JsonNumber(value, digits) : JsonText(cell);
+  return ParseCell(cell, &value) ? JsonNumber(value, digits) : JsonText(cell);
 }
 
 bool StartsWith(const std::string& text, const std::string& beginning) {

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <charconv>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -8,18 +7,13 @@
 #include <vector>
 
 #include "alidade/report/html_report.h"
+#include "src/report/text.h"
 
 namespace alidade {
 namespace {
 
 // The largest errors of a thinned table are always in it.
 constexpr std::size_t kWorstKept = 50;
-
-bool ParseNumber(const std::string& cell, double* value) {
-  const char* end = cell.data() + cell.size();
-  const auto result = std::from_chars(cell.data(), end, *value);
-  return result.ec == std::errc() && result.ptr == end;
-}
 
 // Reads a CSV piece by piece and calls visit(row's cells) at the end of each
 // line, the header's first. The cells are used again.
@@ -120,7 +114,7 @@ std::vector<double> ErrorsOf(const TextSource& csv, ResultTable* table) {
     double error = 0.0;
     const bool has_error =
         column >= 0 && static_cast<std::size_t>(column) < cells.size() &&
-        ParseNumber(cells[static_cast<std::size_t>(column)], &error);
+        ParseCell(cells[static_cast<std::size_t>(column)], &error);
     errors.push_back(has_error ? error : 0.0);
   });
   return errors;
@@ -136,7 +130,7 @@ int ResultTable::Column(const std::string& name) const {
 
 double ResultTable::Number(std::size_t row, int column) const {
   double value = 0.0;
-  return ParseNumber(rows[row][static_cast<std::size_t>(column)], &value)
+  return ParseCell(rows[row][static_cast<std::size_t>(column)], &value)
              ? value
              : std::numeric_limits<double>::quiet_NaN();
 }

@@ -183,6 +183,12 @@ std::string Count(std::int64_t number, std::string_view singular) {
   return text;
 }
 
+bool ParseCell(const std::string& cell, double* value) {
+  const char* end = cell.data() + cell.size();
+  const auto result = std::from_chars(cell.data(), end, *value);
+  return result.ec == std::errc() && result.ptr == end;
+}
+
 std::string TextCell(const std::string& text) {
   std::string cell;
   AppendTextCell(text, &cell);

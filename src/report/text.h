@@ -50,6 +50,9 @@ std::string ShortestNumber(double value);
 /// The same at the end of `text`, for tables of many rows.
 void AppendShortest(double value, std::string* text);
 
+/// The number that a whole cell of a CSV is; false where it is none.
+bool ParseCell(const std::string& cell, double* value);
+
 /// A cell of a CSV: texts come from users, so quoted where one needs it.
 std::string TextCell(const std::string& text);
 /// The same at the end of `row`.
