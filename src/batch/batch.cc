@@ -18,6 +18,7 @@
 #include "alidade/io/files.h"
 #include "alidade/report/batch_csv.h"
 #include "alidade/report/html_report.h"
+#include "src/batch/batch_places.h"
 #include "src/batch/job_computer.h"
 #include "src/batch/journal.h"
 #include "src/batch/remote_jobs.h"
@@ -69,6 +70,8 @@ class BatchRun {
         permits_(options.num_threads),
         queue_(static_cast<std::int64_t>(plan.jobs.size())) {
     summary_.version = Version();
+    store_.CheckSummaries();
+    BatchPlaces(plan, options.directory).RefuseArmsAndData(plan);
     for (const PlannedJob& job : plan.jobs) {
       store_.CheckName(job.name);
       summary_.entries.push_back(EntryOf(job));

@@ -98,6 +98,12 @@ std::optional<CalibratedArm> LoadCalibratedArm(const std::string& path) {
       *result.uncertainty, MeasurementModel(calibrated.arm).layout());
   calibrated.confidence = result.uncertainty->confidence;
   calibrated.sigma = result.sigma;
+  for (const InputFile& input : result.inputs) {
+    const bool is_heldout = result.heldout &&
+                            result.heldout->name == input.path &&
+                            result.heldout->name != result.train.name;
+    if (!is_heldout) calibrated.inputs.push_back(input);
+  }
   return calibrated;
 }
 

@@ -26,6 +26,7 @@
 #include "src/batch/frame_fit.h"
 #include "src/batch/input_doubt.h"
 #include "src/batch/preparation.h"
+#include "src/batch/same_data.h"
 #include "src/batch/study.h"
 
 namespace alidade {
@@ -373,6 +374,7 @@ class JobRunner {
            " was stopped by the number of iterations and may be far from the "
            "minimum");
     }
+    for (const std::string& doubt : DoubtSameData(config_)) Warn(doubt);
     const double freedom = DegreesOfFreedom(*problem_, fit.values);
     if (freedom >= 1.0) {
       const LargeVector squared =

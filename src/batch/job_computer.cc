@@ -100,7 +100,10 @@ std::string WorkTimes::Format() const {
 
 JobComputer::JobComputer(const BatchPlan& plan, const BatchOptions& options,
                          int threads_each, WorkTimes* times)
-    : plan_(plan), options_(options), times_(*times) {
+    : plan_(plan),
+      options_(options),
+      times_(*times),
+      places_(plan, options.directory) {
   reading_.num_threads = threads_each;
   reading_.simulate = Simulate;
 }
@@ -117,6 +120,8 @@ Computed JobComputer::Compute(const PlannedJob& job) const {
     } else {
       Run(job, &computed);
     }
+  } catch (const OutputConflict&) {
+    throw;
   } catch (const InputError& error) {
     record.entry.status = BatchStatus::kBadInput;
     record.entry.message = error.what();
@@ -139,6 +144,7 @@ JobConfig JobComputer::Read(const PlannedJob& job, BatchRecord* record) const {
   const Stopwatch stopwatch(&times_.reading);
   record->fingerprint = FingerprintOf(plan_, job, options_);
   JobConfig config = plan_.matrices[job.matrix].Load(job.number, reading_);
+  for (const std::string& input : config.input_files) places_.Refuse(input);
   if (options_.outputs) config.outputs = *options_.outputs;
   return config;
 }

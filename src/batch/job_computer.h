@@ -14,6 +14,7 @@
 #include "alidade/batch/job.h"
 #include "alidade/report/html_report.h"
 #include "alidade/report/report.h"
+#include "src/batch/batch_places.h"
 
 namespace alidade {
 
@@ -69,7 +70,7 @@ class JobComputer {
   JobComputer(const BatchPlan& plan, const BatchOptions& options,
               int threads_each, WorkTimes* times);
 
-  /// Throws nothing: what goes wrong is in the record.
+  /// What goes wrong is in the record. @throws OutputConflict.
   Computed Compute(const PlannedJob& job) const;
 
  private:
@@ -81,6 +82,7 @@ class JobComputer {
   const BatchOptions& options_;
   WorkTimes& times_;
   JobReading reading_;
+  const BatchPlaces places_;
   mutable IdentifiabilityCache cache_;
 };
 

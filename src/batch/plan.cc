@@ -54,7 +54,7 @@ class Planner {
     if (config_.wanted && !FindNumber(&options.num_poses)) {
       return std::move(outcome_);
     }
-    design_ = ChoosePoses(problem_.design, options);
+    if (!Choose(&options)) return std::move(outcome_);
     result().plan_time_s = SecondsSince(begin);
     if (!IsPlanned(options)) return std::move(outcome_);
     Order();
@@ -207,12 +207,7 @@ class Planner {
     int enough = static_cast<int>(first.chosen.size());
     while (!is_met(enough)) {
       if (enough == most) {
-        outcome_.status = PlanStatus::kRefused;
-        outcome_.message = "an accuracy of " + FormatLength(*config_.wanted) +
-                           " needs more than " + std::to_string(most) +
-                           " poses of these candidates: measure better, or "
-                           "allow more (`most`)";
-        return false;
+        return RefuseAccuracy();
       }
       too_few = enough;
       enough = std::min(most, enough + enough / 2 + 1);
@@ -223,6 +218,39 @@ class Planner {
     }
     *num_poses = enough;
     return true;
+  }
+
+  // Chooses among all candidates. A wanted accuracy that was met by a choice
+  // among part of them may be missed by a little then, since neither choice is
+  // made by the worst over the region: so many more poses that it is met.
+  bool Choose(DesignOptions* options) {
+    design_ = ChoosePoses(problem_.design, *options);
+    if (!config_.wanted) return true;
+    const PlanEvaluator evaluator(config_, model_, problem_);
+    const int most = config_.design.num_poses;
+    while (design_.status != DesignStatus::kTooFew &&
+           design_.status != DesignStatus::kRankShort) {
+      const double ratio = evaluator.WorstOverRegion(design_) / *config_.wanted;
+      if (ratio <= 1.0) return true;
+      if (options->num_poses == most) return RefuseAccuracy();
+      // A standard deviation falls as 1 / sqrt(n).
+      const double needed = options->num_poses * std::min(ratio * ratio, 2.0);
+      options->num_poses =
+          std::min(most, std::max(options->num_poses + 1,
+                                  static_cast<int>(std::lround(needed))));
+      design_ = ChoosePoses(problem_.design, *options);
+    }
+    return true;
+  }
+
+  bool RefuseAccuracy() {
+    outcome_.status = PlanStatus::kRefused;
+    outcome_.message = "an accuracy of " + FormatLength(*config_.wanted) +
+                       " needs more than " +
+                       std::to_string(config_.design.num_poses) +
+                       " poses of these candidates: measure better, or allow "
+                       "more (`most`)";
+    return false;
   }
 
   void Order() {

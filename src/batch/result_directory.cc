@@ -2,13 +2,13 @@
 
 #include <filesystem>
 #include <set>
-#include <sstream>
 #include <system_error>
 
 #include "alidade/base/error.h"
 #include "alidade/io/arm_file.h"
 #include "alidade/io/files.h"
 #include "alidade/io/result_json.h"
+#include "src/batch/written_files.h"
 
 namespace alidade {
 namespace {
@@ -21,30 +21,51 @@ void Append(std::vector<ReportFile> more, std::vector<ReportFile>* files) {
   for (ReportFile& file : more) files->push_back(std::move(file));
 }
 
-constexpr char kManifest[] = ".alidade-files";
 constexpr char kPage[] = "report.html";
 
-// The names that an earlier run has noted, a line each.
-std::set<std::string> ReadManifest(const std::string& directory) {
-  const std::string path = directory + "/" + kManifest;
-  std::set<std::string> names;
-  if (!std::filesystem::exists(path)) return names;
-  std::istringstream lines(ReadFile(path));
-  std::string name;
-  while (std::getline(lines, name)) {
-    // Whoever wrote it: never anything but a file in this directory.
-    const bool is_plain = !name.empty() && name.front() != '.' &&
-                          name.find('/') == std::string::npos;
-    if (is_plain) names.insert(name);
+// What each command may write.
+std::set<std::string> NamesOf(OutputKind kind) {
+  switch (kind) {
+    case OutputKind::kCalibration:
+      return {"arm.yaml",          "report.txt",
+              "residuals.csv",     "heldout.csv",
+              "iterations.csv",    "error_before.svg",
+              "error_after.svg",   "convergence.svg",
+              "influence.csv",     "validation_before.svg",
+              "relations.svg",     "validation_after.svg",
+              "predicted_map.csv", "singular_values.svg",
+              "predicted_map.svg", "residual_histogram.svg",
+              "report.html",       "heldout_z_scores.svg",
+              "result.json"};
+    case OutputKind::kComparison:
+      return {
+          "residuals.csv",         "heldout.csv",          "iterations.csv",
+          "error_before.svg",      "error_after.svg",      "convergence.svg",
+          "validation_before.svg", "validation_after.svg", "noise_study.csv",
+          "noise_study.svg",       "comparison.txt"};
+    case OutputKind::kMonteCarlo:
+      return {"montecarlo.csv", "trials.csv", "coverage.svg",
+              "workspace_error.svg", "montecarlo.txt"};
+    case OutputKind::kPlan:
+      return {"poses.csv", "plan.txt", "accuracy.svg", "curve.csv",
+              "plan.json"};
+    case OutputKind::kPredictions:
+      return {"predicted_map.csv", "predicted_map.svg", "z_scores.svg"};
   }
+  return {};
+}
+
+// Names that a run writes or, as those of an earlier one, removes.
+std::set<std::string> WithListed(std::set<std::string> names,
+                                 const WrittenFiles& written) {
+  for (const auto& file : written) names.insert(file.first);
+  if (!written.empty()) names.insert(kPage);
   return names;
 }
 
-void WriteManifest(const std::string& directory,
-                   const std::set<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += name + "\n";
-  WriteFileAtomically(directory + "/" + kManifest, text);
+bool IsSameFile(const std::string& a, const std::string& b) {
+  std::error_code error;
+  return std::filesystem::equivalent(a, b, error) && !error;
 }
 
 void Remove(const std::string& directory, const std::string& name) {
@@ -56,6 +77,11 @@ void Remove(const std::string& directory, const std::string& name) {
         {path.string(), 0, 0, ""},
         "is of an earlier result and cannot be removed: " + error.message());
   }
+}
+
+std::string DirectoryOf(const std::filesystem::path& file) {
+  const std::filesystem::path directory = file.parent_path();
+  return directory.empty() ? "." : directory.string();
 }
 
 ReportFile RenderArm(const JobOutcome& outcome) {
@@ -85,19 +111,41 @@ std::vector<ReportFile> RenderResult(const JobOutcome& outcome,
           {"result.json", FormatResultJson(outcome.result)}};
 }
 
+void CheckOutputFile(const std::string& path,
+                     const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) {
+    if (!IsSameFile(path, input)) continue;
+    throw InputError(
+        {path, 0, 0, ""},
+        "is read by this run, which would replace or remove it: choose "
+        "another --out");
+  }
+}
+
+void CheckResultDirectory(const std::string& directory, OutputKind kind,
+                          const std::vector<std::string>& inputs) {
+  const WrittenFiles written = ReadWrittenFiles(directory);
+  const std::set<std::string> names = WithListed(NamesOf(kind), written);
+  for (const std::string& name : names) {
+    CheckOutputFile((std::filesystem::path(directory) / name).string(), inputs);
+  }
+  RefuseForeign(directory, names, written);
+}
+
 std::vector<std::string> WriteResultDirectory(
     const std::string& directory, const std::vector<ReportFile>& files) {
   MakeDirectories(directory);
   std::set<std::string> names;
   for (const ReportFile& file : files) names.insert(file.name);
-  std::set<std::string> earlier = ReadManifest(directory);
-  if (!earlier.empty()) earlier.insert(kPage);
-  std::set<std::string> both = earlier;
-  both.insert(names.begin(), names.end());
+  const WrittenFiles earlier = ReadWrittenFiles(directory);
+  const std::set<std::string> both = WithListed(names, earlier);
+  RefuseForeign(directory, both, earlier);
   // Whatever happens below, the next run knows all that may be there.
-  WriteManifest(directory, both);
+  WrittenFiles unfinished;
+  for (const std::string& name : both) unfinished[name] = std::nullopt;
+  NoteWrittenFiles(directory, unfinished);
   if (!files.empty()) Remove(directory, files.back().name);
-  for (const std::string& name : earlier) {
+  for (const std::string& name : both) {
     if (names.count(name) == 0) Remove(directory, name);
   }
   std::vector<std::string> paths;
@@ -105,8 +153,29 @@ std::vector<std::string> WriteResultDirectory(
     paths.push_back(directory + "/" + file.name);
     WriteFileAtomically(paths.back(), file.content);
   }
-  WriteManifest(directory, names);
+  NoteAllWritten(directory, {names.begin(), names.end()});
   return paths;
+}
+
+void CheckReportPage(const std::string& path) {
+  const std::filesystem::path page = path;
+  const std::string directory = DirectoryOf(page);
+  const WrittenFiles written = ReadWrittenFiles(directory);
+  const std::string name = page.filename().string();
+  if (written.count(name) > 0 || !IsOwnPage(path)) {
+    RefuseForeign(directory, {name}, written);
+  }
+}
+
+void NoteReportPage(const std::string& path) {
+  const std::filesystem::path page = path;
+  const std::string directory = DirectoryOf(page);
+  WrittenFiles written = ReadWrittenFiles(directory);
+  const std::string name = page.filename().string();
+  // What compares several results is none of the files of one.
+  if (written.empty() || (name != kPage && written.count(name) == 0)) return;
+  written[name] = MarkOf(path);
+  NoteWrittenFiles(directory, written);
 }
 
 }  // namespace alidade

@@ -21,6 +21,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kSummaryNames[] = {"summary.csv", "summary.json",
+                                         "comparison.html"};
+
 [[noreturn]] void Fail(const std::string& path, const std::string& what,
                        int error) {
   throw InputError({path, 0, 0, ""},
@@ -83,12 +86,38 @@ void ResultStore::CheckName(const std::string& name) const {
   std::error_code error;
   const fs::file_status status = fs::symlink_status(path, error);
   if (!fs::exists(status)) return;
-  if (fs::is_directory(status) && (IsResult(path) || fs::is_empty(path))) {
-    return;
+  if (fs::is_directory(status)) {
+    if (fs::is_empty(path)) return;
+    if (IsResult(path)) {
+      RefuseForeign(path.string(), NamesIn(path.string()), FilesOf(name));
+      return;
+    }
   }
   throw InputError({path.string(), 0, 0, ""},
                    "is there already and no result of a job, which the batch "
                    "would replace: choose another --out, or move it away");
+}
+
+// Earlier versions have left no lists, but the journal has the names.
+WrittenFiles ResultStore::FilesOf(const std::string& name) const {
+  WrittenFiles written =
+      ReadWrittenFiles((fs::path(directory_) / name).string());
+  const auto record = records_.find(name);
+  if (!written.empty() || record == records_.end()) return written;
+  for (const ResultFile& file : record->second.files) {
+    written[file.name] = std::nullopt;
+  }
+  return written;
+}
+
+void ResultStore::CheckSummaries() const {
+  WrittenFiles written = ReadWrittenFiles(directory_);
+  // An earlier version has worked here.
+  if (written.empty() && !records_.empty()) {
+    for (const char* name : kSummaryNames) written[name] = std::nullopt;
+  }
+  RefuseForeign(directory_,
+                {std::begin(kSummaryNames), std::end(kSummaryNames)}, written);
 }
 
 void ResultStore::Commit(const BatchRecord& record, const std::string& staged) {
@@ -171,11 +200,17 @@ void ResultStore::WriteSummary(const std::string& name,
   const std::string staged = staging_.NewName();
   const std::string path = directory_ + "/" + name;
   WriteNewFile(staged, content);
+  // Whenever the process is killed, the next one knows whose file it is.
+  WrittenFiles written = ReadWrittenFiles(directory_);
+  written[name] = std::nullopt;
+  NoteWrittenFiles(directory_, written);
   if (rename(staged.c_str(), path.c_str()) != 0) {
     const int error = errno;
     RemoveStaged(staged);
     Fail(path, "cannot be written", error);
   }
+  written[name] = MarkOf(path);
+  NoteWrittenFiles(directory_, written);
   SyncDirectory(directory_);
 }
 

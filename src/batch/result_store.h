@@ -13,12 +13,14 @@
 #include "alidade/results/batch_summary.h"
 #include "src/batch/journal.h"
 #include "src/batch/staging_area.h"
+#include "src/batch/written_files.h"
 
 namespace alidade {
 
 /// The directory that a batch writes to, held by one process at a time:
 ///
 ///     DIR/NAME/...               a job's result, whole or not there at all
+///     DIR/.alidade-files         what summaries were when they were written
 ///     DIR/.batch/lock            held while a batch works here
 ///     DIR/.batch/journal.jsonl   what has been done (journal.h)
 ///     DIR/.batch/staged-N/       a result that is being written
@@ -46,8 +48,12 @@ class ResultStore {
   const JournalRecords& records() const { return records_; }
 
   /// @throws InputError where something stands at the job's name that is no
-  /// result: it is not for a batch to replace.
+  /// result, or one with files that no batch has written or that have been
+  /// changed since: it is not for a batch to replace.
   void CheckName(const std::string& name) const;
+
+  /// The same of what WriteSummary is to replace.
+  void CheckSummaries() const;
 
   /// As StagingArea::Stage.
   std::string Stage(const std::vector<ReportFile>& files,
@@ -72,6 +78,7 @@ class ResultStore {
     bool is_done;
   };
 
+  WrittenFiles FilesOf(const std::string& name) const;
   // What went wrong, or null.
   std::exception_ptr TryCommit(const std::vector<Pending*>& group);
   void CommitAll(const std::vector<Pending*>& group);

@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "alidade/io/files.h"
+#include "src/batch/written_files.h"
 
 namespace alidade {
 namespace {
@@ -36,11 +37,14 @@ std::string StagingArea::Stage(const std::vector<ReportFile>& files,
   std::string staged = NewName();
   try {
     MakeDirectories(staged);
+    std::vector<std::string> names;
     for (const ReportFile& file : files) {
       const std::uint64_t size =
           WriteNewFile(staged + "/" + file.name, file.content);
       written->push_back({file.name, size});
+      names.push_back(file.name);
     }
+    NoteAllWritten(staged, names);
     SyncDirectory(staged);
   } catch (...) {
     RemoveStaged(staged);

@@ -54,6 +54,12 @@ ExitStatus Calibrate(const CommandLine& line, Team* team) {
   ShowIterations(config.data.all_poses(), &progress, &config.solver_options);
   if (line.seed) config.identifiability.seed = *line.seed;
   progress.Clear();
+  const std::string directory =
+      line.out.empty() ? DefaultDirectory(path) : line.out;
+  if (is_first) {
+    CheckResultDirectory(directory, OutputKind::kCalibration,
+                         config.input_files);
+  }
   const JobOutputs outputs = config.outputs;
   const JobOutcome outcome = RunJob(std::move(config), line.text, line.threads);
   progress.Clear();
@@ -63,8 +69,6 @@ ExitStatus Calibrate(const CommandLine& line, Team* team) {
     PrintError(path + ": " + outcome.message);
     return kExitNumerical;
   }
-  const std::string directory =
-      line.out.empty() ? DefaultDirectory(path) : line.out;
   progress.Show("writing " + directory);
   std::vector<ReportFile> files = RenderResult(outcome, outputs);
   if (line.report) {

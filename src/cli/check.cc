@@ -71,7 +71,9 @@ ExitStatus RunCheck(const CommandLine& line) {
   ExitStatus status = kExitDone;
   for (const std::string& path : line.files) {
     try {
-      std::cout << path << ": " << checker.Check(path) << "\n";
+      // Only whole lines: errors go elsewhere.
+      const std::string said = checker.Check(path);
+      std::cout << path << ": " << said << "\n";
     } catch (const InputError& error) {
       PrintError(error.what());
       status = kExitBadInput;

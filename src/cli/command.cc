@@ -49,8 +49,10 @@ std::vector<Command> FileCommands() {
        "SIMULATION.yaml",
        "write a data set from an arm, its deviations, poses and noise",
        "Plans the poses with the nominal arm, measures them with the real one\n"
-       "and writes a CSV to the simulation's output, or to --out=FILE. The\n"
-       "same seed gives the same bytes.",
+       "and writes them to the simulation's output, or to --out=FILE: a NumPy\n"
+       "array where the name ends in .npy, else a CSV. The same seed gives "
+       "the\n"
+       "same bytes.",
        {"out", "seed"},
        1,
        1,

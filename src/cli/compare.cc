@@ -12,6 +12,9 @@ namespace alidade {
 ExitStatus RunCompare(const CommandLine& line) {
   const std::string& path = line.files.front();
   JobConfig config = ReadJob(path, line.threads);
+  if (!line.out.empty()) {
+    CheckResultDirectory(line.out, OutputKind::kComparison, config.input_files);
+  }
   if (line.seed) {
     config.identifiability.seed = *line.seed;
     if (config.noise_study) config.noise_study->seed = *line.seed;

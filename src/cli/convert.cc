@@ -2,6 +2,7 @@
 #include <iostream>
 
 #include "alidade/base/error.h"
+#include "alidade/batch/result_directory.h"
 #include "alidade/io/arm_file.h"
 #include "alidade/io/dataset_csv.h"
 #include "alidade/io/dataset_npy.h"
@@ -81,7 +82,9 @@ ExitStatus RunConvert(const CommandLine& line) {
   CheckNames(line);
   const std::string& from = line.files[0];
   const std::string& to = line.files[1];
-  Arm arm = WithoutMotorMap(LoadArm(line.arm));
+  std::vector<std::string> inputs = {from, line.arm};
+  Arm arm = WithoutMotorMap(LoadArm(line.arm, &inputs));
+  CheckOutputFile(to, inputs);
   const LoadedData loaded = Load(from, arm, line.threads);
   CheckKinds(from, loaded);
   arm.targets.resize(1);

@@ -37,6 +37,9 @@ ExitStatus RunMonteCarlo(const CommandLine& line) {
   ProgressLine progress;
   progress.Show("reading " + path);
   JobConfig config = ReadJob(path, line.threads);
+  if (!line.out.empty()) {
+    CheckResultDirectory(line.out, OutputKind::kMonteCarlo, config.input_files);
+  }
   if (line.seed) config.montecarlo.seed = *line.seed;
   const MonteCarloResult result =
       RunMonteCarlo(config, line.threads, ShowTrials(&progress));

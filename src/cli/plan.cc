@@ -17,16 +17,17 @@ ExitStatus RunPlanCommand(const CommandLine& line) {
   progress.Show("planning " + path);
   PlanConfig config = LoadPlan(path, line.threads);
   if (line.seed) config.seed = *line.seed;
+  const std::string directory =
+      line.out.empty()
+          ? "results/" + std::filesystem::path(path).stem().string()
+          : line.out;
+  CheckResultDirectory(directory, OutputKind::kPlan, config.input_files);
   const PlanOutcome outcome = RunPlan(config, line.text, line.threads);
   progress.Clear();
   if (outcome.status != PlanStatus::kDone) {
     PrintError(path + ": " + outcome.message);
     return kExitNumerical;
   }
-  const std::string directory =
-      line.out.empty()
-          ? "results/" + std::filesystem::path(path).stem().string()
-          : line.out;
   const std::vector<std::string> paths =
       WriteResultDirectory(directory, RenderPlan(outcome));
   std::cout << config.title << "\n\n"

@@ -3,6 +3,7 @@
 
 #include "alidade/base/error.h"
 #include "alidade/batch/report_page.h"
+#include "alidade/batch/result_directory.h"
 #include "alidade/io/files.h"
 #include "src/cli/command.h"
 
@@ -48,12 +49,15 @@ std::string ComparisonOf(const CommandLine& line, const std::string& path) {
 
 ExitStatus RunReport(const CommandLine& line) {
   const std::string path = PagePath(line);
+  CheckOutputFile(path, line.files);
+  CheckReportPage(path);
   const std::string page = line.files.size() == 1
                                ? ResultPageOf(line.files.front())
                                : ComparisonOf(line, path);
   const fs::path directory = fs::path(path).parent_path();
   if (!directory.empty()) MakeDirectories(directory.string());
   WriteFileAtomically(path, page);
+  NoteReportPage(path);
   std::cout << path << "\n";
   return kExitDone;
 }

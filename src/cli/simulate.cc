@@ -3,7 +3,9 @@
 #include <filesystem>
 #include <iostream>
 
+#include "alidade/batch/result_directory.h"
 #include "alidade/io/dataset_csv.h"
+#include "alidade/io/dataset_npy.h"
 #include "alidade/io/files.h"
 #include "alidade/io/job_file.h"
 #include "src/cli/command.h"
@@ -18,20 +20,26 @@ std::vector<std::string> Provenance(const SimulationConfig& config) {
           "arm: " + config.arm.name + "; seed: " + std::to_string(config.seed)};
 }
 
+// The name's ending says how; an array has no room for comments.
+std::string Format(const SimulationConfig& config, const Dataset& data) {
+  const bool with_sigmas = config.noise_sigma > 0.0;
+  if (IsNpy(config.output)) return FormatNpy(data, config.arm, with_sigmas);
+  return FormatDataset(data, config.arm, config.joint_decimals, with_sigmas,
+                       Provenance(config));
+}
+
 }  // namespace
 
 ExitStatus RunSimulate(const CommandLine& line) {
   SimulationConfig config = LoadSimulation(line.files.front());
   if (line.seed) config.seed = *line.seed;
   if (!line.out.empty()) config.output = line.out;
+  CheckOutputFile(config.output, config.input_files);
   const Dataset data = Simulate(config);
   const std::filesystem::path directory =
       std::filesystem::path(config.output).parent_path();
   if (!directory.empty()) MakeDirectories(directory.string());
-  WriteFileAtomically(
-      config.output,
-      FormatDataset(data, config.arm, config.joint_decimals,
-                    config.noise_sigma > 0.0, Provenance(config)));
+  WriteFileAtomically(config.output, Format(config, data));
   std::cout << config.output << ": " << data.num_poses() << " poses\n";
   return kExitDone;
 }

@@ -1,3 +1,6 @@
+#include <glog/logging.h>
+
+#include <filesystem>
 #include <iostream>
 #include <optional>
 #include <string>
@@ -10,6 +13,7 @@
 #include "alidade/batch/result_directory.h"
 #include "alidade/io/arm_file.h"
 #include "alidade/io/dataset_csv.h"
+#include "alidade/io/files.h"
 #include "alidade/measurement/measurement_model.h"
 #include "alidade/report/format.h"
 #include "alidade/report/report.h"
@@ -43,6 +47,7 @@ class Validation {
                        "calibrate again, or validate its arm.yaml");
     }
     arm_ = calibrated_->arm;
+    if (!line.out.empty()) CheckOut();
   }
 
   ExitStatus Run() {
@@ -59,6 +64,17 @@ class Validation {
   }
 
  private:
+  void CheckOut() const {
+    std::vector<std::string> inputs = line_.files;
+    const std::filesystem::path result = line_.files.front();
+    const std::filesystem::path directory =
+        std::filesystem::is_directory(result) ? result : result.parent_path();
+    for (const char* name : {"arm.yaml", "result.json"}) {
+      inputs.push_back((directory / name).string());
+    }
+    CheckResultDirectory(line_.out, OutputKind::kPredictions, inputs);
+  }
+
   // Data state their own sigmas or have the fit's.
   double DefaultSigma() const {
     return calibrated_ && calibrated_->sigma > 0.0 ? calibrated_->sigma
@@ -83,6 +99,18 @@ class Validation {
     if (!calibrated_) return;
     check_ = CheckAgainst(*calibrated_, data, line_.threads);
     checks->push_back(FormatPredictionCheck(file, *check_));
+    WarnIfFitted(file);
+  }
+
+  void WarnIfFitted(const std::string& file) const {
+    const std::string hash = Sha256OfFile(file);
+    for (const InputFile& input : calibrated_->inputs) {
+      if (input.sha256 != hash) continue;
+      LOG(WARNING) << "warning: " << file
+                   << " is what the result was fitted to (" << input.path
+                   << "): its errors say nothing of other poses";
+      return;
+    }
   }
 
   void AddRow(const std::string& file, const Accuracy& accuracy) {

@@ -44,6 +44,12 @@ std::string_view UnitName(std::string_view header) {
   return header.substr(std::min(header.size(), underscore + 1));
 }
 
+// "J1" of "J1 [deg]".
+std::string WithoutBrackets(const std::string& header) {
+  const std::size_t end = header.find_first_of(" [(");
+  return end == 0 ? header : header.substr(0, end);
+}
+
 }  // namespace
 
 std::vector<ColumnSpec> JointColumns(const Arm& arm) {
@@ -98,6 +104,14 @@ std::string DescribeBadUnit(const ColumnSpec& spec, std::string_view header) {
   const std::string name(UnitName(header));
   const std::string problem =
       name.empty() ? "no unit" : "unit " + Quote(name) + " does not fit";
+  if (!spec.mapped.empty()) {
+    const std::vector<const Unit*> units = UnitsOf(spec.type);
+    const std::string first = std::string("_") + units[0]->name;
+    return problem + ": " + spec.base + " is " + TypeName(spec.type) +
+           ", expected a header that ends in " + first + " or _" +
+           units[1]->name + ": rename it, here and in `columns`, to say " +
+           Quote(WithoutBrackets(spec.mapped) + first);
+  }
   return problem + ": " + spec.base + " is " + TypeName(spec.type) +
          ", expected " + Spellings(spec);
 }

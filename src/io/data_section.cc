@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -219,6 +220,32 @@ std::vector<std::string> PathsOf(const std::vector<YamlValue>& entries,
   return paths;
 }
 
+// Whether an entry says no more than which file: nothing then makes other data
+// of it.
+std::optional<YamlValue> PlainFileOf(const YamlValue& entry) {
+  if (!entry.IsMap()) return entry;
+  std::optional<YamlValue> file = entry.Find("file");
+  for (const char* key : {"columns", "target", "where", "point", "plane"}) {
+    if (entry.Find(key)) return std::nullopt;
+  }
+  return file;
+}
+
+void RefuseTwice(const std::vector<YamlValue>& entries,
+                 const NamedFiles& files) {
+  std::set<std::string> known;
+  for (const YamlValue& entry : entries) {
+    const std::optional<YamlValue> file = PlainFileOf(entry);
+    if (!file) continue;
+    for (const std::string& path : files.PathsOf(*file)) {
+      if (known.insert(path).second) continue;
+      file->Fail(Quote(path) +
+                 " is named twice, and its measurements would count twice: "
+                 "expected each file once");
+    }
+  }
+}
+
 // Measurements that are made up as a simulation file makes them. As of a data
 // set's file, sigmas are those of the noise, where there is some.
 LoadedData Simulate(const SimulationConfig& config, const DataFormat& defaults,
@@ -307,6 +334,7 @@ LoadedData ReadData(const YamlValue& value, const MeasurementSigmas& sigmas,
   if (context->team != nullptr) {
     share = FileShare(context->team, value, PathsOf(entries, context->files));
   }
+  RefuseTwice(entries, context->files);
   const References known = job->references;
   std::vector<LoadedData> parts;
   for (const YamlValue& entry : entries) {

@@ -92,22 +92,29 @@ void ReadCompareWith(const JobContext& context, JobConfig* job) {
   }
 }
 
+bool IsOfHeldout(const std::string& key) {
+  return key.rfind("heldout", 0) == 0;
+}
+
 // A limit of poses that the fit does not use needs some.
 void CheckHeldout(const YamlValue& limit, const std::string& key,
                   const JobConfig& job) {
-  if (key.rfind("heldout", 0) != 0 || job.validation || job.folds) return;
+  if (!IsOfHeldout(key) || job.validation || job.folds) return;
   limit.Fail("needs poses that the fit does not use: add \"validation\"");
 }
 
 void CheckRotation(const YamlValue& limit, const std::string& key,
                    const JobConfig& job) {
-  const bool is_heldout = key.rfind("heldout", 0) == 0 && job.validation;
+  const bool is_heldout = IsOfHeldout(key) && job.validation;
   const Dataset& data = is_heldout ? *job.validation : job.data;
   if (data.Has(MeasurementKind::kPose)) return;
   limit.Fail("no orientation is measured, expected limits of positions alone");
 }
 
-void ReadAcceptance(const JobContext& context, JobConfig* job) {
+// Without the validation that goes with them, limits of held-out poses are
+// passed over.
+void ReadAcceptance(const JobContext& context, bool with_validation,
+                    JobConfig* job) {
   const std::optional<YamlValue> value = context.file.Optional("acceptance");
   if (!value) return;
   AcceptanceLimits& limits = job->acceptance;
@@ -127,13 +134,13 @@ void ReadAcceptance(const JobContext& context, JobConfig* job) {
   const YamlMap map = value->Map(keys);
   for (const auto& [key, limit] : lengths) {
     const std::optional<YamlValue> found = map.Optional(key);
-    if (!found) continue;
+    if (!found || (IsOfHeldout(key) && !with_validation)) continue;
     CheckHeldout(*found, key, *job);
     *limit = PositiveLength(*found, context.units);
   }
   for (const auto& [key, limit] : angles) {
     const std::optional<YamlValue> found = map.Optional(key);
-    if (!found) continue;
+    if (!found || (IsOfHeldout(key) && !with_validation)) continue;
     CheckHeldout(*found, key, *job);
     CheckRotation(*found, key, *job);
     *limit = PositiveAngle(*found, context.units);
@@ -344,7 +351,7 @@ JobConfig Load(const YamlValue& root, bool with_validation,
   RefuseForTeam(context, job);
   ReadMeasurements(with_validation, &context, &job);
   ReadTruth(&context, &job);
-  ReadAcceptance(context, &job);
+  ReadAcceptance(context, with_validation, &job);
   ReadPublished(context, &job);
   ReadNoiseStudy(context, &job);
   ReadUncertaintyOptions(context, &job);

@@ -181,7 +181,7 @@ TEST_F(BatchTest, ThePageOfResultsSaysTheSameOnceTheyAreRead) {
 TEST_F(BatchTest, RunsWhatIsMissing) {
   Run({"fleet.yaml"});
   fs::remove_all(Path("out/fleet/seed-2"));
-  WriteWhole(Path("out/fleet/seed-3/result.json"), "{}");
+  fs::remove(Path("out/fleet/seed-3/arm.yaml"));
   const BatchPlan plan = PlanBatch({Path("fleet.yaml")});
   EXPECT_THAT(FindDone(plan, options_), ElementsAre(true, false, false));
   Run({"fleet.yaml"});
@@ -205,10 +205,20 @@ TEST_F(BatchTest, TablesOfRowsAreWhole) {
   EXPECT_THAT(table, HasSubstr("\n12,"));
   Run({"fleet.yaml"});
   EXPECT_THAT(ran_, IsEmpty());
-  WriteWhole(path, table.substr(0, table.size() / 2));
+  fs::remove(path);
   Run({"fleet.yaml"});
   EXPECT_THAT(ran_, ElementsAre("fleet/seed-2"));
   EXPECT_EQ(ReadWhole(path), table);
+}
+
+// Whoever has changed it may want to keep it.
+TEST_F(BatchTest, AResultThatWasChangedIsNotReplaced) {
+  Run({"fleet.yaml"});
+  WriteWhole(Path("out/fleet/seed-3/result.json"), "{}");
+  const BatchPlan plan = PlanBatch({Path("fleet.yaml")});
+  EXPECT_THAT(FindDone(plan, options_), ElementsAre(true, true, false));
+  EXPECT_THROW(Run({"fleet.yaml"}), InputError);
+  EXPECT_EQ(ReadWhole(Path("out/fleet/seed-3/result.json")), "{}");
 }
 
 TEST_F(BatchTest, RunsWhatIsChanged) {

@@ -34,7 +34,8 @@ TEST(WriteResultDirectoryTest, LeavesNothingOfAnEarlierResult) {
   WriteResultDirectory(
       directory,
       {{"arm.yaml", "1"}, {"residuals.csv", "1"}, {"result.json", "1"}});
-  testing::WriteWhole(directory + "/report.html", "by another command");
+  testing::WriteWhole(directory + "/report.html",
+                      "by `report`: <style id=\"page-style\">");
   testing::WriteWhole(directory + "/notes.txt", "of the user");
   WriteResultDirectory(directory, {{"arm.yaml", "2"}, {"result.json", "2"}});
   EXPECT_THAT(NamesIn(directory),
@@ -49,14 +50,13 @@ TEST(WriteResultDirectoryTest, IsNoResultUntilAllIsWritten) {
   const testing::TemporaryDirectory scratch;
   const std::string directory = scratch / "result";
   WriteResultDirectory(directory, {{"arm.yaml", "1"}, {"result.json", "1"}});
-  // A directory where the file is to go.
-  fs::create_directories(directory + "/heldout.csv/full");
+  // Too long for a file's name.
   EXPECT_THROW(WriteResultDirectory(directory, {{"residuals.csv", "2"},
-                                                {"heldout.csv", "2"},
+                                                {std::string(300, 'h'), "2"},
                                                 {"result.json", "2"}}),
                InputError);
+  EXPECT_TRUE(fs::exists(directory + "/residuals.csv"));
   EXPECT_FALSE(fs::exists(directory + "/result.json"));
-  fs::remove_all(directory + "/heldout.csv");
   WriteResultDirectory(directory, {{"arm.yaml", "3"}, {"result.json", "3"}});
   EXPECT_THAT(NamesIn(directory),
               UnorderedElementsAre("arm.yaml", "result.json"));

@@ -306,6 +306,8 @@ TEST_F(StudyTest, CheckLooksAtAllFilesAndNamesTheWrongOne) {
   EXPECT_THAT(result.err, HasSubstr("bad.yaml:3:"));
   EXPECT_THAT(result.out,
               AllOf(HasSubstr("arm, 5 joints"), HasSubstr("56 poses")));
+  // Whole lines alone: none begins with the name of the file that is wrong.
+  EXPECT_EQ(result.out.rfind(kWristArm + ": arm", 0), 0U) << result.out;
 }
 
 TEST_F(StudyTest, EveryFileInConfigsChecks) {

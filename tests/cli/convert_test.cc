@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "tests/support/process.h"
 
@@ -23,6 +25,9 @@ const std::string kSource = ALIDADE_SOURCE_DIR;
 const std::string kArm = kSource + "/configs/robots/rv2aj_wrist.yaml";
 const std::string kData = kSource + "/datasets/rv2aj/wrist_56.csv";
 
+// Five joints, a position and its sigmas.
+constexpr std::size_t kColumns = 11;
+
 class ConvertTest : public ::testing::Test {
  protected:
   static ProcessResult Alidade(const std::string& arguments) {
@@ -32,6 +37,18 @@ class ConvertTest : public ::testing::Test {
   static ProcessResult Convert(const std::string& from, const std::string& to,
                                const std::string& arm = kArm) {
     return Alidade("convert " + from + " " + to + " --arm=" + arm);
+  }
+
+  // The last doubles of an array's file, on a little-endian machine.
+  static std::vector<double> Numbers(const std::string& path,
+                                     std::size_t count) {
+    const std::string bytes = ReadWhole(path);
+    std::vector<double> numbers(count);
+    const std::size_t size = count * sizeof(double);
+    EXPECT_EQ(bytes.substr(1, 5), "NUMPY");
+    EXPECT_GT(bytes.size(), size);
+    std::memcpy(numbers.data(), bytes.data() + bytes.size() - size, size);
+    return numbers;
   }
 
   // What a file says besides comments.
@@ -73,6 +90,28 @@ TEST_F(ConvertTest, ThereAndBackGivesTheSameArrayByteForByte) {
   EXPECT_EQ(ReadWhole(array), ReadWhole(again));
   EXPECT_THAT(Rows(back), HasSubstr("q1_deg,q2_deg"));
   EXPECT_EQ(std::filesystem::file_size(array) % 64, 0u);
+}
+
+// The simulation's own CSV, converted, is the oracle.
+TEST_F(ConvertTest, SimulationsAreWrittenAsArrays) {
+  const std::string simulation =
+      Write("sim.yaml",
+            "format: alidade-simulation-1\nunits: {length: mm, angle: deg}\n"
+            "arm: " +
+                kArm +
+                "\nposes: {random: {count: 7}}\nnoise: {sigma: 0.01}\n"
+                "seed: 3\noutput: sim.csv\n");
+  const std::string array = directory_ / "sim.npy";
+  ASSERT_EQ(Alidade("simulate " + simulation).status, 0);
+  ASSERT_EQ(Alidade("simulate " + simulation + " --out=" + array).status, 0);
+  const std::string converted = directory_ / "converted.npy";
+  ASSERT_EQ(Convert(directory_ / "sim.csv", converted).status, 0);
+  const std::vector<double> numbers = Numbers(array, 7 * kColumns);
+  const std::vector<double> expected = Numbers(converted, 7 * kColumns);
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    // A nanometre: decimals of the CSV. Any slip of a column is millimetres.
+    EXPECT_NEAR(numbers[i], expected[i], 1e-9) << i;
+  }
 }
 
 TEST_F(ConvertTest, ShortDecimalsComeBackAsTheyWere) {

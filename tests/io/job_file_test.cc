@@ -355,7 +355,11 @@ TEST(LoadJobTest, RefusesAForeignHeaderWithoutAUnit) {
   const std::string job =
       WriteJob(directory,
                "data: {file: foreign.csv, columns: {joints: [axis, q2_mm]}}\n");
-  ExpectInputError([&] { LoadJob(job); }, {1, 1, "axis", "no unit"});
+  ExpectInputError([&] { LoadJob(job); },
+                   {1, 1, "axis",
+                    "no unit: q1 is an angle, expected a header that ends in "
+                    "_deg or _rad: rename it, here and in `columns`, to say "
+                    "\"axis_deg\""});
 }
 
 TEST(LoadJobTest, HoldsOutAFractionOfTheConfigurations) {

@@ -113,6 +113,28 @@ TEST(LoadPlanTest, ReadsTheConstraints) {
   EXPECT_EQ(constraints.visibility->angle, 40.0 * kDegree);
 }
 
+// A plan of more poses holds none out and calibrates nothing.
+TEST(LoadPlanTest, ReadsAJobThatValidates) {
+  TestDirectory directory;
+  directory.Write("arm.yaml", kArmText);
+  directory.Write("data.csv", kDataText);
+  directory.Write("job.yaml",
+                  "format: alidade-job-1\ntitle: A job\n"
+                  "units: {length: mm, angle: deg}\narm: arm.yaml\n"
+                  "data: data.csv\nmeasurement: {sigma: 0.02}\n"
+                  "validation: {data: data.csv}\n"
+                  "acceptance: {heldout_max: 0.3, train_max: 0.2}\n");
+  const std::string path = directory.Write(
+      "plan.yaml",
+      Apply(Apply(kPlanText, {"arm: arm.yaml\n", "job: job.yaml\n"}),
+            {"measured: data.csv\n", ""}));
+  const PlanConfig plan = LoadPlan(path);
+  EXPECT_EQ(plan.job.data.num_poses(), 2);
+  EXPECT_FALSE(plan.job.validation);
+  EXPECT_FALSE(plan.job.acceptance.heldout_max);
+  EXPECT_EQ(plan.job.acceptance.train_max, 2e-4);
+}
+
 TEST(LoadPlanTest, ReadsRealConfigurations) {
   const PlanFiles files(
       {"  count: 500\n  limit_faces: false\n  joint_decimals: 2\n",

@@ -17,6 +17,7 @@ inline std::map<std::string, std::string> BatchOutcome(const std::string& out) {
     const std::string name =
         std::filesystem::relative(entry.path(), out).string();
     if (!entry.is_regular_file() || name.rfind(".batch", 0) == 0) continue;
+    if (entry.path().filename() == ".alidade-files") continue;  // has times
     if (name == "comparison.html") {
       files[name] = "";  // times of solves are in it
       continue;

@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "alidade/measurement/dataset.h"
 #include "alidade/model/arm.h"
+#include "alidade/results/job_result.h"
 #include "alidade/results/uncertainty_result.h"
 #include "alidade/uncertainty/covariance.h"
 
@@ -18,6 +20,8 @@ struct CalibratedArm {
   ParameterCovariance covariance;  ///< of the arm's own free parameters
   double confidence = 0.95;
   double sigma = 0.0;  ///< that the fit took of a coordinate (m)
+  /// What the result's job has read, but for its validation data.
+  std::vector<InputFile> inputs;
 };
 
 /// Whether `path` is a result: a directory with a result.json, or a file of

@@ -23,15 +23,46 @@ std::vector<ReportFile> RenderResult(const JobOutcome& outcome,
 std::vector<ReportFile> RenderResult(const JobOutcome&& outcome,
                                      JobOutputs outputs) = delete;
 
-/// Writes them into `directory`, which is created, each to a temporary name
+/// What a command puts into its directory (docs/files.md).
+enum class OutputKind {
+  kCalibration,
+  kComparison,
+  kMonteCarlo,
+  kPlan,
+  kPredictions,  ///< of `validate`
+};
+
+/// That a file which a run is to write is none of those that it reads, by
+/// whatever name or link. @throws InputError that names it.
+void CheckOutputFile(const std::string& path,
+                     const std::vector<std::string>& inputs);
+
+/// That a run may write into `directory`, before it begins: what it would
+/// replace or remove there is none of the files that it reads (`inputs`), was
+/// written by Alidade (`.alidade-files`) and has not been changed since.
+/// @throws InputError that names the file and says what to do.
+void CheckResultDirectory(const std::string& directory, OutputKind kind,
+                          const std::vector<std::string>& inputs);
+
+/// Writes files into `directory`, which is created, each to a temporary name
 /// that is renamed. The last of them (result.json) is taken away first and
 /// written last, so that a directory which has it is complete. Files that an
 /// earlier call has written there and this one does not are removed, and so is
-/// an earlier report.html: no two results are ever mixed. (Their names are kept
-/// in `.alidade-files`; files of others stay.) Returns the paths.
-/// @throws InputError.
+/// an earlier report.html: no two results are ever mixed. Names, sizes and
+/// hashes are kept in `.alidade-files`. Files of others stay: where one that
+/// this call did not write, or that has been changed since, is in the way,
+/// nothing is written. Returns the paths. @throws InputError.
 std::vector<std::string> WriteResultDirectory(
     const std::string& directory, const std::vector<ReportFile>& files);
+
+/// That nothing but a page of `report`, unchanged where a result's directory
+/// lists it, is at the path of a new one. @throws InputError.
+void CheckReportPage(const std::string& path);
+
+/// Notes a page that has been written in the list of its directory: a
+/// report.html where there is a list, another one that is listed. @throws
+/// InputError.
+void NoteReportPage(const std::string& path);
 
 }  // namespace alidade
 

@@ -203,7 +203,7 @@ struct SimulationConfig {
   /// Decimals (of deg or mm) that joint values are rounded to, so that the
   /// data set states them exactly.
   int joint_decimals = 4;
-  std::string output;  ///< path of the CSV
+  std::string output;  ///< path of the data set
   std::vector<std::string> input_files;
 };
 

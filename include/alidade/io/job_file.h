@@ -40,8 +40,9 @@ JobConfig LoadJob(const std::string& path, const JobReading& reading);
 JobConfig LoadJob(const std::string& path, int num_threads = 1,
                   Team* team = nullptr);
 
-/// The same without `validation`: no pose is held out of `data`. For studies
-/// that hold out their own.
+/// The same without `validation`, and without limits of held-out poses in
+/// `acceptance`: no pose is held out of `data`. For plans, and for studies that
+/// hold out their own.
 JobConfig LoadWholeJob(const std::string& path);
 
 /// Reads a simulation and every file it names.
