@@ -16,6 +16,7 @@
 #include "src/cli/command.h"
 #include "src/cli/launched_team.h"
 #include "src/cli/progress_line.h"
+#include "src/cli/steps.h"
 
 namespace alidade {
 namespace {
@@ -54,6 +55,7 @@ ExitStatus Calibrate(const CommandLine& line, Team* team) {
   ShowIterations(config.data.all_poses(), &progress, &config.solver_options);
   if (line.seed) config.identifiability.seed = *line.seed;
   progress.Clear();
+  LogReading(config);
   const std::string directory =
       line.out.empty() ? DefaultDirectory(path) : line.out;
   if (is_first) {
@@ -64,6 +66,7 @@ ExitStatus Calibrate(const CommandLine& line, Team* team) {
   const JobOutcome outcome = RunJob(std::move(config), line.text, line.threads);
   progress.Clear();
   if (!is_first) return kExitDone;
+  LogJob(outcome.result);
   if (outcome.status == JobStatus::kRefused ||
       outcome.status == JobStatus::kFailed) {
     PrintError(path + ": " + outcome.message);

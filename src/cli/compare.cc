@@ -6,6 +6,7 @@
 #include "alidade/batch/simulate.h"
 #include "alidade/report/report.h"
 #include "src/cli/command.h"
+#include "src/cli/steps.h"
 
 namespace alidade {
 
@@ -24,7 +25,9 @@ ExitStatus RunCompare(const CommandLine& line) {
   // result is good enough, is for calibrate to say.
   config.published.reset();
   config.acceptance = {};
+  LogReading(config);
   const JobOutcome outcome = RunJob(config, line.text, line.threads);
+  LogJob(outcome.result);
   if (outcome.status == JobStatus::kRefused ||
       outcome.status == JobStatus::kFailed) {
     PrintError(path + ": " + outcome.message);

@@ -9,6 +9,7 @@
 #include "alidade/io/dataset_csv.h"
 #include "alidade/report/report.h"
 #include "src/cli/command.h"
+#include "src/cli/steps.h"
 
 namespace alidade {
 namespace {
@@ -36,12 +37,15 @@ JobConfig LoadJobOrPair(const CommandLine& line) {
 ExitStatus RunIdentify(const CommandLine& line) {
   JobConfig config = LoadJobOrPair(line);
   if (line.seed) config.identifiability.seed = *line.seed;
+  LogReading(config);
+  const IdentifiabilityResult result = IdentifyJob(config, line.threads);
+  LogIdentifiability(result);
   std::cout << config.arm.name << ", " << config.data.num_poses() << " poses\n";
   if (line.files.size() > 1) {
     std::cout << "where the data state no standard deviation, 1 mm is taken: a "
                  "job states the instrument's\n";
   }
-  std::cout << FormatIdentifiability(IdentifyJob(config, line.threads));
+  std::cout << FormatIdentifiability(result);
   return kExitDone;
 }
 

@@ -196,6 +196,10 @@ void CheckLine(const Command& command, const CommandLine& line) {
     ThrowUsage(command, "--threads = " + std::to_string(FLAGS_threads) +
                             ", must be between 1 and 1024");
   }
+  if (FLAGS_verbosity < 0 || FLAGS_verbosity > 2) {
+    ThrowUsage(command, "--verbosity = " + std::to_string(FLAGS_verbosity) +
+                            ", must be 0, 1 or 2");
+  }
   if (FLAGS_memory > kMostMemory) {
     ThrowUsage(command, "--memory = " + std::to_string(FLAGS_memory) +
                             ", must be a number of MB up to " +

@@ -1,5 +1,7 @@
 #include "alidade/batch/montecarlo.h"
 
+#include <glog/logging.h>
+
 #include <chrono>
 #include <cstdio>
 #include <iostream>
@@ -7,9 +9,11 @@
 
 #include "alidade/batch/result_directory.h"
 #include "alidade/batch/simulate.h"
+#include "alidade/report/format.h"
 #include "alidade/report/report.h"
 #include "src/cli/command.h"
 #include "src/cli/progress_line.h"
+#include "src/cli/steps.h"
 
 namespace alidade {
 namespace {
@@ -41,9 +45,15 @@ ExitStatus RunMonteCarlo(const CommandLine& line) {
     CheckResultDirectory(line.out, OutputKind::kMonteCarlo, config.input_files);
   }
   if (line.seed) config.montecarlo.seed = *line.seed;
+  progress.Clear();
+  LogReading(config);
   const MonteCarloResult result =
       RunMonteCarlo(config, line.threads, ShowTrials(&progress));
   progress.Clear();
+  LOG(INFO) << "simulated and calibrated " << result.trials.size() << " of "
+            << result.trials_wanted << " times, " << result.failed
+            << " without a usable solution, in "
+            << FormatSignificant(result.time_s, 3) << " s";
   std::cout << result.title << "\n\n" << FormatMonteCarlo(result);
   if (!line.out.empty()) {
     std::cout << "\nResults\n";

@@ -8,6 +8,7 @@
 #include "alidade/report/plan_report.h"
 #include "src/cli/command.h"
 #include "src/cli/progress_line.h"
+#include "src/cli/steps.h"
 
 namespace alidade {
 
@@ -22,8 +23,12 @@ ExitStatus RunPlanCommand(const CommandLine& line) {
           ? "results/" + std::filesystem::path(path).stem().string()
           : line.out;
   CheckResultDirectory(directory, OutputKind::kPlan, config.input_files);
+  progress.Clear();
+  LogReading(config.job);
+  progress.Show("planning " + path);
   const PlanOutcome outcome = RunPlan(config, line.text, line.threads);
   progress.Clear();
+  LogPlan(outcome.result);
   if (outcome.status != PlanStatus::kDone) {
     PrintError(path + ": " + outcome.message);
     return kExitNumerical;

@@ -1,5 +1,7 @@
 #include "alidade/batch/simulate.h"
 
+#include <glog/logging.h>
+
 #include <filesystem>
 #include <iostream>
 
@@ -35,7 +37,11 @@ ExitStatus RunSimulate(const CommandLine& line) {
   if (line.seed) config.seed = *line.seed;
   if (!line.out.empty()) config.output = line.out;
   CheckOutputFile(config.output, config.input_files);
+  LOG(INFO) << "read " << config.arm.name << ", " << config.arm.num_joints()
+            << " joints";
   const Dataset data = Simulate(config);
+  LOG(INFO) << "simulated " << data.num_poses() << " poses with seed "
+            << config.seed;
   const std::filesystem::path directory =
       std::filesystem::path(config.output).parent_path();
   if (!directory.empty()) MakeDirectories(directory.string());

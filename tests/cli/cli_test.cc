@@ -88,6 +88,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"show --out=x a.yaml", "unknown flag --out=x"},
         BadUsage{"calibrate --threads=many a.yaml", "not a value"},
         BadUsage{"calibrate --threads=0 a.yaml", "must be between"},
+        BadUsage{"calibrate --verbosity=3 a.yaml", "must be 0, 1 or 2"},
+        BadUsage{"show --verbosity=-1 a.yaml", "must be 0, 1 or 2"},
         BadUsage{"calibrate a.yaml --seed", "needs a value"},
         BadUsage{"convert a.csv b.npy", "--arm=ARM.yaml is missing"},
         BadUsage{"convert a.csv b.csv --arm=a.yaml", "one of each"},
@@ -198,6 +200,26 @@ TEST_F(StudyTest, CalibratedArmIsAnArmThatValidatesAndShows) {
       << validated.out;
   EXPECT_THAT(Alidade("show " + arm).out, HasSubstr("249"));
   EXPECT_THAT(Alidade("show " + out).out, HasSubstr("beta4"));
+}
+
+// Standard output stays what it is.
+TEST_F(StudyTest, VerbosityTellsWhatIsDoneOnStandardError) {
+  const std::string job = "identify " + kStudy;
+  const ProcessResult quiet = Alidade(job);
+  const ProcessResult told = Alidade(job + " --verbosity=1");
+  const ProcessResult detailed = Alidade(job + " --verbosity=2");
+  EXPECT_THAT(quiet.err, Not(HasSubstr("read 56 poses")));
+  EXPECT_EQ(quiet.out, told.out);
+  EXPECT_EQ(quiet.out, detailed.out);
+  EXPECT_THAT(told.err, AllOf(HasSubstr("read 56 poses"),
+                              HasSubstr("parameters are free"),
+                              Not(HasSubstr("wrist_56.csv"))));
+  EXPECT_THAT(detailed.err,
+              AllOf(HasSubstr("read 56 poses"), HasSubstr("wrist_56.csv")));
+  const ProcessResult calibrated = Alidade(
+      "calibrate " + kStudy + " --verbosity=1 --out=" + (directory_ / "r"));
+  EXPECT_THAT(calibrated.err,
+              AllOf(HasSubstr("read 56 poses"), HasSubstr("solved: ceres")));
 }
 
 TEST_F(StudyTest, IdentifySaysWhatIsFrozenAndWhy) {

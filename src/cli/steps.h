@@ -1,0 +1,26 @@
+#ifndef ALIDADE_SRC_CLI_STEPS_H_
+#define ALIDADE_SRC_CLI_STEPS_H_
+
+#include "alidade/io/job_config.h"
+#include "alidade/results/job_result.h"
+#include "alidade/results/plan_result.h"
+
+namespace alidade {
+
+// What --verbosity=1 tells on standard error, a line a step, and 2 in detail.
+
+/// What a job has read.
+void LogReading(const JobConfig& config);
+
+/// What the identifiability pass has found.
+void LogIdentifiability(const IdentifiabilityResult& result);
+
+/// What a job has done, as far as it got.
+void LogJob(const JobResult& result);
+
+/// What a plan has looked at and chosen.
+void LogPlan(const PlanResult& result);
+
+}  // namespace alidade
+
+#endif  // ALIDADE_SRC_CLI_STEPS_H_
