@@ -180,7 +180,9 @@ class BatchRun {
     {
       const Stopwatch stopwatch(&times_.writing);
       std::string staged;
-      if (!computed->files.empty()) staged = store_.Stage(computed->files);
+      if (!computed->files.empty()) {
+        staged = store_.Stage(computed->files, &computed->record.files);
+      }
       store_.Commit(computed->record, staged);
     }
     Keep(*number, std::move(computed->item));

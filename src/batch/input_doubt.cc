@@ -24,6 +24,9 @@ constexpr Eigen::Index kFewest = 12;
 constexpr Eigen::Index kEnough = 60;
 constexpr double kTolerated = 0.02;  // of the reach
 constexpr double kClearlyBetter = 4.0;
+// A misfit of a larger part of how far the positions lie apart explains
+// nothing: an arm that hardly moves fits to any small cloud.
+constexpr double kExplains = 0.2;
 
 // Joint values and the positions measured there, one by one.
 struct Pairs {
@@ -231,6 +234,13 @@ bool FitsAsStated(const Arm& arm, const Pairs& pairs, double tolerated) {
   return *middle <= tolerated;
 }
 
+// How far the positions lie apart: the root mean square about their mean (m).
+double Extent(const Eigen::Matrix3Xd& points) {
+  const Eigen::Vector3d mean = points.rowwise().mean();
+  return std::sqrt((points.colwise() - mean).squaredNorm() /
+                   static_cast<double>(points.cols()));
+}
+
 struct Slip {
   std::string text;  // what the user should do
   std::function<void(Pairs*)> mend;
@@ -258,6 +268,14 @@ std::vector<Slip> UnitSlips(const Arm& arm) {
        [](Pairs* pairs) { pairs->points *= kMillimetre; }},
       {"the positions are in m but read as mm: state the unit m",
        [](Pairs* pairs) { pairs->points /= kMillimetre; }},
+      {"the positions are ten times too small, as cm read as mm: state their "
+       "unit",
+       [](Pairs* pairs) { pairs->points *= 10.0; }},
+      {"the positions are ten times too large, as mm read as cm: state their "
+       "unit",
+       [](Pairs* pairs) { pairs->points /= 10.0; }},
+      {"the positions are in inches but read as mm: multiply them by 25.4",
+       [](Pairs* pairs) { pairs->points *= 25.4; }},
       {"two of the columns x, y and z are swapped, or one of them has the "
        "wrong sign: they make a mirror image",
        [](Pairs* pairs) { pairs->points.row(0).swap(pairs->points.row(1)); }},
@@ -277,6 +295,16 @@ std::vector<Slip> JointSlips(const Arm& arm) {
              " counts the other way: give it `sign: -1` in the arm "
              "file",
          [j](Pairs* pairs) { pairs->joint_values.row(j) *= -1.0; }});
+    if (arm.joints[j].type == JointType::kRevolute) {
+      for (const int turn : {90, -90, 180}) {
+        slips.push_back({"the zero of joint " + std::to_string(j + 1) +
+                             " is elsewhere: add " + std::to_string(turn) +
+                             " deg to its theta in the arm file",
+                         [j, turn](Pairs* pairs) {
+                           pairs->joint_values.row(j).array() += turn * kDegree;
+                         }});
+      }
+    }
     for (int k = j + 1; k < arm.num_joints(); ++k) {
       slips.push_back({"the columns " + JointName(j) + " and " + JointName(k) +
                            " are swapped",
@@ -309,7 +337,10 @@ InputDoubt DoubtInput(const Arm& arm, const Dataset& data) {
     Pairs mended = positions.Paired(slip.shift);
     slip.mend(&mended);
     const double mended_misfit = Misfit(arm, mended);
-    if (mended_misfit >= best_misfit) continue;
+    if (mended_misfit >= best_misfit ||
+        mended_misfit > kExplains * Extent(mended.points)) {
+      continue;
+    }
     best = &slip;
     best_misfit = mended_misfit;
   }
@@ -325,6 +356,26 @@ InputDoubt DoubtInput(const Arm& arm, const Dataset& data) {
   }
   text += ". They fit to " + FormatLength(best_misfit, 3) + " if " + best->text;
   return {text, true};
+}
+
+std::string DoubtZeros(const Dataset& data) {
+  std::string first;
+  std::int64_t count = 0;
+  for (const ObservationBlock& block : data.blocks) {
+    if (!HoldsPosition(block.kind)) continue;
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      const auto sigmas = block.sigmas.col(i).head<3>();
+      const auto position = block.measured.col(i).head<3>();
+      if (!(position.array() == 0.0).all() || !sigmas.allFinite()) continue;
+      if (++count == 1) first = SourceOf(data, block.pose(i));
+    }
+  }
+  count = SumOverMembers(data, count);
+  if (count == 0) return "";
+  return (first.empty() ? "" : first + ": ") + std::to_string(count) +
+         (count == 1 ? " position is" : " positions are") +
+         " exactly 0, 0, 0, which instruments write when they have lost the "
+         "target: empty these cells or leave the rows out";
 }
 
 }  // namespace alidade

@@ -18,10 +18,16 @@ struct InputDoubt {
 /// within 2 % of the arm's own reach (median). Where one slip that people make
 /// would explain it, by a misfit that is at least four times smaller and within
 /// those 2 %, the text names it: degrees taken for radians or the reverse, mm
-/// for m, two joints or two axes swapped, a joint that counts backwards,
-/// measurements one row late or early. Nothing is said where fewer than twelve
+/// for m, cm or inches for mm, two joints or two axes swapped, a joint that
+/// counts backwards or from a zero 90 or 180 deg elsewhere, measurements one
+/// row late or early. A misfit explains nothing unless it is small beside how
+/// far the positions lie apart. Nothing is said where fewer than twelve
 /// positions of the first target were measured. Looks at 60 positions.
 InputDoubt DoubtInput(const Arm& arm, const Dataset& data);
+
+/// What to say of positions that are exactly 0, 0, 0; empty where there are
+/// none. Collective (measurement/share.h).
+std::string DoubtZeros(const Dataset& data);
 
 }  // namespace alidade
 

@@ -183,9 +183,12 @@ std::vector<InputFile> HashInputs(const JobConfig& config) {
 
 class JobRunner {
  public:
-  JobRunner(JobConfig config, int num_threads, IdentifiabilityCache* cache)
+  /// `doubt`: what was said against the input; empty: nothing.
+  JobRunner(JobConfig config, int num_threads, IdentifiabilityCache* cache,
+            std::string doubt)
       : config_(std::move(config)),
         cache_(cache),
+        input_doubt_(std::move(doubt)),
         frames_fitted_(FitFrames(&config_, num_threads)),
         sigmas_(config_.estimate_sigma ? EstimateSigmas(&config_, num_threads)
                                        : EstimatedSigmas()),
@@ -198,6 +201,7 @@ class JobRunner {
   JobOutcome Run(const std::string& command, const JobConfig* as_read) {
     DescribeInputs(command);
     DescribeData();
+    if (!input_doubt_.empty()) Warn(input_doubt_);
     if (config_.estimate_sigma && !(sigmas_.length > 0.0)) {
       outcome_.status = JobStatus::kRefused;
       outcome_.message =
@@ -335,6 +339,18 @@ class JobRunner {
     Assess(fit);
     result().acceptance = CheckAcceptance(config_.acceptance, result());
     outcome_.status = JobStatus::kDone;
+    const Accuracy heldout = HeldOutErrorsOf(result()).lengths;
+    const bool is_stopped =
+        result().runs.front().summary.status == SolverStatus::kIterationLimit;
+    if (is_stopped && heldout.rms > result().train.before.rms) {
+      outcome_.status = JobStatus::kFailed;
+      outcome_.message =
+          "the solver was stopped by the number of iterations, and the poses "
+          "held out are further off than before: the data do not tell this "
+          "many parameters apart, or do not fit this arm. Identify fewer, "
+          "measure more poses, or look for what is wrong with the data";
+      return;
+    }
     if (!result().accepted()) {
       outcome_.status = JobStatus::kMissedLimits;
       outcome_.message = "acceptance limits missed: " + Missed(result());
@@ -350,6 +366,9 @@ class JobRunner {
   // reached at all.
   void DoubtResult(const FinishedFit& fit) {
     const SolverSummary& summary = result().runs.front().summary;
+    if (const std::string zeros = DoubtZeros(config_.data); !zeros.empty()) {
+      Warn(zeros);
+    }
     if (summary.status == SolverStatus::kIterationLimit) {
       Warn("the solver " + summary.solver +
            " was stopped by the number of iterations and may be far from the "
@@ -373,6 +392,7 @@ class JobRunner {
            "rotation convention, outliers, sigmas or a wrong arm");
     }
     DoubtFrames();
+    DoubtWorst();
     if (sigmas_.is_bound) {
       Warn(
           "too few measurements to tell sigma from the residuals: it is taken "
@@ -437,8 +457,22 @@ class JobRunner {
             "their unit, and the order of a quaternion's components");
   }
 
+  // An outlier far beyond all others spoils the fit of them all.
+  void DoubtWorst() {
+    constexpr double kFarBeyond = 3.0;
+    if (result().outliers.empty()) return;
+    const Outlier& worst = result().outliers.front();
+    if (worst.standardised < kFarBeyond * result().outlier_limit) return;
+    Warn((worst.label.where.empty() ? "" : worst.label.where + ": ") +
+         "the measurement that fits worst is " + FormatLength(worst.error, 3) +
+         " off, " + FormatSignificant(worst.standardised, 2) +
+         " standard deviations (" + std::to_string(result().outliers.size()) +
+         " are beyond chance): look at it, leave it out, or choose a `loss`");
+  }
+
   // At the nominal geometry an arm is millimetres off, not a tenth of its size.
   void DoubtFrames() {
+    if (!input_doubt_.empty()) return;  // which says more
     constexpr double kLargePart = 0.05;
     Arm at_origin = config_.arm;
     at_origin.instrument_from_base.setIdentity();
@@ -503,6 +537,7 @@ class JobRunner {
       std::chrono::steady_clock::now();
   JobConfig config_;
   IdentifiabilityCache* const cache_;
+  const std::string input_doubt_;
   const bool frames_fitted_;
   const EstimatedSigmas sigmas_;
   MeasurementModel model_;
@@ -514,16 +549,11 @@ class JobRunner {
 
 JobOutcome RunJob(JobConfig config, const std::string& command, int num_threads,
                   IdentifiabilityCache* cache) {
-  const std::string doubt = RefuseSlips(config);
+  std::string doubt = RefuseSlips(config);
   std::optional<JobConfig> as_read;
   if (config.folds) as_read = config;
-  JobOutcome outcome = JobRunner(std::move(config), num_threads, cache)
-                           .Run(command, as_read ? &*as_read : nullptr);
-  if (!doubt.empty()) {
-    outcome.result.warnings.push_back(doubt);
-    LOG(WARNING) << "warning: " << doubt;
-  }
-  return outcome;
+  return JobRunner(std::move(config), num_threads, cache, std::move(doubt))
+      .Run(command, as_read ? &*as_read : nullptr);
 }
 
 IdentifiabilityResult IdentifyJob(const JobConfig& config, int num_threads) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <memory>
 #include <new>
 
 #include "alidade/base/error.h"
@@ -133,6 +134,7 @@ Computed JobComputer::Compute(const PlannedJob& job) const {
   }
   if (!HasResult(record.entry)) {
     computed.files.clear();
+    computed.outcome.reset();
     computed.item.reset();
   }
   return computed;
@@ -157,7 +159,9 @@ JobOutcome JobComputer::Calibrate(const JobConfig& config,
 void JobComputer::Run(const PlannedJob& job, Computed* computed) const {
   BatchRecord& record = computed->record;
   const JobConfig config = Read(job, &record);
-  const JobOutcome outcome = Calibrate(config, job);
+  computed->outcome =
+      std::make_unique<const JobOutcome>(Calibrate(config, job));
+  const JobOutcome& outcome = *computed->outcome;
   const Stopwatch stopwatch(&times_.writing);
   record.inputs =
       WithoutJobFiles(outcome.result.inputs, plan_.matrices[job.matrix]);
@@ -167,8 +171,7 @@ void JobComputer::Run(const PlannedJob& job, Computed* computed) const {
   record.entry.directory = job.name;
   computed->item = DescribeForComparison(job.name, outcome.result, "");
   for (const ReportFile& file : computed->files) {
-    record.files.push_back({file.name, file.content.size()});
-    if (file.name == "result.json") record.result_sha256 = Sha256(file.content);
+    if (file.name == "result.json") record.result_sha256 = Sha256(file.Text());
   }
 }
 

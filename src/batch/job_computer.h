@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -50,11 +51,15 @@ struct WorkTimes {
   std::string Format() const;
 };
 
-/// What came of a job: its record, and the files of its result, none where
-/// there is no usable one.
+/// What came of a job: its record but for the sizes of its files, which are
+/// known when they are written (StagingArea::Stage), and the files of its
+/// result, none where there is no usable one.
 struct Computed {
   BatchRecord record;
   std::optional<ComparisonItem> item;
+  /// What the files are made of while they are written; it stays in its place
+  /// when this struct is moved.
+  std::unique_ptr<const JobOutcome> outcome;
   std::vector<ReportFile> files;
 };
 

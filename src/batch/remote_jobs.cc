@@ -160,7 +160,8 @@ class Crew {
         }
       }
       const Stopwatch stopwatch(&times_->writing);
-      const std::string staged = staging_->Stage(computed.files);
+      const std::string staged =
+          staging_->Stage(computed.files, &computed.record.files);
       Put(OutcomeMessage(number, computed, staged));
       return true;
     } catch (const std::exception& error) {

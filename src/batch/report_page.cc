@@ -21,6 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostPictures = 60;
+constexpr std::size_t kMostRowsLookedAt = 4000;
 
 // Base, corner and axis of every joint, last frame, target; points that
 // coincide once.
@@ -73,16 +74,31 @@ std::vector<std::size_t> RowsOfPoses(const ResultTable& table, int column) {
   return kept;
 }
 
+TextSource SourceOf(const std::vector<ReportFile>& files,
+                    const std::string& name) {
+  for (const ReportFile& file : files) {
+    if (file.name == name) return file.content;
+  }
+  return {};
+}
+
 std::string ContentOf(const std::vector<ReportFile>& files,
                       const std::string& name) {
   for (const ReportFile& file : files) {
-    if (file.name == name) return file.content;
+    if (file.name == name) return file.Text();
   }
   return "";
 }
 
 std::string ReadIfThere(const fs::path& path) {
   return fs::exists(path) ? ReadFile(path.string()) : "";
+}
+
+TextSource SourceIfThere(const fs::path& path) {
+  if (!fs::exists(path)) return {};
+  return [name = path.string()](const TextSink& sink) {
+    ReadInPieces(name, sink);
+  };
 }
 
 std::string JsonPath(const std::string& path) {
@@ -107,8 +123,9 @@ fs::path NamedDirectory(const std::string& path) {
 }  // namespace
 
 std::optional<ArmPicture> PictureOf(const Arm& arm,
-                                    const std::string& residuals_csv) {
-  const ResultTable table = ReadResultTable(residuals_csv);
+                                    const TextSource& residuals_csv) {
+  if (!residuals_csv) return std::nullopt;
+  const ResultTable table = ReadResultTable(residuals_csv, kMostRowsLookedAt);
   const int pose = table.Column("pose");
   const auto joints = JointColumns(arm, table);
   if (pose < 0 || joints.empty()) return std::nullopt;
@@ -135,10 +152,10 @@ ReportFile MakeResultPage(const JobOutcome& outcome,
   source.title = outcome.result.title;
   source.result_json = ContentOf(files, "result.json");
   source.report_text = ContentOf(files, "report.txt");
-  source.residuals_csv = ContentOf(files, "residuals.csv");
-  source.heldout_csv = ContentOf(files, "heldout.csv");
-  source.predicted_map_csv = ContentOf(files, "predicted_map.csv");
-  source.influence_csv = ContentOf(files, "influence.csv");
+  source.residuals_csv = SourceOf(files, "residuals.csv");
+  source.heldout_csv = SourceOf(files, "heldout.csv");
+  source.predicted_map_csv = SourceOf(files, "predicted_map.csv");
+  source.influence_csv = SourceOf(files, "influence.csv");
   source.picture = PictureOf(outcome.calibrated, source.residuals_csv);
   return {"report.html", RenderResultPage(source)};
 }
@@ -151,10 +168,10 @@ std::string ResultPageOf(const std::string& path) {
   source.label = directory.filename().string();
   source.result_json = ReadFile(json);
   source.report_text = ReadIfThere(directory / "report.txt");
-  source.residuals_csv = ReadIfThere(directory / "residuals.csv");
-  source.heldout_csv = ReadIfThere(directory / "heldout.csv");
-  source.predicted_map_csv = ReadIfThere(directory / "predicted_map.csv");
-  source.influence_csv = ReadIfThere(directory / "influence.csv");
+  source.residuals_csv = SourceIfThere(directory / "residuals.csv");
+  source.heldout_csv = SourceIfThere(directory / "heldout.csv");
+  source.predicted_map_csv = SourceIfThere(directory / "predicted_map.csv");
+  source.influence_csv = SourceIfThere(directory / "influence.csv");
   if (fs::exists(directory / "arm.yaml")) {
     source.picture = PictureOf(LoadArm((directory / "arm.yaml").string()),
                                source.residuals_csv);

@@ -56,8 +56,9 @@ class ResultStore {
   void CheckSummaries() const;
 
   /// As StagingArea::Stage.
-  std::string Stage(const std::vector<ReportFile>& files) {
-    return staging_.Stage(files);
+  std::string Stage(const std::vector<ReportFile>& files,
+                    std::vector<ResultFile>* written) {
+    return staging_.Stage(files, written);
   }
 
   /// Records an outcome and puts the staged directory in its place; where

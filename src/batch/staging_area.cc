@@ -1,5 +1,6 @@
 #include "src/batch/staging_area.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <system_error>
 
@@ -30,13 +31,17 @@ std::string StagingArea::NewName() {
   return path_ + "/" + kStaged + mark_ + std::to_string(next_.fetch_add(1));
 }
 
-std::string StagingArea::Stage(const std::vector<ReportFile>& files) {
+std::string StagingArea::Stage(const std::vector<ReportFile>& files,
+                               std::vector<ResultFile>* written) {
+  written->clear();
   std::string staged = NewName();
   try {
     MakeDirectories(staged);
     std::vector<std::string> names;
     for (const ReportFile& file : files) {
-      WriteNewFile(staged + "/" + file.name, file.content);
+      const std::uint64_t size =
+          WriteNewFile(staged + "/" + file.name, file.content);
+      written->push_back({file.name, size});
       names.push_back(file.name);
     }
     NoteAllWritten(staged, names);

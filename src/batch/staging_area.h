@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "alidade/report/report.h"
+#include "alidade/results/batch_summary.h"
 
 namespace alidade {
 
@@ -23,9 +24,10 @@ class StagingArea {
   void Clear() const;
   /// A name that was not given before.
   std::string NewName();
-  /// Writes files to a new staged directory and syncs them; returns its path.
-  /// @throws InputError.
-  std::string Stage(const std::vector<ReportFile>& files);
+  /// Writes files to a new staged directory and syncs them; returns its path,
+  /// and in `written` what they are and how long. @throws InputError.
+  std::string Stage(const std::vector<ReportFile>& files,
+                    std::vector<ResultFile>* written);
 
  private:
   const std::string path_;

@@ -18,6 +18,10 @@ namespace fs = std::filesystem;
 
 constexpr char kList[] = ".alidade-files";
 constexpr char kPage[] = "report.html";
+// Of larger files size and time must do: to read gigabytes back would take
+// longer than to write them.
+constexpr std::uint64_t kMostHashed = std::uint64_t{1} << 26;
+constexpr char kNotHashed[] = "-";
 constexpr char kWhatToDo[] = "choose another --out, or move or remove the file";
 
 // Size and time; nothing where there is no such file.
@@ -36,7 +40,8 @@ std::optional<FileMark> StatusOf(const std::string& path) {
 bool IsUnchanged(const std::string& path, const FileMark& mark) {
   const std::optional<FileMark> now = StatusOf(path);
   if (!now || now->bytes != mark.bytes) return false;
-  return now->modified == mark.modified || Sha256OfFile(path) == mark.sha256;
+  if (now->modified == mark.modified) return true;
+  return mark.sha256 != kNotHashed && Sha256OfFile(path) == mark.sha256;
 }
 
 std::optional<FileMark> ParseMark(std::istringstream* line) {
@@ -50,7 +55,7 @@ std::optional<FileMark> ParseMark(std::istringstream* line) {
 FileMark MarkOf(const std::string& path) {
   std::optional<FileMark> mark = StatusOf(path);
   if (!mark) throw InputError({path, 0, 0, ""}, "cannot be read");
-  mark->sha256 = Sha256OfFile(path);
+  mark->sha256 = mark->bytes <= kMostHashed ? Sha256OfFile(path) : kNotHashed;
   return *std::move(mark);
 }
 

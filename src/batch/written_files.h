@@ -15,7 +15,7 @@ namespace alidade {
 struct FileMark {
   std::uint64_t bytes = 0;
   std::int64_t modified = 0;  ///< ns since 1970
-  std::string sha256;
+  std::string sha256;         ///< "-": of more than 64 MB, not taken
 };
 
 /// @throws InputError where the file cannot be read.

@@ -72,6 +72,7 @@ ExitStatus Calibrate(const CommandLine& line, Team* team) {
     PrintError(path + ": " + outcome.message);
     return kExitNumerical;
   }
+  progress.Show("writing " + directory);
   std::vector<ReportFile> files = RenderResult(outcome, outputs);
   if (line.report) {
     // Before result.json, which comes last.
@@ -80,7 +81,9 @@ ExitStatus Calibrate(const CommandLine& line, Team* team) {
     files.insert(files.end() - 1,
                  MakeResultPage(outcome, RenderResult(outcome), label));
   }
-  PrintSummary(outcome.result, WriteResultDirectory(directory, files));
+  const std::vector<std::string> paths = WriteResultDirectory(directory, files);
+  progress.Clear();
+  PrintSummary(outcome.result, paths);
   if (outcome.status == JobStatus::kMissedLimits) {
     PrintError(path + ": " + outcome.message + "; " + directory +
                "/report.txt tells which");

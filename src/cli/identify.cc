@@ -40,8 +40,12 @@ ExitStatus RunIdentify(const CommandLine& line) {
   LogReading(config);
   const IdentifiabilityResult result = IdentifyJob(config, line.threads);
   LogIdentifiability(result);
-  std::cout << config.arm.name << ", " << config.data.num_poses() << " poses\n"
-            << FormatIdentifiability(result);
+  std::cout << config.arm.name << ", " << config.data.num_poses() << " poses\n";
+  if (line.files.size() > 1) {
+    std::cout << "where the data state no standard deviation, 1 mm is taken: a "
+                 "job states the instrument's\n";
+  }
+  std::cout << FormatIdentifiability(result);
   return kExitDone;
 }
 

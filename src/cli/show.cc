@@ -11,6 +11,7 @@
 #include "alidade/io/dataset_csv.h"
 #include "alidade/io/job_file.h"
 #include "alidade/io/result_json.h"
+#include "alidade/model/rotation.h"
 #include "alidade/report/format.h"
 #include "alidade/report/report.h"
 #include "alidade/report/text_table.h"
@@ -33,6 +34,36 @@ std::string FormatLimits(const Joint& joint) {
          FormatSignificant(joint.upper / UnitOf(joint), 6);
 }
 
+// A frame in another one: its origin, and the rotation vector of its axes.
+void AddFrame(const std::string& name, const Eigen::Isometry3d& frame,
+              TextTable* table) {
+  std::vector<std::string> row = {name};
+  for (const double coordinate : frame.translation()) {
+    row.push_back(FormatSignificant(coordinate / kMillimetre, 8));
+  }
+  const Eigen::Vector3d turn = VectorFromRotation<double>(frame.linear());
+  for (const double angle : turn) {
+    row.push_back(FormatSignificant(angle / kDegree, 8));
+  }
+  table->AddRow(row);
+}
+
+void ShowFrames(const Arm& arm) {
+  TextTable table({{"frame"},
+                   {"x mm", Align::kRight},
+                   {"y mm", Align::kRight},
+                   {"z mm", Align::kRight},
+                   {"wx deg", Align::kRight},
+                   {"wy deg", Align::kRight},
+                   {"wz deg", Align::kRight}});
+  AddFrame("base in the instrument's", arm.instrument_from_base, &table);
+  for (const Target& target : arm.targets) {
+    const std::string name = target.name.empty() ? "tool" : target.name;
+    AddFrame(name + " in the flange's", target.last_from_target, &table);
+  }
+  std::cout << table.ToString();
+}
+
 void ShowArm(const Arm& arm) {
   TextTable table({{"joint"},
                    {"type"},
@@ -53,7 +84,12 @@ void ShowArm(const Arm& arm) {
                   FormatSignificant(joint.r / kMillimetre, 8),
                   FormatLimits(joint)});
   }
-  std::cout << arm.name << "\n" << table.ToString();
+  std::cout << arm.name << "\n" << table.ToString() << "\n";
+  ShowFrames(arm);
+  if (HasMotorMap(arm)) {
+    std::cout << "data state the motors' values, which the arm file's "
+                 "`motors` turn into joint values\n";
+  }
 }
 
 TextTable DatasetTable(const Arm& arm) {
@@ -116,6 +152,10 @@ void ShowDataset(const Arm& arm, const Dataset& data) {
 void ShowJob(const std::string& path, int num_threads) {
   const JobConfig config = ReadJob(path, num_threads);
   std::cout << config.title << "\n\n";
+  if (config.validation) {
+    std::cout << "held out of the fit: " << config.validation->num_poses()
+              << " poses\n\n";
+  }
   ShowArm(config.arm);
   std::cout << "\n";
   ShowDataset(config.arm, config.data);

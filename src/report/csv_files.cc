@@ -1,7 +1,10 @@
+#include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "alidade/report/report.h"
+#include "src/report/rows.h"
 #include "src/report/text.h"
 
 namespace alidade {
@@ -26,14 +29,6 @@ std::string Millimetres(double metres) {
   return ShortestNumber(metres / kMillimetre);
 }
 
-std::string VectorCells(const Eigen::Vector3d& metres) {
-  std::string cells;
-  for (const double coordinate : metres) {
-    cells += "," + Millimetres(coordinate);
-  }
-  return cells;
-}
-
 std::string Header(const EvaluatedSet& set,
                    const std::vector<JointColumn>& joints) {
   std::string text = "pose";
@@ -49,59 +44,96 @@ std::string Header(const EvaluatedSet& set,
   return text + "\n";
 }
 
-std::string JointCells(const EvaluatedSet& set,
-                       const std::vector<JointColumn>& joints, int pose) {
-  std::string text;
+void AppendCell(double value, std::string* row) {
+  *row += ',';
+  AppendShortest(value, row);
+}
+
+void AppendVector(const Eigen::Vector3d& metres, std::string* row) {
+  for (const double coordinate : metres) {
+    AppendCell(coordinate / kMillimetre, row);
+  }
+}
+
+void AppendLabel(const ObservationLabel& label, std::string* row) {
+  *row += ',';
+  *row += label.kind;
+  *row += ',';
+  AppendTextCell(label.target, row);
+  *row += ',';
+  AppendTextCell(label.where, row);
+}
+
+void AppendJoints(const EvaluatedSet& set,
+                  const std::vector<JointColumn>& joints, int pose,
+                  std::string* row) {
+  if (pose < 0) {
+    row->append(joints.size(), ',');
+    return;
+  }
   for (std::size_t j = 0; j < joints.size(); ++j) {
-    text += ",";
-    if (pose < 0) continue;
     const double value = set.joint_values(static_cast<Eigen::Index>(j), pose);
-    text += ShortestNumber(value / joints[j].unit);
+    AppendCell(value / joints[j].unit, row);
   }
-  return text;
 }
 
-std::string MeasuredCells(const Eigen::Vector3d& position) {
-  if (!position.allFinite()) return ",,,";
-  return VectorCells(position);
-}
-
-std::string ErrorCells(const Eigen::Vector3d& error, bool is_measured) {
-  if (!is_measured) return ",,,,";
-  return VectorCells(error) + "," + Millimetres(error.norm());
-}
-
-std::string FormatObservations(const EvaluatedSet& set) {
-  const std::vector<JointColumn> joints = JointColumns(set);
-  std::string text = Header(set, joints);
-  for (Eigen::Index i = 0; i < set.residual_after.cols(); ++i) {
-    int pose = static_cast<int>(i);
-    std::string label;
-    if (!set.labels.empty()) {
-      const ObservationLabel& mine = set.labels[i];
-      pose = mine.pose;
-      label = "," + mine.kind + "," + TextCell(mine.target) + "," +
-              TextCell(mine.where);
-    }
-    if (pose >= 0) text += std::to_string(pose + 1);
-    text += label + JointCells(set, joints, pose);
-    text += MeasuredCells(set.positions.col(i));
-    const bool has_length = set.labels.empty() || set.labels[i].has_length;
-    text += ErrorCells(set.residual_before.col(i), has_length);
-    text += ErrorCells(set.residual_after.col(i), has_length);
-    if (set.rotation_residual_after.cols() > 0) {
-      const bool has_rotation =
-          !set.labels.empty() && set.labels[i].has_rotation;
-      for (const LargeMatrix* turns :
-           {&set.rotation_residual_before, &set.rotation_residual_after}) {
-        text += ",";
-        if (has_rotation)
-          text += ShortestNumber(turns->col(i).norm() / kDegree);
-      }
-    }
-    text += "\n";
+void AppendMeasured(const Eigen::Vector3d& position, std::string* row) {
+  if (position.allFinite()) {
+    AppendVector(position, row);
+  } else {
+    *row += ",,,";
   }
-  return text;
+}
+
+void AppendError(const Eigen::Vector3d& error, bool is_measured,
+                 std::string* row) {
+  if (is_measured) {
+    AppendVector(error, row);
+    AppendCell(error.norm() / kMillimetre, row);
+  } else {
+    *row += ",,,,";
+  }
+}
+
+void AppendRotations(const EvaluatedSet& set, Eigen::Index i,
+                     std::string* row) {
+  const bool has_rotation = !set.labels.empty() && set.labels[i].has_rotation;
+  for (const auto* turns :
+       {&set.rotation_residual_before, &set.rotation_residual_after}) {
+    if (has_rotation) {
+      AppendCell(turns->col(i).norm() / kDegree, row);
+    } else {
+      *row += ',';
+    }
+  }
+}
+
+void AppendObservation(const EvaluatedSet& set,
+                       const std::vector<JointColumn>& joints, Eigen::Index i,
+                       std::string* row) {
+  const ObservationLabel* const label =
+      set.labels.empty() ? nullptr : &set.labels[i];
+  const int pose = label == nullptr ? static_cast<int>(i) : label->pose;
+  if (pose >= 0) *row += std::to_string(pose + 1);
+  if (label != nullptr) AppendLabel(*label, row);
+  AppendJoints(set, joints, pose, row);
+  AppendMeasured(set.positions.col(i), row);
+  const bool has_length = label == nullptr || label->has_length;
+  AppendError(set.residual_before.col(i), has_length, row);
+  AppendError(set.residual_after.col(i), has_length, row);
+  if (set.rotation_residual_after.cols() > 0) AppendRotations(set, i, row);
+  *row += '\n';
+}
+
+// Refers to `set`.
+TextSource FormatObservations(const EvaluatedSet& set) {
+  std::vector<JointColumn> joints = JointColumns(set);
+  std::string header = Header(set, joints);
+  return MakeRows(
+      std::move(header), set.residual_after.cols(),
+      [&set, joints = std::move(joints)](std::int64_t i, std::string* row) {
+        AppendObservation(set, joints, i, row);
+      });
 }
 
 // Solver names are identifiers, so that no cell needs quotes.

@@ -50,11 +50,11 @@ std::string PictureJson(const ArmPicture& picture) {
   return json + "]}";
 }
 
-void AppendTable(const std::string& name, const std::string& csv,
+void AppendTable(const std::string& name, const TextSource& csv,
                  std::string* json) {
-  if (csv.empty()) return;
+  if (!csv) return;
   if (json->back() != '{') *json += ",";
-  *json += JsonText(name) + ":" + TableJson(ReadResultTable(csv), kMostRows);
+  *json += JsonText(name) + ":" + TableJson(ReadResultTable(csv, kMostRows));
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #ifndef ALIDADE_SRC_REPORT_HTML_TABLE_H_
 #define ALIDADE_SRC_REPORT_HTML_TABLE_H_
 
-#include <cstddef>
 #include <string>
 
 #include "alidade/report/html_report.h"
@@ -10,9 +9,8 @@ namespace alidade {
 
 /// {"total": rows of the table, "index": those that are here, from 1,
 /// "columns": {name: [values]}}: numbers with the digits that a figure needs,
-/// empty cells as null. Of more than `most_rows` rows, so many evenly, and the
-/// worst.
-std::string TableJson(const ResultTable& table, std::size_t most_rows);
+/// empty cells as null.
+std::string TableJson(const ResultTable& table);
 
 }  // namespace alidade
 

@@ -159,12 +159,22 @@ std::string FixedNumber(double value, int decimals) {
 }
 
 std::string ShortestNumber(double value) {
-  if (!std::isfinite(value)) return NonFinite(value);
-  if (value == 0.0) return "0";
-  std::array<char, 32> buffer;
-  const auto end =
-      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
-  return std::string(buffer.data(), end);
+  std::string text;
+  AppendShortest(value, &text);
+  return text;
+}
+
+void AppendShortest(double value, std::string* text) {
+  if (!std::isfinite(value)) {
+    *text += NonFinite(value);
+  } else if (value == 0.0) {
+    *text += '0';
+  } else {
+    std::array<char, 32> buffer;
+    const auto end =
+        std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+    text->append(buffer.data(), end);
+  }
 }
 
 std::string Count(std::int64_t number, std::string_view singular) {
@@ -173,14 +183,29 @@ std::string Count(std::int64_t number, std::string_view singular) {
   return text;
 }
 
+bool ParseCell(const std::string& cell, double* value) {
+  const char* end = cell.data() + cell.size();
+  const auto result = std::from_chars(cell.data(), end, *value);
+  return result.ec == std::errc() && result.ptr == end;
+}
+
 std::string TextCell(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c == '\n' || c == '\r' ? ' ' : c;
+  std::string cell;
+  AppendTextCell(text, &cell);
+  return cell;
+}
+
+void AppendTextCell(const std::string& text, std::string* row) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) {
+    *row += text;
+    return;
   }
-  return quoted + "\"";
+  *row += '"';
+  for (const char c : text) {
+    if (c == '"') *row += '"';
+    *row += c == '\n' || c == '\r' ? ' ' : c;
+  }
+  *row += '"';
 }
 
 }  // namespace alidade

@@ -47,9 +47,16 @@ std::string FixedNumber(double value, int decimals);
 
 /// The shortest text that reads back to the same double: "0.1", "2.1e-13".
 std::string ShortestNumber(double value);
+/// The same at the end of `text`, for tables of many rows.
+void AppendShortest(double value, std::string* text);
+
+/// The number that a whole cell of a CSV is; false where it is none.
+bool ParseCell(const std::string& cell, double* value);
 
 /// A cell of a CSV: texts come from users, so quoted where one needs it.
 std::string TextCell(const std::string& text);
+/// The same at the end of `row`.
+void AppendTextCell(const std::string& text, std::string* row);
 
 /// "1 pose", "56 poses".
 std::string Count(std::int64_t number, std::string_view singular);

@@ -9,6 +9,7 @@
 #include "alidade/report/report.h"
 #include "alidade/report/svg_chart.h"
 #include "alidade/report/text_table.h"
+#include "src/report/rows.h"
 #include "src/report/text.h"
 
 namespace alidade {
@@ -216,14 +217,20 @@ MapChart SideView(const PredictedMap& map) {
   return chart;
 }
 
-std::string InfluenceCsv(const ResidualDiagnostics& residuals) {
-  std::string csv = "pose,leverage,cooks_distance,standardised_residual\n";
-  for (const Influence& pose : residuals.poses) {
-    csv += std::to_string(pose.pose + 1) + "," + ShortestNumber(pose.leverage) +
-           "," + ShortestNumber(pose.cooks_distance) + "," +
-           ShortestNumber(pose.standardised) + "\n";
-  }
-  return csv;
+// Refers to `poses`.
+TextSource InfluenceCsv(const std::vector<Influence>& poses) {
+  const auto append_row = [&poses](std::int64_t row, std::string* csv) {
+    const Influence& pose = poses[static_cast<std::size_t>(row)];
+    *csv += std::to_string(pose.pose + 1);
+    for (const double value :
+         {pose.leverage, pose.cooks_distance, pose.standardised}) {
+      *csv += ',';
+      AppendShortest(value, csv);
+    }
+    *csv += '\n';
+  };
+  return MakeRows("pose,leverage,cooks_distance,standardised_residual\n",
+                  static_cast<std::int64_t>(poses.size()), append_row);
 }
 
 std::string MapCsv(const PredictedMap& map,
@@ -313,7 +320,8 @@ std::vector<ReportFile> MakeUncertaintyFiles(const JobResult& result) {
   if (!result.uncertainty) return files;
   const UncertaintyResult& uncertainty = *result.uncertainty;
   if (!uncertainty.residuals.poses.empty()) {
-    files.push_back({"influence.csv", InfluenceCsv(uncertainty.residuals)});
+    files.push_back(
+        {"influence.csv", InfluenceCsv(uncertainty.residuals.poses)});
   }
   files.push_back({"residual_histogram.svg",
                    RenderSvg(HistogramChart("Residuals over their own sigmas",

@@ -193,6 +193,24 @@ TEST_F(BatchTest, RunsWhatIsMissing) {
   EXPECT_THAT(FindDone(plan, options_), ElementsAre(false, true, false));
 }
 
+// Tables of rows are made while they are written, after the job is done.
+TEST_F(BatchTest, TablesOfRowsAreWhole) {
+  options_.outputs = JobOutputs::kFull;
+  Run({"fleet.yaml"});
+  const std::string path = Path("out/fleet/seed-2/residuals.csv");
+  const std::string table = ReadWhole(path);
+  // A header and 12 poses.
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 13);
+  EXPECT_THAT(table, StartsWith("pose,q1_deg,"));
+  EXPECT_THAT(table, HasSubstr("\n12,"));
+  Run({"fleet.yaml"});
+  EXPECT_THAT(ran_, IsEmpty());
+  fs::remove(path);
+  Run({"fleet.yaml"});
+  EXPECT_THAT(ran_, ElementsAre("fleet/seed-2"));
+  EXPECT_EQ(ReadWhole(path), table);
+}
+
 // Whoever has changed it may want to keep it.
 TEST_F(BatchTest, AResultThatWasChangedIsNotReplaced) {
   Run({"fleet.yaml"});

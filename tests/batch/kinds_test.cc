@@ -491,6 +491,14 @@ INSTANTIATE_TEST_SUITE_P(
              [](Dataset* data) { data->positions().edit() *= 1e3; }},
         Slip{"metres", "in m but read as mm",
              [](Dataset* data) { data->positions().edit() /= 1e3; }},
+        Slip{"centimetres", "cm read as mm",
+             [](Dataset* data) { data->positions().edit() *= 0.1; }},
+        Slip{"inches", "in inches but read as mm",
+             [](Dataset* data) { data->positions().edit() /= 25.4; }},
+        Slip{"zero", "zero of joint 2 is elsewhere: add 90 deg",
+             [](Dataset* data) {
+               data->joint_values.edit().row(1).array() -= 90.0 * kDegree;
+             }},
         Slip{"joints", "q2 and q3 are swapped",
              [](Dataset* data) {
                auto q = data->joint_values.edit();
@@ -523,9 +531,49 @@ TEST(DoubtTest, DataThatNoSlipExplainsAreWarnedOf) {
   p = p.rowwise().reverse().eval();
   const JobOutcome outcome = RunJob(job, "test", 1);
   ASSERT_FALSE(outcome.result.warnings.empty());
-  EXPECT_NE(outcome.result.warnings.back().find("No single slip"),
+  EXPECT_NE(outcome.result.warnings.front().find("No single slip"),
             std::string::npos)
-      << outcome.result.warnings.back();
+      << outcome.result.warnings.front();
+}
+
+// An arm whose joints hardly moved would fit to a small cloud of positions.
+TEST(DoubtTest, ASmallCloudExplainsNothing) {
+  const Arm real = RealArm();
+  const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
+  JobConfig job;
+  job.arm = NominalArm();
+  job.data = Bench(real, q).Positions(0).data();
+  job.identifiability.candidates = {true, true, true};
+  job.data.positions().edit() /= 300.0;  // no unit
+  job.data.positions().edit().colwise() += Eigen::Vector3d(0.4, 0.1, 0.3);
+  const JobOutcome outcome = RunJob(job, "test", 1);
+  EXPECT_NE(outcome.result.warnings.front().find("No single slip"),
+            std::string::npos);
+}
+
+bool IsWarnedOf(const JobOutcome& outcome, const std::string& what) {
+  const std::vector<std::string>& warnings = outcome.result.warnings;
+  return std::any_of(warnings.begin(), warnings.end(),
+                     [&](const std::string& warning) {
+                       return warning.find(what) != std::string::npos;
+                     });
+}
+
+TEST(DoubtTest, LostTargetsAndTheWorstMeasurementAreNamed) {
+  const Arm real = RealArm();
+  const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
+  JobConfig job = JobOf(Bench(real, q).Positions(0).data());
+  job.data.files = {"tracker.csv"};
+  job.data.sources.Append({0, 2}, 42);
+  const JobOutcome clean = RunJob(job, "test", 1);
+  EXPECT_FALSE(IsWarnedOf(clean, "0, 0, 0"));
+  EXPECT_FALSE(IsWarnedOf(clean, "fits worst"));
+  job.data.positions().edit().col(3).setZero();
+  const JobOutcome spoilt = RunJob(job, "test", 1);
+  EXPECT_TRUE(IsWarnedOf(
+      spoilt, "tracker.csv:5: 1 position is exactly 0, 0, 0, which"));
+  EXPECT_TRUE(
+      IsWarnedOf(spoilt, "tracker.csv:5: the measurement that fits worst is"));
 }
 
 TEST(DoubtTest, OrientationsInAnotherConventionAreRefused) {

@@ -23,13 +23,12 @@ PlanConfig FlangePlan() {
   return config;
 }
 
-const std::string& ContentOf(const std::vector<ReportFile>& files,
-                             const std::string& name) {
+std::string ContentOf(const std::vector<ReportFile>& files,
+                      const std::string& name) {
   for (const ReportFile& file : files) {
-    if (file.name == name) return file.content;
+    if (file.name == name) return file.Text();
   }
-  static const std::string* const none = new std::string;
-  return *none;
+  return "";
 }
 
 TEST(RunPlanTest, FindsTheStudysParametersAndAlpha4) {

@@ -23,9 +23,9 @@ TEST(ReportPageTest, ArmIsDrawnThroughItsJoints) {
   Arm arm = Rv2aj();
   arm.instrument_from_base.translation() << 1.0, 2.0, 3.0;
   // Straight up, and with the elbow bent by a right angle.
-  const auto picture = PictureOf(arm,
-                                 "pose,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg\n"
-                                 "4,0,0,0,0,0\n7,0,0,90,0,0\n");
+  const auto picture =
+      PictureOf(arm, WholeText("pose,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg\n"
+                               "4,0,0,0,0,0\n7,0,0,90,0,0\n"));
   ASSERT_TRUE(picture.has_value());
   EXPECT_EQ(picture->poses, (std::vector<int>{4, 7}));
   EXPECT_EQ(picture->instrument_from_base(1, 3), 2.0);
@@ -51,7 +51,7 @@ TEST(ReportPageTest, OneRowAPoseAndNotTooMany) {
     const std::string row = std::to_string(pose) + ",1,2,3,4,5\n";
     csv += row + row;  // two observations
   }
-  const auto picture = PictureOf(Rv2aj(), csv);
+  const auto picture = PictureOf(Rv2aj(), WholeText(csv));
   ASSERT_TRUE(picture.has_value());
   EXPECT_LE(picture->poses.size(), 60U);
   EXPECT_GE(picture->poses.size(), 30U);
@@ -62,15 +62,17 @@ TEST(ReportPageTest, OneRowAPoseAndNotTooMany) {
 }
 
 TEST(ReportPageTest, OtherTablesHaveNoPicture) {
-  EXPECT_FALSE(PictureOf(Rv2aj(), "").has_value());
-  EXPECT_FALSE(PictureOf(Rv2aj(), "pose,q1_deg\n1,0\n").has_value());
+  EXPECT_FALSE(PictureOf(Rv2aj(), {}).has_value());
+  EXPECT_FALSE(PictureOf(Rv2aj(), WholeText("pose,q1_deg\n1,0\n")).has_value());
   EXPECT_FALSE(
-      PictureOf(Rv2aj(),
-                "pose,q1_deg,q2_deg,q3_deg,q4_deg,q5_mm\n1,0,0,0,0,0\n")
+      PictureOf(
+          Rv2aj(),
+          WholeText("pose,q1_deg,q2_deg,q3_deg,q4_deg,q5_mm\n1,0,0,0,0,0\n"))
           .has_value());
   // A distance of reference points has neither pose nor joint values.
   EXPECT_FALSE(
-      PictureOf(Rv2aj(), "pose,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg\n,,,,,\n")
+      PictureOf(Rv2aj(),
+                WholeText("pose,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg\n,,,,,\n"))
           .has_value());
 }
 

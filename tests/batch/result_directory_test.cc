@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <stdexcept>
 #include <string>
 
 #include "alidade/base/error.h"
@@ -59,6 +60,21 @@ TEST(WriteResultDirectoryTest, IsNoResultUntilAllIsWritten) {
   WriteResultDirectory(directory, {{"arm.yaml", "3"}, {"result.json", "3"}});
   EXPECT_THAT(NamesIn(directory),
               UnorderedElementsAre("arm.yaml", "result.json"));
+}
+
+// A table that fails while it is made is as if it had never been begun.
+TEST(WriteResultDirectoryTest, LeavesNothingOfATableThatFails) {
+  const testing::TemporaryDirectory scratch;
+  const std::string directory = scratch / "result";
+  const auto fail = [](const TextSink& sink) {
+    sink("pose\n1\n");
+    throw std::runtime_error("out of rows");
+  };
+  EXPECT_THROW(WriteResultDirectory(directory, {{"arm.yaml", "1"},
+                                                {"residuals.csv", fail},
+                                                {"result.json", "1"}}),
+               std::runtime_error);
+  EXPECT_THAT(NamesIn(directory), UnorderedElementsAre("arm.yaml"));
 }
 
 // A list of names that somebody has changed never leads out of the directory.

@@ -149,7 +149,7 @@ Files ResultOf(JobOutcome outcome) {
   }
   Files files = {{"message", outcome.message}};
   for (const ReportFile& file : RenderResult(outcome)) {
-    files.emplace_back(file.name, file.content);
+    files.emplace_back(file.name, file.Text());
   }
   return files;
 }

@@ -54,9 +54,7 @@ TEST(HtmlJsonTest, CompactDocumentMeansTheSame) {
   EXPECT_EQ(rounded["text"], document["text"]);
 }
 
-TEST(ResultTableTest, ReadsQuotedCellsAndShortRows) {
-  const ResultTable table =
-      ReadResultTable("pose,target,x_mm\r\n1,\"a, \"\"b\"\"\",2.5\n2,,\n3\n");
+void ExpectTable(const ResultTable& table) {
   ASSERT_EQ(table.columns,
             (std::vector<std::string>{"pose", "target", "x_mm"}));
   ASSERT_EQ(table.rows.size(), 3U);
@@ -65,7 +63,18 @@ TEST(ResultTableTest, ReadsQuotedCellsAndShortRows) {
   EXPECT_TRUE(std::isnan(table.Number(1, table.Column("x_mm"))));
   EXPECT_TRUE(std::isnan(table.Number(2, table.Column("x_mm"))));
   EXPECT_EQ(table.Column("y_mm"), -1);
-  EXPECT_TRUE(ReadResultTable("").columns.empty());
+}
+
+TEST(ResultTableTest, ReadsQuotedCellsAndShortRows) {
+  const std::string csv = "pose,target,x_mm\r\n1,\"a, \"\"b\"\"\",2.5\n2,,\n3";
+  // In one piece, and in pieces of a character each.
+  for (const TextSource& source :
+       {WholeText(csv), TextSource([csv](const TextSink& sink) {
+          for (const char& c : csv) sink({&c, 1});
+        })}) {
+    ExpectTable(ReadResultTable(source, 100));
+  }
+  EXPECT_TRUE(ReadResultTable(WholeText(""), 100).columns.empty());
 }
 
 TEST(ResultTableTest, ThinningKeepsTheWorst) {
@@ -73,7 +82,8 @@ TEST(ResultTableTest, ThinningKeepsTheWorst) {
   for (int i = 1; i <= 1000; ++i) {
     csv += std::to_string(i) + (i == 778 ? ",9.87654321\n" : ",0.1\n");
   }
-  const json table = json::parse(TableJson(ReadResultTable(csv), 100));
+  const json table =
+      json::parse(TableJson(ReadResultTable(WholeText(csv), 100)));
   EXPECT_EQ(table["total"], 1000);
   const auto index = table["index"].get<std::vector<int>>();
   const auto errors =
@@ -94,7 +104,7 @@ TEST(ResultPageTest, HoldsItsSourcesAndNothingFromElsewhere) {
   source.title = "<script>alert(1)</script>";
   source.result_json = "{\"title\": \"<script>alert(1)</script>\", \"n\": 3}";
   source.report_text = "first line\n<b>second</b>\n";
-  source.residuals_csv = "pose,x_mm\n1,12.5\n";
+  source.residuals_csv = WholeText("pose,x_mm\n1,12.5\n");
   ArmPicture picture;
   picture.instrument_from_base.setZero();
   picture.instrument_from_base(2, 3) = 0.25;

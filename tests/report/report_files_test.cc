@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "alidade/report/report.h"
@@ -21,6 +22,7 @@ using testing::ContentOf;
 using testing::Lines;
 using testing::MakeMixedSet;
 using testing::MakeResult;
+using testing::MakeSet;
 
 TEST(MakeCsvFilesTest, ColumnsReadBack) {
   const JobResult result = MakeResult();
@@ -48,9 +50,50 @@ TEST(MakeCsvFilesTest, ColumnsReadBack) {
   }
 }
 
+// Longer than a piece: nothing is lost, doubled or out of order where one ends.
+TEST(MakeCsvFilesTest, GivesManyRowsInSeveralPieces) {
+  constexpr int kPoses = 10000;
+  JobResult result = MakeResult();
+  result.train = MakeSet(kPoses, 5.21e-3, 2.1e-16);
+  const ReportFile file = MakeCsvFiles(result).front();
+  ASSERT_EQ(file.name, "residuals.csv");
+  std::string text;
+  int pieces = 0;
+  file.content([&](std::string_view piece) {
+    // 256 KiB, and a row of 14 numbers of at most 24 characters.
+    EXPECT_LE(piece.size(), (1U << 18) + 14 * 25);
+    text += piece;
+    ++pieces;
+  });
+  EXPECT_GE(pieces, 3);
+  const std::vector<std::string> lines = Lines(text);
+  ASSERT_EQ(lines.size(), kPoses + 1U);
+  for (int pose = 0; pose < kPoses; ++pose) {
+    const std::vector<std::string> cells = Cells(lines[pose + 1]);
+    ASSERT_EQ(cells.size(), 14U) << lines[pose + 1];
+    EXPECT_EQ(cells[0], std::to_string(pose + 1));
+    EXPECT_EQ(std::atof(cells[4].c_str()),
+              result.train.positions(1, pose) / kMillimetre);
+  }
+  EXPECT_EQ(text.back(), '\n');
+  EXPECT_EQ(file.Text(), text);  // the same when asked again
+}
+
+TEST(MakeUncertaintyFilesTest, InfluenceHasARowForEachPose) {
+  JobResult result = MakeResult();
+  result.uncertainty.emplace();
+  result.uncertainty->residuals.poses = {{0, "", 0.25, 1e-3, 1.5},
+                                         {2, "a.csv:4", 0.5, 0.0, 2.0}};
+  EXPECT_EQ(ContentOf(MakeUncertaintyFiles(result), "influence.csv"),
+            "pose,leverage,cooks_distance,standardised_residual\n"
+            "1,0.25,0.001,1.5\n"
+            "3,0.5,0,2\n");
+}
+
 TEST(MakeCsvFilesTest, HasEveryIterationOfEverySolver) {
+  const JobResult result = MakeResult();
   const std::vector<std::string> lines =
-      Lines(ContentOf(MakeCsvFiles(MakeResult()), "iterations.csv"));
+      Lines(ContentOf(MakeCsvFiles(result), "iterations.csv"));
   ASSERT_EQ(lines.size(), 1U + 4U + 3U);
   EXPECT_EQ(lines[0],
             "solver,iteration,cost,max_error_mm,rms_error_mm,step_norm,"
@@ -75,8 +118,8 @@ TEST(MakeFiguresTest, EachIsWellFormedAndHasItsHeadline) {
   const std::vector<ReportFile> files = MakeFigures(MakeResult());
   ASSERT_EQ(files.size(), 5U);
   for (const ReportFile& file : files) {
-    EXPECT_EQ(WhatIsMalformed(file.content), "") << file.name;
-    EXPECT_FALSE(Contains(file.content, "no data")) << file.name;
+    EXPECT_EQ(WhatIsMalformed(file.Text()), "") << file.name;
+    EXPECT_FALSE(Contains(file.Text(), "no data")) << file.name;
   }
   EXPECT_TRUE(Contains(ContentOf(files, "error_before.svg"), "5.21"));
   EXPECT_TRUE(Contains(ContentOf(files, "error_after.svg"), "2.10"));
@@ -102,14 +145,14 @@ TEST(MakeFiguresTest, DependsOnNothingButTheResult) {
   const std::vector<ReportFile> second = MakeFigures(MakeResult());
   ASSERT_EQ(first.size(), second.size());
   for (std::size_t i = 0; i < first.size(); ++i) {
-    EXPECT_EQ(first[i].content, second[i].content);
+    EXPECT_EQ(first[i].Text(), second[i].Text());
   }
 }
 
 TEST(MakeFiguresTest, SaysNoDataForAnEmptyResult) {
   for (const ReportFile& file : MakeFigures(JobResult())) {
-    EXPECT_EQ(WhatIsMalformed(file.content), "");
-    EXPECT_TRUE(Contains(file.content, "no data")) << file.name;
+    EXPECT_EQ(WhatIsMalformed(file.Text()), "");
+    EXPECT_TRUE(Contains(file.Text(), "no data")) << file.name;
   }
 }
 

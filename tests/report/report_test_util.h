@@ -45,7 +45,7 @@ inline std::vector<std::string> Cells(const std::string& line) {
 inline std::string ContentOf(const std::vector<ReportFile>& files,
                              const std::string& name) {
   for (const ReportFile& file : files) {
-    if (file.name == name) return file.content;
+    if (file.name == name) return file.Text();
   }
   ADD_FAILURE() << "no file " << name;
   return "";

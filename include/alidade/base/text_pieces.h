@@ -2,7 +2,9 @@
 #define ALIDADE_BASE_TEXT_PIECES_H_
 
 #include <functional>
+#include <string>
 #include <string_view>
+#include <utility>
 
 namespace alidade {
 
@@ -15,6 +17,11 @@ using TextSink = std::function<void(std::string_view piece)>;
 
 /// Gives a whole text to a sink, the same at every call.
 using TextSource = std::function<void(const TextSink& sink)>;
+
+/// A text that is there, as one piece.
+inline TextSource WholeText(std::string text) {
+  return [text = std::move(text)](const TextSink& sink) { sink(text); };
+}
 
 }  // namespace alidade
 

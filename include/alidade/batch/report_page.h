@@ -33,7 +33,7 @@ std::vector<std::string> ResultLabels(const std::vector<std::string>& paths);
 /// The arm as a chain of links at up to 60 poses of residuals.csv; nothing
 /// where the table has no joint values of this arm.
 std::optional<ArmPicture> PictureOf(const Arm& arm,
-                                    const std::string& residuals_csv);
+                                    const TextSource& residuals_csv);
 
 }  // namespace alidade
 

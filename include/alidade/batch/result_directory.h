@@ -10,13 +10,18 @@
 namespace alidade {
 
 /// The files of a result directory (docs/files.md): arm.yaml, result.json,
-/// report.txt, the CSV files and the figures. @pre a usable solution.
+/// report.txt, the CSV files and the figures. Tables with a row for each
+/// observation are made of `outcome` when they are written: ReportFile.
+/// @pre a usable solution.
 std::vector<ReportFile> RenderResult(const JobOutcome& outcome);
+std::vector<ReportFile> RenderResult(const JobOutcome&& outcome) = delete;
 
 /// What a job asks for by its `outputs`: the above, or arm.yaml and result.json
 /// alone. @pre a usable solution.
 std::vector<ReportFile> RenderResult(const JobOutcome& outcome,
                                      JobOutputs outputs);
+std::vector<ReportFile> RenderResult(const JobOutcome&& outcome,
+                                     JobOutputs outputs) = delete;
 
 /// What a command puts into its directory (docs/files.md).
 enum class OutputKind {

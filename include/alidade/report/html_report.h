@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "alidade/base/text_pieces.h"
 #include "alidade/results/job_result.h"
 
 namespace alidade {
@@ -17,10 +18,12 @@ namespace alidade {
 /// tables and figures. No text of a result can become markup: in the data every
 /// '<' is escaped, and the script makes text nodes of text only.
 
-/// A table as a result directory holds it, cells as text.
+/// A table as a result directory holds it, or some of its rows; cells as text.
 struct ResultTable {
   std::vector<std::string> columns;
   std::vector<std::vector<std::string>> rows;  ///< a cell per column
+  std::vector<std::size_t> index;  ///< which of the file's these are, from 0
+  std::size_t total = 0;           ///< rows of the file
 
   /// -1 where there is no such column.
   int Column(const std::string& name) const;
@@ -28,9 +31,11 @@ struct ResultTable {
   double Number(std::size_t row, int column) const;
 };
 
-/// Reads a CSV that Alidade wrote, the header first. Short rows are filled with
-/// empty cells, long ones cut. O(size).
-ResultTable ReadResultTable(const std::string& csv);
+/// Reads a CSV that Alidade wrote, the header first, twice. Of more rows than
+/// `most_rows` so many are kept, spread evenly, and those of the largest
+/// errors. Short rows are filled with empty cells, long ones cut. O(size) time,
+/// a few numbers for each row in memory.
+ResultTable ReadResultTable(const TextSource& csv, std::size_t most_rows);
 
 /// The arm as a chain of links at some of the poses of `residuals.csv`, in the
 /// instrument's frame (m).
@@ -41,17 +46,18 @@ struct ArmPicture {
   std::vector<Eigen::Matrix3Xd> lines;
 };
 
-/// One result as its directory holds it. Files that are missing are empty; the
+/// One result as its directory holds it. Files that are missing are empty (no
+/// text, no source); the
 /// page then leaves out what they would show.
 struct ReportSource {
   std::string label;  ///< what the directory is called
   std::string title;
   std::string result_json;  ///< valid: LoadResultJson read it
   std::string report_text;  ///< for readers without scripts
-  std::string residuals_csv;
-  std::string heldout_csv;
-  std::string predicted_map_csv;
-  std::string influence_csv;
+  TextSource residuals_csv;
+  TextSource heldout_csv;
+  TextSource predicted_map_csv;
+  TextSource influence_csv;
   std::optional<ArmPicture> picture;
 };
 

@@ -5,16 +5,29 @@
 #include <string>
 #include <vector>
 
+#include "alidade/base/text_pieces.h"
 #include "alidade/results/job_result.h"
 #include "alidade/results/montecarlo_result.h"
 #include "alidade/results/noise_study.h"
 
 namespace alidade {
 
-/// A file of a result directory: its name and its whole content.
+/// A file of a result directory. Tables with a row for each observation are
+/// longer than all else that a result holds: they are made while they are
+/// written, piece by piece, from the result that they were asked for of, which
+/// must therefore stay where it is, unchanged, as long as the file is used.
+/// Which files do is said where they are made.
 struct ReportFile {
+  /// Of a text that is there.
+  ReportFile(std::string file_name, std::string text);
+  /// Of a text that is made each time it is asked for.
+  ReportFile(std::string file_name, TextSource source);
+
+  /// The whole content as one text.
+  std::string Text() const;
+
   std::string name;
-  std::string content;
+  TextSource content;  ///< gives the whole content, piece by piece
 };
 
 /// Text for people, each ending in a newline, at most 100 columns wide (a path
@@ -45,8 +58,10 @@ std::vector<ReportFile> MakePredictionFiles(
     const std::optional<PredictionCheck>& check);
 /// influence.csv (leverage and Cook's distance by pose), predicted_map.csv and
 /// .svg, residual_histogram.svg, heldout_z_scores.svg; those that there is
-/// something for.
+/// something for. influence.csv is made of `result` when it is written:
+/// ReportFile.
 std::vector<ReportFile> MakeUncertaintyFiles(const JobResult& result);
+std::vector<ReportFile> MakeUncertaintyFiles(const JobResult&&) = delete;
 /// What simulated calibrations showed: a table of the parameters, and in words
 /// what is left over the workspace.
 std::string FormatMonteCarlo(const MonteCarloResult& result);
@@ -62,7 +77,9 @@ std::string FormatReport(const JobResult& result);
 
 /// residuals.csv (training poses), heldout.csv (with validation poses),
 /// iterations.csv. Numbers read back to the same bits of the unit shown.
+/// The first two are made of `result` when they are written: ReportFile.
 std::vector<ReportFile> MakeCsvFiles(const JobResult& result);
+std::vector<ReportFile> MakeCsvFiles(const JobResult&&) = delete;
 /// error_before.svg, error_after.svg, convergence.svg, and, with validation
 /// poses, validation_before.svg, validation_after.svg.
 std::vector<ReportFile> MakeFigures(const JobResult& result);

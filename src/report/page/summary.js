@@ -10,6 +10,9 @@ function judged(result) {
       {set: accuracy.train, seen: true};
 }
 
+// A mean error of more than this part of what it was is no gain.
+const HARDLY_BETTER = 0.9;
+
 const isUsable =
     (solver) => ['converged', 'rounding_floor', 'iteration_limit'].includes(
         solver.status);
@@ -31,6 +34,7 @@ function verdictOf(result) {
     };
   }
   const worse = after.mean > before.mean;
+  const hardly = after.mean > HARDLY_BETTER * before.mean;
   const where = `at ${count(after.n, 'pose')} ` +
       (seen ? 'it was fitted to' : 'the fit has not seen');
   const sentence = worse ?
@@ -49,13 +53,15 @@ function verdictOf(result) {
     sentence: sentence + limits,
     seen,
     kind: worse || missed.length > 0 ? 'bad' :
-        doubtful                     ? 'warn' :
+        doubtful || hardly           ? 'warn' :
                                        'good',
     word: worse ? 'Worse than before' :
         missed.length > 0 ?
                   'Not accepted' :
                   (result.acceptance.length > 0 ? 'Accepted' : 'Usable') +
-            (doubtful ? ', with warnings' : '')
+            (hardly       ? ', hardly better than before' :
+                 doubtful ? ', with warnings' :
+                            '')
   };
 }
 
@@ -65,13 +71,31 @@ const nowOff = (result, after, show) =>
          `exact to rounding (${show(after.mean, 1)})` :
          show(after.mean) + ' off');
 
+// The mean length of noise in three coordinates of deviation 1: what a perfect
+// arm would show.
+const MEAN_OF_NOISE = Math.sqrt(8 / Math.PI);
+
+// How much of the error that is left the instrument alone would show.
+function noiseNote(entry) {
+  const {fit} = entry.result;
+  const table = entry.tables && entry.tables.residuals;
+  const arePositions = table && !table.columns.kind;
+  if (!arePositions || !(fit.sigma > 0)) return null;
+  const noise = MEAN_OF_NOISE * fit.sigma;
+  if (noise < 0.1 * judged(entry.result).set.after.mean) return null;
+  return note(
+      `Measuring noise alone, of ${length(fit.sigma)} in each coordinate, ` +
+      `would show ${length(noise)} in the mean: the arm itself is better ` +
+      'than what is left says.');
+}
+
 function firstScreen(entry) {
   const result = entry.result;
   const verdict = verdictOf(result);
   const numbers = h(
       'div', {}, h('div', {class: 'numbers', id: 'headline'}, headline(result)),
       accuracyTable(result, 'm'), accuracyTable(result, 'rad'),
-      acceptanceList(result, verdict),
+      acceptanceList(result, verdict), noiseNote(entry),
       result.accuracy.before_note &&
           note(
               'Before: ' +
