@@ -69,21 +69,37 @@ struct Outcome {
   double cost = 0.0;
 };
 
-// The median time of at least three runs, more of short ones.
-double MedianSeconds(const std::function<Outcome()>& solve, Outcome* outcome) {
+using Solve = std::function<Outcome()>;
+
+struct Timed {
+  Outcome outcome;
   std::vector<double> seconds;
-  double total = 0.0;
-  while (seconds.size() < 3 || (total < 1.0 && seconds.size() < 101)) {
-    const auto start = std::chrono::steady_clock::now();
-    *outcome = solve();
-    const std::chrono::duration<double> took =
-        std::chrono::steady_clock::now() - start;
-    seconds.push_back(took.count());
-    total += took.count();
+
+  double Median() {
+    const auto middle =
+        seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
+    std::nth_element(seconds.begin(), middle, seconds.end());
+    return *middle;
   }
-  std::nth_element(seconds.begin(), seconds.begin() + seconds.size() / 2,
-                   seconds.end());
-  return seconds[seconds.size() / 2];
+};
+
+// Each of the solves at least three times, more often where they are short, in
+// turn: what else the machine does then slows all of them alike.
+std::vector<Timed> TimeInTurn(const std::vector<Solve>& solves) {
+  const double enough = 1.5 * static_cast<double>(solves.size());  // s
+  std::vector<Timed> timed(solves.size());
+  double total = 0.0;
+  for (int run = 0; run < 3 || (total < enough && run < 301); ++run) {
+    for (std::size_t k = 0; k < solves.size(); ++k) {
+      const auto start = std::chrono::steady_clock::now();
+      timed[k].outcome = solves[k]();
+      const std::chrono::duration<double> took =
+          std::chrono::steady_clock::now() - start;
+      timed[k].seconds.push_back(took.count());
+      total += took.count();
+    }
+  }
+  return timed;
 }
 
 class Comparison {
@@ -97,14 +113,13 @@ class Comparison {
   void Run() const {
     const Eigen::Index poses = measured_.data.num_poses();
     if (poses <= 100000) {
-      Time("autodiff", 1, [&] { return Ceres(Evaluation::kAutodiff, 1); });
-      Time("analytic", 1, [&] { return Analytic(); });
-      Time("pseudo-inverse", 1, [&] { return PseudoInverse(); });
+      Time({{"autodiff", 1, [&] { return Ceres(Evaluation::kAutodiff, 1); }}});
+      Time({{"analytic", 1, [&] { return Analytic(); }}});
+      Time({{"pseudo-inverse", 1, [&] { return PseudoInverse(); }}});
     }
-    for (const int threads : {1, 2}) {
-      Time("compressed", threads,
-           [&] { return Ceres(Evaluation::kCompressed, threads); });
-    }
+    Time(
+        {{"compressed", 1, [&] { return Ceres(Evaluation::kCompressed, 1); }},
+         {"compressed", 2, [&] { return Ceres(Evaluation::kCompressed, 2); }}});
   }
 
   void Write(const std::string& directory) const {
@@ -126,13 +141,24 @@ class Comparison {
   }
 
  private:
-  void Time(const char* method, int threads,
-            const std::function<Outcome()>& solve) const {
-    Outcome outcome;
-    const double seconds = MedianSeconds(solve, &outcome);
-    std::printf("%s,%ld,%s,%d,%.6g,%d,%.12g\n", name_.c_str(),
-                static_cast<long>(measured_.data.num_poses()), method, threads,
-                seconds, outcome.iterations, outcome.cost);
+  struct Way {
+    const char* method;
+    int threads;
+    Solve solve;
+  };
+
+  // A line for each of them: the median of its times.
+  void Time(const std::vector<Way>& ways) const {
+    std::vector<Solve> solves;
+    for (const Way& way : ways) solves.push_back(way.solve);
+    std::vector<Timed> timed = TimeInTurn(solves);
+    for (std::size_t k = 0; k < ways.size(); ++k) {
+      const Outcome& outcome = timed[k].outcome;
+      std::printf("%s,%ld,%s,%d,%.6g,%d,%.12g\n", name_.c_str(),
+                  static_cast<long>(measured_.data.num_poses()), ways[k].method,
+                  ways[k].threads, timed[k].Median(), outcome.iterations,
+                  outcome.cost);
+    }
     std::fflush(stdout);
   }
 
