@@ -82,12 +82,12 @@ bool Take(std::size_t bytes) {
 // after the other. Only a hint.
 void AskForLargePages(double* first, std::size_t bytes) {
 #ifdef MADV_HUGEPAGE
-  constexpr std::uintptr_t kPage = 1 << 21;
-  const auto begin = reinterpret_cast<std::uintptr_t>(first);
-  const std::uintptr_t page = (begin + kPage - 1) / kPage * kPage;
-  if (page + kPage > begin + bytes) return;
-  (void)madvise(reinterpret_cast<void*>(page),
-                (begin + bytes - page) / kPage * kPage, MADV_HUGEPAGE);
+  constexpr std::size_t kPage = std::size_t{1} << 21;
+  const std::size_t before =
+      (kPage - reinterpret_cast<std::uintptr_t>(first) % kPage) % kPage;
+  if (before + kPage > bytes) return;
+  (void)madvise(reinterpret_cast<char*>(first) + before,
+                (bytes - before) / kPage * kPage, MADV_HUGEPAGE);
 #else
   (void)first;
   (void)bytes;

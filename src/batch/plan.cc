@@ -331,14 +331,14 @@ std::vector<ReportFile> RenderPlan(const PlanOutcome& outcome) {
       "seed: " + std::to_string(result.seed) +
           "; fill in what is measured, or take the joint values alone"};
   std::vector<ReportFile> files;
-  files.push_back(
-      {"poses.csv", FormatDataset(outcome.sheet, outcome.arm,
-                                  outcome.joint_decimals, false, comments)});
-  files.push_back({"plan.txt", FormatPlan(result)});
+  files.emplace_back("poses.csv",
+                     FormatDataset(outcome.sheet, outcome.arm,
+                                   outcome.joint_decimals, false, comments));
+  files.emplace_back("plan.txt", FormatPlan(result));
   for (ReportFile& file : MakePlanFiles(result)) {
     files.push_back(std::move(file));
   }
-  files.push_back({"plan.json", FormatPlanJson(result)});
+  files.emplace_back("plan.json", FormatPlanJson(result));
   return files;
 }
 

@@ -95,12 +95,12 @@ std::vector<ReportFile> RenderResult(const JobOutcome& outcome) {
   const JobResult& result = outcome.result;
   std::vector<ReportFile> files;
   files.push_back(RenderArm(outcome));
-  files.push_back({"report.txt", FormatReport(result)});
+  files.emplace_back("report.txt", FormatReport(result));
   Append(MakeCsvFiles(result), &files);
   Append(MakeFigures(result), &files);
   Append(MakeUncertaintyFiles(result), &files);
   Append(MakeIdentifiabilityFigures(result.identifiability), &files);
-  files.push_back({"result.json", FormatResultJson(result)});
+  files.emplace_back("result.json", FormatResultJson(result));
   return files;
 }
 

@@ -47,7 +47,7 @@ ExitStatus RunCompare(const CommandLine& line) {
   }
   std::cout << text;
   if (line.out.empty()) return kExitDone;
-  files.push_back({"comparison.txt", text});
+  files.emplace_back("comparison.txt", text);
   std::cout << "\nResults\n";
   for (const std::string& written : WriteResultDirectory(line.out, files)) {
     std::cout << "  " << written << "\n";

@@ -79,7 +79,8 @@ void Tiles::AppendGroup(const Group& group) {
 // Whether the sigmas of all observations are the same; of a few, no matter.
 bool Tiles::HasOneSigma(const Group& group) const {
   const ObservationBlock& block = data_.blocks[group.block];
-  if (group.size < 2 * kTile || !block.whiteners.empty()) return false;
+  if (group.size < Eigen::Index{2} * kTile || !block.whiteners.empty())
+    return false;
   const LargeMatrix& sigmas = block.sigmas;
   if (orders_[group.block].empty()) {
     return HaveOneSigma(block, group.first, group.size);
@@ -92,7 +93,7 @@ bool Tiles::HasOneSigma(const Group& group) const {
 }
 
 void Tiles::ShareSigmas(Group* group) {
-  const std::size_t size = RowsOf(data_.blocks[group->block].kind) * kTile;
+  const std::size_t size = IndexOf(RowsOf(data_.blocks[group->block].kind), 0);
   shared_sigmas_.push_back(AllocateDoubles(2 * size));
   double* const shared = shared_sigmas_.back().get();
   FillSigmas(*group, 0, kTile, shared);

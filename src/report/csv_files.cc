@@ -159,11 +159,11 @@ std::string FormatIterations(const std::vector<SolverRun>& runs) {
 
 std::vector<ReportFile> MakeCsvFiles(const JobResult& result) {
   std::vector<ReportFile> files;
-  files.push_back({"residuals.csv", FormatObservations(result.train)});
+  files.emplace_back("residuals.csv", FormatObservations(result.train));
   if (result.heldout) {
-    files.push_back({"heldout.csv", FormatObservations(*result.heldout)});
+    files.emplace_back("heldout.csv", FormatObservations(*result.heldout));
   }
-  files.push_back({"iterations.csv", FormatIterations(result.runs)});
+  files.emplace_back("iterations.csv", FormatIterations(result.runs));
   return files;
 }
 

@@ -83,8 +83,9 @@ LineChart PoseChart(const std::string& title, const Accuracy& accuracy,
 
 bool LiesInHorizontalPlane(const EvaluatedSet& set) {
   if (set.positions.cols() < 3 || set.positions.cols() > kMostDrawn ||
-      !set.positions.allFinite())
+      !set.positions.allFinite()) {
     return false;
+  }
   const Eigen::Vector3d extent =
       set.positions.rowwise().maxCoeff() - set.positions.rowwise().minCoeff();
   return extent.z() < kFlat * extent.head<2>().maxCoeff();
@@ -167,23 +168,23 @@ std::string ConvergenceFigure(const std::vector<SolverRun>& runs) {
 std::vector<ReportFile> MakeFigures(const JobResult& result) {
   const EvaluatedSet& train = result.train;
   std::vector<ReportFile> files;
-  files.push_back({"error_before.svg",
-                   RenderSvg(PoseChart(
-                       "Position error before calibration, training poses",
-                       train.before, train.ErrorBefore(), "training pose"))});
-  files.push_back(
-      {"error_after.svg",
-       RenderSvg(PoseChart("Position error after calibration, training poses",
-                           train.after, train.ErrorAfter(), "training pose"))});
-  files.push_back({"convergence.svg", ConvergenceFigure(result.runs)});
+  files.emplace_back(
+      "error_before.svg",
+      RenderSvg(PoseChart("Position error before calibration, training poses",
+                          train.before, train.ErrorBefore(), "training pose")));
+  files.emplace_back(
+      "error_after.svg",
+      RenderSvg(PoseChart("Position error after calibration, training poses",
+                          train.after, train.ErrorAfter(), "training pose")));
+  files.emplace_back("convergence.svg", ConvergenceFigure(result.runs));
   if (result.heldout) {
     const EvaluatedSet& heldout = *result.heldout;
-    files.push_back({"validation_before.svg",
-                     ValidationFigure("before calibration", heldout.before,
-                                      heldout, heldout.ErrorBefore())});
-    files.push_back({"validation_after.svg",
-                     ValidationFigure("after calibration", heldout.after,
-                                      heldout, heldout.ErrorAfter())});
+    files.emplace_back("validation_before.svg",
+                       ValidationFigure("before calibration", heldout.before,
+                                        heldout, heldout.ErrorBefore()));
+    files.emplace_back("validation_after.svg",
+                       ValidationFigure("after calibration", heldout.after,
+                                        heldout, heldout.ErrorAfter()));
   }
   return files;
 }

@@ -189,7 +189,7 @@ std::vector<ReportFile> MakeIdentifiabilityFigures(
   std::vector<ReportFile> files = {
       {"singular_values.svg", SingularValuesChart(result)}};
   if (!result.relations.empty()) {
-    files.push_back({"relations.svg", RelationMatrix(result).Render()});
+    files.emplace_back("relations.svg", RelationMatrix(result).Render());
   }
   return files;
 }

@@ -41,14 +41,12 @@ class CsvVisitor {
       return;
     }
     closed_ = false;
-    if (quoted_) {
-      cell += c;
-    } else if (c == ',') {
+    if (!quoted_ && c == ',') {
       if (count_ == cells_.size()) cells_.emplace_back();
       cells_[count_++].clear();
-    } else if (c == '\n') {
+    } else if (!quoted_ && c == '\n') {
       EndLine();
-    } else if (c != '\r') {
+    } else if (quoted_ || c != '\r') {
       cell += c;
     }
   }

@@ -308,10 +308,10 @@ std::vector<ReportFile> MakePredictionFiles(
       {"predicted_map.csv", MapCsv(map, joints)},
       {"predicted_map.svg", RenderSvg(SideView(map))}};
   if (!check) return files;
-  files.push_back({"z_scores.svg", RenderSvg(HistogramChart(
-                                       "Errors over their predicted standard "
-                                       "deviations",
-                                       check->histogram))});
+  files.emplace_back("z_scores.svg", RenderSvg(HistogramChart(
+                                         "Errors over their predicted standard "
+                                         "deviations",
+                                         check->histogram)));
   return files;
 }
 
@@ -320,25 +320,26 @@ std::vector<ReportFile> MakeUncertaintyFiles(const JobResult& result) {
   if (!result.uncertainty) return files;
   const UncertaintyResult& uncertainty = *result.uncertainty;
   if (!uncertainty.residuals.poses.empty()) {
-    files.push_back(
-        {"influence.csv", InfluenceCsv(uncertainty.residuals.poses)});
+    files.emplace_back("influence.csv",
+                       InfluenceCsv(uncertainty.residuals.poses));
   }
-  files.push_back({"residual_histogram.svg",
-                   RenderSvg(HistogramChart("Residuals over their own sigmas",
-                                            uncertainty.residuals.histogram))});
+  files.emplace_back(
+      "residual_histogram.svg",
+      RenderSvg(HistogramChart("Residuals over their own sigmas",
+                               uncertainty.residuals.histogram)));
   if (uncertainty.workspace) {
-    files.push_back(
-        {"predicted_map.csv",
-         MapCsv(*uncertainty.workspace, result.train.joint_dimensions)});
-    files.push_back(
-        {"predicted_map.svg", RenderSvg(SideView(*uncertainty.workspace))});
+    files.emplace_back(
+        "predicted_map.csv",
+        MapCsv(*uncertainty.workspace, result.train.joint_dimensions));
+    files.emplace_back("predicted_map.svg",
+                       RenderSvg(SideView(*uncertainty.workspace)));
   }
   if (uncertainty.heldout) {
-    files.push_back(
-        {"heldout_z_scores.svg",
-         RenderSvg(HistogramChart(
-             "Held-out errors over their predicted standard deviations",
-             uncertainty.heldout->histogram))});
+    files.emplace_back(
+        "heldout_z_scores.svg",
+        RenderSvg(HistogramChart(
+            "Held-out errors over their predicted standard deviations",
+            uncertainty.heldout->histogram)));
   }
   return files;
 }
