@@ -26,17 +26,33 @@ constexpr std::size_t kAlignment = 64;
 // What is smaller is not counted: it would cost more than it tells.
 constexpr std::size_t kFewestCounted = std::size_t{1} << 20;
 
-// The least limit of the control group and of those above it (version 2).
+// The number in a file; what says "max" or is not there sets no limit.
+std::size_t LimitIn(const std::string& path) {
+  std::ifstream file(path);
+  std::size_t limit = 0;
+  return file >> limit ? limit : kUnlimited;
+}
+
+// The least limit of the control group and of those above it, of version 2
+// ("0::/path") or 1 ("4:memory:/path").
 std::size_t GroupLimit() {
   std::ifstream groups("/proc/self/cgroup");
   std::size_t least = kUnlimited;
   for (std::string line; std::getline(groups, line);) {
-    if (line.rfind("0::/", 0) != 0) continue;
-    for (std::string path = line.substr(3); !path.empty();
-         path.resize(path.rfind('/'))) {
-      std::ifstream file("/sys/fs/cgroup" + path + "/memory.max");
-      std::size_t limit = 0;
-      if (file >> limit) least = std::min(least, limit);
+    const std::size_t first = line.find(':');
+    const std::size_t second = line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string controllers = line.substr(first + 1, second - first - 1);
+    const bool is_second = controllers.empty();
+    if (!is_second && controllers.find("memory") == std::string::npos) continue;
+    const std::string root = is_second ? "" : "/memory";
+    const std::string name =
+        is_second ? "/memory.max" : "/memory.limit_in_bytes";
+    std::string path = line.substr(second + 1);
+    while (true) {
+      least = std::min(least, LimitIn("/sys/fs/cgroup" + root + path + name));
+      if (path.empty()) break;
+      path.resize(path.rfind('/') == std::string::npos ? 0 : path.rfind('/'));
     }
   }
   return least;
@@ -126,7 +142,9 @@ double* MapTemporary(std::size_t bytes) {
   void* first = MAP_FAILED;
   if (error == 0) {
     // Room that is not there is told here, not by a signal when it is needed.
-    error = posix_fallocate(file, 0, static_cast<off_t>(bytes));
+    do {
+      error = posix_fallocate(file, 0, static_cast<off_t>(bytes));
+    } while (error == EINTR);
     if (error == 0) {
       first = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
       if (first == MAP_FAILED) error = errno;

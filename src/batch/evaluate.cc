@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -324,13 +323,22 @@ RepeatSpread MeasureRepeats(const Dataset& data) {
   RepeatSpread spread;
   for (const ObservationBlock& block : poses.blocks) {
     if (!HoldsPosition(block.kind)) continue;
-    std::map<std::pair<int, int>, std::vector<Eigen::Index>> repeats;
+    const auto key = [&](Eigen::Index i) {
+      return std::make_pair(groups[block.pose(i)], block.target(i));
+    };
+    std::vector<Eigen::Index> full;
     for (Eigen::Index i = 0; i < block.size(); ++i) {
-      if (block.Dimension(i) != block.rows_each()) continue;
-      repeats[{groups[block.pose(i)], block.target(i)}].push_back(i);
+      if (block.Dimension(i) == block.rows_each()) full.push_back(i);
     }
-    for (const auto& [where, observations] : repeats) {
-      AddSpread(block, observations, &spread);
+    std::sort(full.begin(), full.end(), [&](Eigen::Index a, Eigen::Index b) {
+      return std::make_pair(key(a), a) < std::make_pair(key(b), b);
+    });
+    for (auto first = full.begin(); first != full.end();) {
+      const auto end = std::find_if(first, full.end(), [&](Eigen::Index i) {
+        return key(i) != key(*first);
+      });
+      AddSpread(block, {first, end}, &spread);
+      first = end;
     }
   }
   const auto root = [](double squares, std::int64_t freedom) {

@@ -10,6 +10,7 @@
 
 #include "alidade/measurement/merge.h"
 #include "src/io/names.h"
+#include "src/io/read_options.h"
 #include "src/io/shared_data.h"
 #include "src/io/simulation_section.h"
 
@@ -198,6 +199,9 @@ LoadedData Merge(std::vector<LoadedData> parts, int num_joints) {
                         part.rejected.end());
     data.push_back(std::move(part.data));
   }
+  std::int64_t num_poses = 0;
+  for (const Dataset& part : data) num_poses += part.num_poses();
+  RequireFewRows(data.back().name, num_poses);
   all.data = MergeDatasets(std::move(data));
   return all;
 }

@@ -217,30 +217,34 @@ class RecordsInPlace {
     const int n = layout_.num_joints();
     const std::optional<LargeMatrix> joints = Columns(0, n);
     const std::optional<LargeMatrix> positions = Columns(slots.position, 3);
-    std::optional<LargeMatrix> sigmas =
-        LargeMatrix::Repeated(layout_.DefaultSigmas(), records_.num_rows());
-    if (layout_.states_sigmas) sigmas = Columns(slots.position_sigma, 3);
+    const std::optional<LargeMatrix> stated =
+        layout_.states_sigmas ? Columns(slots.position_sigma, 3)
+                              : LargeMatrix();
     const bool is_as_it_stands =
         IsAligned() && layout_.kind() == MeasurementKind::kPosition &&
         !layout_.has_target && layout_.target == 0 && !layout_.has_set &&
-        !HasMotorMap(arm) && joints && positions && sigmas;
+        !HasMotorMap(arm) && joints && positions && stated;
     if (!is_as_it_stands) return std::nullopt;
+    const LargeMatrix sigmas =
+        layout_.states_sigmas ? *stated
+                              : LargeMatrix::Repeated(layout_.DefaultSigmas(),
+                                                      records_.num_rows());
     std::atomic<bool> is_in_doubt{false};
-    ParallelFor(options.num_threads, records_.num_rows(), kRowsAtOnce,
-                [&](std::int64_t begin, std::int64_t end) {
-                  const auto rows = [&](const LargeMatrix& all) {
-                    return all.middleCols(begin, end - begin).array();
-                  };
-                  if (!(rows(*joints).isFinite().all() &&
-                        rows(*positions).isFinite().all() &&
-                        rows(*sigmas).isFinite().all() &&
-                        (rows(*sigmas) > 0.0).all())) {
-                    is_in_doubt = true;
-                  }
-                });
+    ParallelFor(
+        options.num_threads, records_.num_rows(), kRowsAtOnce,
+        [&](std::int64_t begin, std::int64_t end) {
+          const auto rows = [&](const LargeMatrix& all) {
+            return all.middleCols(begin, end - begin).array();
+          };
+          if (!(rows(*joints).isFinite().all() &&
+                rows(*positions).isFinite().all() &&
+                rows(sigmas).isFinite().all() && (rows(sigmas) > 0.0).all())) {
+            is_in_doubt = true;
+          }
+        });
     if (is_in_doubt) return std::nullopt;
     LoadedData loaded;
-    loaded.data = MakePositions(*joints, *positions, *sigmas);
+    loaded.data = MakePositions(*joints, *positions, sigmas);
     loaded.data.name = file_->path();
     loaded.data.files = {file_->path()};
     loaded.data.sources.Append({0, 1},
@@ -311,6 +315,7 @@ LoadedData Read(const DataFile& file,
                 const std::shared_ptr<const MappedFile>& mapped,
                 References* references, const ReadOptions& options) {
   const Records records(file.path, mapped->text());
+  RequireFewRows(file.path, records.num_rows());
   const DatasetReader header(MappedFile(file.path, records.HeaderLine()),
                              file.arm, file.format, references);
   RefuseTexts(header.rows(), file);

@@ -146,6 +146,7 @@ std::optional<LoadedData> ReadPlainCsv(const RowReader& rows,
     num_lines += chunk.num_lines;
   }
   if (num_rows == 0) return std::nullopt;
+  RequireFewRows(rows.path(), num_rows);
   PlainRows plain(layout, num_rows);
   plain.KeepLines();
   std::atomic<bool> is_in_doubt{false};

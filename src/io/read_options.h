@@ -2,8 +2,24 @@
 #define ALIDADE_SRC_IO_READ_OPTIONS_H_
 
 #include <cstdint>
+#include <limits>
+#include <string>
+
+#include "alidade/base/error.h"
 
 namespace alidade {
+
+/// Poses that a data set may have: they are numbered by int.
+inline constexpr std::int64_t kMostRows = std::numeric_limits<int>::max() - 1;
+
+/// Refuses more. @throws InputError naming `path`.
+inline void RequireFewRows(const std::string& path, std::int64_t rows) {
+  if (rows <= kMostRows) return;
+  throw InputError({path, 0, 0, ""},
+                   std::to_string(rows) + " poses, expected at most " +
+                       std::to_string(kMostRows) +
+                       ": make it several jobs, or leave poses out");
+}
 
 /// How a data set is read. No option changes what comes out.
 struct ReadOptions {

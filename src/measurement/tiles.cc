@@ -79,8 +79,10 @@ void Tiles::AppendGroup(const Group& group) {
 // Whether the sigmas of all observations are the same; of a few, no matter.
 bool Tiles::HasOneSigma(const Group& group) const {
   const ObservationBlock& block = data_.blocks[group.block];
-  if (group.size < Eigen::Index{2} * kTile || !block.whiteners.empty())
+  if (scale_ == RowScale::kUnit || group.size < Eigen::Index{2} * kTile ||
+      !block.whiteners.empty()) {
     return false;
+  }
   const LargeMatrix& sigmas = block.sigmas;
   if (orders_[group.block].empty()) {
     return HaveOneSigma(block, group.first, group.size);

@@ -2,6 +2,7 @@
 #define ALIDADE_BASE_LARGE_MATRIX_H_
 
 #include <Eigen/Core>
+#include <atomic>
 #include <cstddef>
 #include <memory>
 #include <new>
@@ -58,7 +59,8 @@ class Large
     return *this;
   }
   Large& operator=(Large&& other) noexcept {
-    Swap(&other);
+    Large taken(std::move(other));
+    Swap(&taken);  // so that what was here is freed
     return *this;
   }
   Large& operator=(Plain matrix) {
@@ -78,6 +80,8 @@ class Large
   /// resized or copied.
   Editable edit() {
     const bool is_shared = !is_own_ || first_.use_count() > 1;
+    // What others read before they let go of it comes before what is written.
+    std::atomic_thread_fence(std::memory_order_acquire);
     if (is_shared && this->size() > 0) {
       const std::shared_ptr<double> own = AllocateLarge(Count());
       Editable(own.get(), this->rows(), this->cols()) = *this;
