@@ -339,10 +339,7 @@ class JobRunner {
     Assess(fit);
     result().acceptance = CheckAcceptance(config_.acceptance, result());
     outcome_.status = JobStatus::kDone;
-    const Accuracy heldout = HeldOutErrorsOf(result()).lengths;
-    const bool is_stopped =
-        result().runs.front().summary.status == SolverStatus::kIterationLimit;
-    if (is_stopped && heldout.rms > result().train.before.rms) {
+    if (IsStoppedAndWorse()) {
       outcome_.status = JobStatus::kFailed;
       outcome_.message =
           "the solver was stopped by the number of iterations, and the poses "
@@ -355,6 +352,16 @@ class JobRunner {
       outcome_.status = JobStatus::kMissedLimits;
       outcome_.message = "acceptance limits missed: " + Missed(result());
     }
+  }
+
+  // No minimum was reached, and where it stopped is no better elsewhere.
+  bool IsStoppedAndWorse() {
+    // Every pose is held out of one fold: before, folds are the training poses.
+    const Accuracy& before =
+        result().heldout ? result().heldout->before : result().train.before;
+    return result().runs.front().summary.status ==
+               SolverStatus::kIterationLimit &&
+           HeldOutErrorsOf(result()).lengths.rms > before.rms;
   }
 
   void Warn(const std::string& warning) {

@@ -576,6 +576,22 @@ TEST(DoubtTest, LostTargetsAndTheWorstMeasurementAreNamed) {
       IsWarnedOf(spoilt, "tracker.csv:5: the measurement that fits worst is"));
 }
 
+// One wrong position in 42: the solver wanders until it is stopped, and what it
+// ends with is further off elsewhere.
+TEST(DoubtTest, StoppedAndWorseThanBeforeIsAFailure) {
+  const Arm real = RealArm();
+  const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
+  JobConfig job = JobOf(Bench(real, q).Positions(0).data());
+  EXPECT_EQ(RunJob(job, "test", 1).status, JobStatus::kDone);
+  job.data.positions().edit().col(3).setZero();
+  const JobOutcome outcome = RunJob(job, "test", 1);
+  EXPECT_EQ(outcome.result.runs[0].summary.status,
+            SolverStatus::kIterationLimit);
+  EXPECT_EQ(outcome.status, JobStatus::kFailed);
+  EXPECT_NE(outcome.message.find("further off than before"), std::string::npos)
+      << outcome.message;
+}
+
 TEST(DoubtTest, OrientationsInAnotherConventionAreRefused) {
   const Arm real = RealArm();
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);

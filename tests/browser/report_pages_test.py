@@ -279,6 +279,27 @@ class Pages(unittest.TestCase):
                          "'#histogram .bar').getAttribute('d').split('z').length"))
         self.assertEqual("7", self.table("influence")[0][0][0])
 
+    def test_noise_and_hardly_any_gain_are_told(self):
+        def page(name, sigma, estimated, before, after):
+            def change(result):
+                result["fit"].update(sigma=sigma, estimated_sigma=estimated)
+                result["warnings"] = []
+                heldout = result["accuracy"]["heldout"]
+                heldout["before"]["mean"] = before
+                heldout["after"]["mean"] = heldout["after"]["max"] = after
+            run_alidade("report", copy_result(self.study, WORK / name, change))
+            self.open(WORK / name / "report.html")
+            return self.text("#summary")
+        # Noise of 0.02 mm in three coordinates is sqrt(8 / pi) times as long.
+        noise = "would show 0.0319\u00a0mm in the mean"
+        good = page("noisy", 2e-5, 0.0, 5e-3, 4e-5)
+        self.assertIn(noise, good)
+        self.assertNotIn("hardly", good)
+        self.assertNotIn("would show", page("estimated", 2e-5, 2e-5, 5e-3, 4e-5))
+        self.assertNotIn("would show", page("exact", 2e-5, 0.0, 5e-3, 1e-9))
+        self.assertIn("hardly better than before",
+                      page("hardly", 2e-5, 0.0, 5e-3, 4.6e-3))
+
     def test_markup_in_names_stays_text(self):
         self.open(self.hostile / "report.html")
         self.assertEqual(HOSTILE + " – Alidade", self.js("document.title"))

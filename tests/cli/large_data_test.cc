@@ -1,5 +1,6 @@
 // Data that do not fit into the memory that the program may take: the same
-// files, from arrays that stay where they are and from temporary ones.
+// files, from arrays that lie in temporary ones. (Arrays that stay in the file
+// of the data are larger than a test should be: tests/batch/in_place_test.cc.)
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -46,8 +47,8 @@ class LargeDataTest : public ::testing::Test {
   // `before` stands before the program in the shell's line.
   ProcessResult Alidade(const std::string& arguments,
                         const std::string& before = "") {
-    return testing::RunProcess("cd " + directory_.path().string() + " && " +
-                               before + " " + ALIDADE_BINARY + " " + arguments);
+    return testing::RunIn(directory_.path(),
+                          before + " " + ALIDADE_BINARY + " " + arguments);
   }
 
   void ExpectSameResults(const std::string& a, const std::string& b) {

@@ -36,9 +36,9 @@ TEST_P(MessageTest, SaysWhatIsWrongAndWhatToDo) {
   const Slip& slip = GetParam();
   const TemporaryDirectory directory;
   WriteWhole(directory / slip.file, slip.text);
-  const ProcessResult result = testing::RunProcess(
-      "cd " + directory.path().string() + " && " + ALIDADE_BINARY + " " +
-      slip.command + " " + slip.file);
+  const ProcessResult result =
+      testing::RunIn(directory.path(), std::string(ALIDADE_BINARY) + " " +
+                                           slip.command + " " + slip.file);
   EXPECT_EQ(result.status, 2);
   EXPECT_THAT(result.err, HasSubstr(slip.message));
 }

@@ -77,9 +77,9 @@ class MpiTest : public ::testing::Test {
   ProcessResult Calibrate(const std::string& launcher,
                           const std::string& directory) const {
     fs::create_directories(scratch_ / directory);
-    return testing::RunProcess("cd " + (scratch_ / directory) + " && " +
-                               launcher + ALIDADE_BINARY + " calibrate " +
-                               (scratch_ / "job.yaml") + " --out=result");
+    return testing::RunIn(scratch_ / directory,
+                          launcher + ALIDADE_BINARY + " calibrate " +
+                              (scratch_ / "job.yaml") + " --out=result");
   }
 
   std::string ResultFile(const std::string& directory,

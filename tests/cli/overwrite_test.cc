@@ -57,8 +57,8 @@ class OverwriteTest : public ::testing::Test {
   }
 
   ProcessResult Alidade(const std::string& arguments) const {
-    return testing::RunProcess("cd " + directory_.path().string() + " && " +
-                               ALIDADE_BINARY + " " + arguments);
+    return testing::RunIn(directory_.path(),
+                          std::string(ALIDADE_BINARY) + " " + arguments);
   }
   void Run(const std::string& arguments) const {
     const ProcessResult result = Alidade(arguments);

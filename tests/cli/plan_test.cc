@@ -46,8 +46,8 @@ class PlanCommandTest : public ::testing::Test {
   }
 
   ProcessResult Alidade(const std::string& arguments) {
-    return testing::RunProcess("cd " + directory_.path().string() + " && " +
-                               ALIDADE_BINARY + " " + arguments);
+    return testing::RunIn(directory_.path(),
+                          std::string(ALIDADE_BINARY) + " " + arguments);
   }
 
   nlohmann::json Json(const std::string& name) {

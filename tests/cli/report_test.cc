@@ -26,8 +26,8 @@ const std::string kSource = ALIDADE_SOURCE_DIR;
 class ReportTest : public ::testing::Test {
  protected:
   ProcessResult Alidade(const std::string& arguments) {
-    return testing::RunProcess("cd " + directory_.path().string() + " && " +
-                               ALIDADE_BINARY + " " + arguments);
+    return testing::RunIn(directory_.path(),
+                          std::string(ALIDADE_BINARY) + " " + arguments);
   }
 
   void Calibrate(const std::string& flags) {

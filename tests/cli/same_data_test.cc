@@ -43,8 +43,8 @@ class SameDataTest : public ::testing::Test {
   }
 
   ProcessResult Alidade(const std::string& arguments) const {
-    return testing::RunProcess("cd " + directory_.path().string() + " && " +
-                               ALIDADE_BINARY + " " + arguments);
+    return testing::RunIn(directory_.path(),
+                          std::string(ALIDADE_BINARY) + " " + arguments);
   }
 
   ProcessResult Calibrate(const std::string& data,

@@ -67,6 +67,12 @@ inline ProcessResult RunProcess(const std::string& command) {
   return result;
 }
 
+/// The same in a directory.
+inline ProcessResult RunIn(const std::filesystem::path& directory,
+                           const std::string& command) {
+  return RunProcess("cd " + directory.string() + " && " + command);
+}
+
 }  // namespace alidade::testing
 
 #endif  // ALIDADE_TESTS_SUPPORT_PROCESS_H_

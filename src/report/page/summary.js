@@ -75,14 +75,17 @@ const nowOff = (result, after, show) =>
 // arm would show.
 const MEAN_OF_NOISE = Math.sqrt(8 / Math.PI);
 
-// How much of the error that is left the instrument alone would show.
+// How much of the error that is left the instrument alone would show. A sigma
+// that comes from the residuals says nothing of it, and one that they are far
+// from is wrong.
 function noiseNote(entry) {
   const {fit} = entry.result;
   const table = entry.tables && entry.tables.residuals;
   const arePositions = table && !table.columns.kind;
-  if (!arePositions || !(fit.sigma > 0)) return null;
+  if (!arePositions || !(fit.sigma > 0) || fit.estimated_sigma > 0) return null;
   const noise = MEAN_OF_NOISE * fit.sigma;
-  if (noise < 0.1 * judged(entry.result).set.after.mean) return null;
+  const left = judged(entry.result).set.after.mean;
+  if (noise < 0.1 * left || noise > 1.5 * left) return null;
   return note(
       `Measuring noise alone, of ${length(fit.sigma)} in each coordinate, ` +
       `would show ${length(noise)} in the mean: the arm itself is better ` +
