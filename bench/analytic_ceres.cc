@@ -8,9 +8,9 @@
 #include <memory>
 #include <vector>
 
-#include "alidade/model/chain_axes.h"
+#include "src/model/chain_axes.h"
 
-namespace alidade::bench {
+namespace alidade::internal::bench {
 namespace {
 
 // What all residuals of a problem use, one after the other: Ceres has one
@@ -163,4 +163,4 @@ double SolveAnalytic(const CalibrationProblem& problem,
   return 2.0 * summary.final_cost;
 }
 
-}  // namespace alidade::bench
+}  // namespace alidade::internal::bench

@@ -3,9 +3,9 @@
 
 #include <Eigen/Core>
 
-#include "alidade/solve/solver.h"
+#include "src/solve/solver.h"
 
-namespace alidade::bench {
+namespace alidade::internal::bench {
 
 /// What a good engineer writes without Alidade: Ceres over one residual block
 /// for each pose, with derivatives in closed form from the axes of the chain,
@@ -16,6 +16,6 @@ double SolveAnalytic(const CalibrationProblem& problem,
                      const SolverOptions& options, Eigen::VectorXd* values,
                      int* iterations);
 
-}  // namespace alidade::bench
+}  // namespace alidade::internal::bench
 
 #endif  // ALIDADE_BENCH_ANALYTIC_CERES_H_

@@ -11,15 +11,15 @@
 #include <filesystem>
 #include <string>
 
-#include "alidade/base/random.h"
-#include "alidade/base/units.h"
-#include "alidade/io/dataset_csv.h"
-#include "alidade/io/dataset_npy.h"
-#include "alidade/io/files.h"
-#include "src/io/load_data.h"
-#include "src/io/numbers.h"
+#include "alidade/random.h"
+#include "alidade/units.h"
+#include "src/common/files.h"
+#include "src/common/numbers.h"
+#include "src/dataio/dataset_csv.h"
+#include "src/dataio/dataset_npy.h"
+#include "src/dataio/load_data.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr int kPoses = 400000;
@@ -120,6 +120,6 @@ BENCHMARK_CAPTURE(Write, csv_all_digits, Text::kLongCsv)->UseRealTime();
 BENCHMARK_CAPTURE(Write, npy, Text::kNpy)->UseRealTime();
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal
 
 BENCHMARK_MAIN();

@@ -10,14 +10,14 @@
 #include <string>
 #include <vector>
 
-#include "alidade/base/error.h"
-#include "alidade/batch/report_page.h"
-#include "alidade/batch/result_directory.h"
-#include "alidade/io/files.h"
+#include "alidade/error.h"
 #include "bench/study_main.h"
 #include "bench/ur_factory_arms.h"
+#include "src/common/files.h"
+#include "src/job/report_page.h"
+#include "src/job/result_directory.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr int kPoses = 60;
@@ -89,7 +89,7 @@ bool Run(const std::vector<std::string>& arguments) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal
 
 int main(int argc, char** argv) {
   return alidade::bench::StudyMain(argc, argv, "fleet DATA_DIRECTORY OUT",

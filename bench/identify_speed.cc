@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "alidade/base/units.h"
-#include "alidade/identifiability/analysis.h"
-#include "alidade/io/job_file.h"
-#include "alidade/model/joint_draw.h"
+#include "alidade/units.h"
 #include "bench/study_main.h"
+#include "src/identifiability/analysis.h"
+#include "src/model/joint_draw.h"
+#include "src/serialization/job_file.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 double MedianTime(const MeasurementModel& model, const Dataset& data,
@@ -84,7 +84,7 @@ bool Run(const std::vector<std::string>& arguments) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal
 
 int main(int argc, char** argv) {
   return alidade::bench::StudyMain(

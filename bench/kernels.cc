@@ -9,18 +9,18 @@
 #include <string>
 #include <vector>
 
-#include "alidade/io/arm_file.h"
-#include "alidade/measurement/compression.h"
-#include "alidade/model/joint_draw.h"
+#include "alidade/arm_file.h"
 #include "bench/study_columns.h"
-#include "src/measurement/aligned.h"
-#include "src/measurement/kernel.h"
-#include "src/measurement/lane_factor.h"
-#include "src/measurement/sine.h"
-#include "src/measurement/tile_rows.h"
-#include "src/measurement/tiles.h"
+#include "src/kernel/aligned.h"
+#include "src/kernel/compression.h"
+#include "src/kernel/kernel.h"
+#include "src/kernel/lane_factor.h"
+#include "src/kernel/sine.h"
+#include "src/kernel/tile_rows.h"
+#include "src/kernel/tiles.h"
+#include "src/model/joint_draw.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 struct Problem {
@@ -167,7 +167,7 @@ BENCHMARK_CAPTURE(Compress, gram, Factorization::kGram)
 BENCHMARK(Summarize)->Arg(56)->Arg(1000)->Arg(10000)->Arg(100000)->Arg(1000000);
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal
 
 // With --without-avx512, given first, as on a machine that has AVX2 at most.
 int main(int argc, char** argv) {

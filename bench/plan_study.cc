@@ -19,24 +19,25 @@
 #include <string>
 #include <vector>
 
-#include "alidade/base/error.h"
-#include "alidade/base/random.h"
-#include "alidade/base/units.h"
-#include "alidade/batch/job.h"
-#include "alidade/batch/plan.h"
-#include "alidade/design/candidates.h"
-#include "alidade/design/exchange.h"
-#include "alidade/identifiability/analysis.h"
-#include "alidade/identifiability/rules.h"
-#include "alidade/io/dataset_csv.h"
-#include "alidade/io/files.h"
-#include "alidade/io/job_file.h"
-#include "alidade/io/plan_config.h"
-#include "alidade/measurement/holdout.h"
-#include "alidade/report/svg_chart.h"
+#include "alidade/error.h"
+#include "alidade/random.h"
+#include "alidade/units.h"
 #include "bench/study_main.h"
+#include "src/calibration/job.h"
+#include "src/common/files.h"
+#include "src/dataio/dataset_csv.h"
+#include "src/identifiability/analysis.h"
+#include "src/identifiability/rules.h"
+#include "src/kernel/holdout.h"
+#include "src/planning/candidates.h"
+#include "src/planning/exchange.h"
+#include "src/planning/plan.h"
+#include "src/planning/plan_config.h"
+#include "src/report/svg_chart.h"
+#include "src/serialization/job_file.h"
+#include "src/serialization/plan_file.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr int kThreads = 2;
@@ -393,7 +394,7 @@ bool Run(const std::vector<std::string>& arguments) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal
 
 int main(int argc, char** argv) {
   return alidade::bench::StudyMain(

@@ -20,16 +20,16 @@
 #include <string>
 #include <vector>
 
-#include "alidade/base/error.h"
-#include "alidade/base/units.h"
-#include "alidade/batch/job.h"
-#include "alidade/io/files.h"
-#include "alidade/io/job_file.h"
-#include "alidade/measurement/holdout.h"
-#include "alidade/report/svg_chart.h"
+#include "alidade/error.h"
+#include "alidade/units.h"
 #include "bench/study_main.h"
+#include "src/calibration/job.h"
+#include "src/common/files.h"
+#include "src/kernel/holdout.h"
+#include "src/report/svg_chart.h"
+#include "src/serialization/job_file.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr int kSeeds = 10;  // 1 to 10
@@ -287,7 +287,7 @@ bool Run(const std::vector<std::string>& arguments) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal
 
 int main(int argc, char** argv) {
   return alidade::bench::StudyMain(

@@ -11,15 +11,15 @@
 #include <new>
 #include <vector>
 
-#include "alidade/base/random.h"
-#include "alidade/base/units.h"
-#include "alidade/batch/repeated_calibration.h"
-#include "alidade/identifiability/analysis.h"
-#include "alidade/io/arm_file.h"
-#include "alidade/measurement/compression.h"
-#include "alidade/model/joint_draw.h"
-#include "alidade/solve/solver.h"
+#include "alidade/arm_file.h"
+#include "alidade/random.h"
+#include "alidade/units.h"
 #include "bench/study_columns.h"
+#include "src/identifiability/analysis.h"
+#include "src/kernel/compression.h"
+#include "src/model/joint_draw.h"
+#include "src/simulation/repeated_calibration.h"
+#include "src/solve/solver.h"
 
 namespace {
 std::atomic<long> allocations{0};
@@ -38,7 +38,7 @@ std::atomic<long> allocations{0};
   std::free(memory);
 }
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr double kSigma = 0.02 * kMillimetre;
@@ -153,6 +153,6 @@ BENCHMARK(Solve)->Unit(benchmark::kMicrosecond);
 BENCHMARK(Calibrate)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal
 
 BENCHMARK_MAIN();

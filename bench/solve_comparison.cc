@@ -18,16 +18,16 @@
 #include <string>
 #include <vector>
 
-#include "alidade/base/random.h"
-#include "alidade/base/units.h"
-#include "alidade/io/arm_file.h"
-#include "alidade/model/joint_draw.h"
-#include "alidade/solve/solver.h"
+#include "alidade/arm_file.h"
+#include "alidade/random.h"
+#include "alidade/units.h"
 #include "bench/analytic_ceres.h"
 #include "bench/study_columns.h"
 #include "bench/study_main.h"
+#include "src/model/joint_draw.h"
+#include "src/solve/solver.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr double kSigma = 0.02 * kMillimetre;
@@ -220,7 +220,7 @@ bool Run(const std::vector<std::string>& arguments) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal
 
 int main(int argc, char** argv) {
   return alidade::bench::StudyMain(argc, argv,

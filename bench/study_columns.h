@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "alidade/model/parameter_layout.h"
+#include "alidade/parameter_layout.h"
 
-namespace alidade::bench {
+namespace alidade::internal::bench {
 
 /// Columns of the 17 parameters that the RV-2AJ study frees, ascending.
 inline std::vector<int> StudyColumns(const ParameterLayout& layout) {
@@ -20,6 +20,6 @@ inline std::vector<int> StudyColumns(const ParameterLayout& layout) {
   return columns;
 }
 
-}  // namespace alidade::bench
+}  // namespace alidade::internal::bench
 
 #endif  // ALIDADE_BENCH_STUDY_COLUMNS_H_

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace alidade::bench {
+namespace alidade::internal::bench {
 
 /// The main() of a study: `run` gets what stands behind the program's name, and
 /// returns false where that is not what `usage` says. What goes wrong is told
@@ -25,6 +25,6 @@ inline int StudyMain(
   return 2;
 }
 
-}  // namespace alidade::bench
+}  // namespace alidade::internal::bench
 
 #endif  // ALIDADE_BENCH_STUDY_MAIN_H_

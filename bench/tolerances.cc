@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "alidade/base/units.h"
-#include "alidade/batch/simulate.h"
-#include "alidade/identifiability/rules.h"
-#include "alidade/io/job_file.h"
-#include "alidade/solve/solver.h"
+#include "alidade/units.h"
 #include "bench/study_main.h"
+#include "src/identifiability/rules.h"
+#include "src/serialization/job_file.h"
+#include "src/simulation/simulation.h"
+#include "src/solve/solver.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr int kSeeds = 20;
@@ -101,7 +101,7 @@ bool Run(const std::vector<std::string>& arguments) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal
 
 int main(int argc, char** argv) {
   return alidade::bench::StudyMain(argc, argv, "tolerances SOURCE_DIRECTORY",

@@ -14,16 +14,16 @@
 #include <string>
 #include <vector>
 
-#include "alidade/base/units.h"
-#include "alidade/batch/job.h"
-#include "alidade/identifiability/observability.h"
-#include "alidade/identifiability/rules.h"
-#include "alidade/measurement/compression.h"
-#include "alidade/model/joint_draw.h"
+#include "alidade/units.h"
 #include "bench/study_main.h"
 #include "bench/ur_factory_arms.h"
+#include "src/calibration/job.h"
+#include "src/identifiability/observability.h"
+#include "src/identifiability/rules.h"
+#include "src/kernel/compression.h"
+#include "src/model/joint_draw.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr int kPoses = 60;
@@ -114,7 +114,7 @@ bool Run(const std::vector<std::string>& arguments) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal
 
 int main(int argc, char** argv) {
   return alidade::bench::StudyMain(argc, argv, "ur_arms DATA_DIRECTORY",

@@ -4,15 +4,15 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "alidade/base/random.h"
-#include "alidade/base/units.h"
-#include "alidade/io/files.h"
-#include "alidade/measurement/measurement_model.h"
-#include "alidade/model/dh_conversion.h"
-#include "alidade/model/forward_kinematics.h"
-#include "alidade/model/joint_draw.h"
+#include "alidade/forward_kinematics.h"
+#include "alidade/random.h"
+#include "alidade/units.h"
+#include "src/common/files.h"
+#include "src/compensation/dh_conversion.h"
+#include "src/kernel/measurement_model.h"
+#include "src/model/joint_draw.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using Json = nlohmann::json;
@@ -122,4 +122,4 @@ Dataset MeasureArm(const Arm& arm, MeasurementKind kind, int num_poses,
   return data;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

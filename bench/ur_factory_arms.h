@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "alidade/measurement/dataset.h"
-#include "alidade/model/arm.h"
+#include "alidade/arm.h"
+#include "alidade/dataset.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 /// An arm of Universal Robots: as its model is made, and as the factory's own
 /// calibration found it.
@@ -30,6 +30,6 @@ std::vector<FactoryArm> LoadFactoryArms(const std::string& directory);
 Dataset MeasureArm(const Arm& arm, MeasurementKind kind, int num_poses,
                    std::uint64_t seed);
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_BENCH_UR_FACTORY_ARMS_H_

@@ -1,16 +1,16 @@
-#include "alidade/batch/batch.h"
+#include "src/fleet/batch.h"
 
 #include <glog/logging.h>
 
 #include <iostream>
 
-#include "alidade/base/error.h"
-#include "alidade/report/batch_csv.h"
+#include "alidade/error.h"
 #include "src/cli/batch_progress.h"
 #include "src/cli/command.h"
 #include "src/cli/launched_team.h"
+#include "src/fleet/batch_csv.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr char kDefaultDirectory[] = "results/batch";
@@ -119,4 +119,4 @@ ExitStatus RunBatchCommand(const CommandLine& line) {
   return RunAsLaunched([&line](Team* team) { return Run(line, team); });
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

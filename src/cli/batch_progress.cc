@@ -5,10 +5,10 @@
 #include <array>
 #include <cstdio>
 
-#include "alidade/report/batch_csv.h"
 #include "src/cli/command.h"
+#include "src/fleet/batch_csv.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr std::chrono::seconds kBetweenLines{10};
@@ -79,4 +79,4 @@ void BatchProgressReporter::Report(const BatchProgress& progress) {
   }
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

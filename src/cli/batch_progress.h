@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <string>
 
-#include "alidade/batch/batch.h"
 #include "src/cli/progress_line.h"
+#include "src/fleet/batch.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 /// "[#####.....] 120/240 jobs, 3 not done, 41 a second, 3 s left". `elapsed_s`:
 /// since the batch began; jobs that were found done took none of it.
@@ -33,6 +33,6 @@ class BatchProgressReporter {
   ProgressLine line_;
 };
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_CLI_BATCH_PROGRESS_H_

@@ -7,18 +7,18 @@
 #include <utility>
 #include <vector>
 
-#include "alidade/base/error.h"
-#include "alidade/batch/job.h"
-#include "alidade/batch/report_page.h"
-#include "alidade/batch/result_directory.h"
-#include "alidade/batch/simulate.h"
-#include "alidade/report/report.h"
+#include "alidade/error.h"
+#include "src/calibration/job.h"
 #include "src/cli/command.h"
 #include "src/cli/launched_team.h"
 #include "src/cli/progress_line.h"
 #include "src/cli/steps.h"
+#include "src/job/report_page.h"
+#include "src/job/result_directory.h"
+#include "src/report/report.h"
+#include "src/serialization/job_file.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 std::string DefaultDirectory(const std::string& job) {
@@ -50,7 +50,7 @@ ExitStatus Calibrate(const CommandLine& line, Team* team) {
   const std::string& path = line.files.front();
   ProgressLine progress;
   progress.Show("reading " + path);
-  JobConfig config = ReadJob(path, line.threads, team);
+  JobConfig config = LoadJob(path, line.threads, team);
   if (team != nullptr) WarnOfIdle(config, *team);
   ShowIterations(config.data.all_poses(), &progress, &config.solver_options);
   if (line.seed) config.identifiability.seed = *line.seed;
@@ -98,4 +98,4 @@ ExitStatus RunCalibrate(const CommandLine& line) {
   return RunAsLaunched([&line](Team* team) { return Calibrate(line, team); });
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

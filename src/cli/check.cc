@@ -1,16 +1,17 @@
 #include <iostream>
 #include <optional>
 
-#include "alidade/base/error.h"
-#include "alidade/base/units.h"
-#include "alidade/batch/simulate.h"
-#include "alidade/io/arm_file.h"
-#include "alidade/io/dataset_csv.h"
-#include "alidade/io/job_file.h"
-#include "alidade/io/plan_config.h"
+#include "alidade/arm_file.h"
+#include "alidade/error.h"
+#include "alidade/units.h"
 #include "src/cli/command.h"
+#include "src/dataio/dataset_csv.h"
+#include "src/planning/plan_config.h"
+#include "src/serialization/job_file.h"
+#include "src/serialization/plan_file.h"
+#include "src/simulation/simulation.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 class Checker {
@@ -35,7 +36,7 @@ class Checker {
         return "plan";
       case FileFormat::kJob:
         return "job, " +
-               std::to_string(ReadJob(path, num_threads_).data.num_poses()) +
+               std::to_string(LoadJob(path, num_threads_).data.num_poses()) +
                " poses";
     }
     return "";
@@ -82,4 +83,4 @@ ExitStatus RunCheck(const CommandLine& line) {
   return status;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -6,9 +6,9 @@
 #include <limits>
 #include <utility>
 
-#include "alidade/io/dataset_npy.h"
+#include "src/dataio/dataset_npy.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr int kAnyNumber = std::numeric_limits<int>::max();
@@ -203,4 +203,4 @@ bool IsDataFile(const std::string& path) {
   return ending == ".csv";
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

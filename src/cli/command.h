@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace alidade {
+namespace alidade::internal {
 
 /// Exit statuses of the program (docs/files.md).
 enum ExitStatus {
@@ -70,6 +70,6 @@ void PrintError(const std::string& message);
 /// case.
 bool IsDataFile(const std::string& path);
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_CLI_COMMAND_H_

@@ -1,18 +1,18 @@
 #include <iostream>
 
-#include "alidade/batch/job.h"
-#include "alidade/batch/noise_study.h"
-#include "alidade/batch/result_directory.h"
-#include "alidade/batch/simulate.h"
-#include "alidade/report/report.h"
+#include "src/calibration/job.h"
 #include "src/cli/command.h"
 #include "src/cli/steps.h"
+#include "src/job/result_directory.h"
+#include "src/report/report.h"
+#include "src/serialization/job_file.h"
+#include "src/simulation/noise_study.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 ExitStatus RunCompare(const CommandLine& line) {
   const std::string& path = line.files.front();
-  JobConfig config = ReadJob(path, line.threads);
+  JobConfig config = LoadJob(path, line.threads);
   if (!line.out.empty()) {
     CheckResultDirectory(line.out, OutputKind::kComparison, config.input_files);
   }
@@ -55,4 +55,4 @@ ExitStatus RunCompare(const CommandLine& line) {
   return kExitDone;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -1,15 +1,16 @@
 #include <filesystem>
 #include <iostream>
 
-#include "alidade/base/error.h"
-#include "alidade/batch/result_directory.h"
-#include "alidade/io/arm_file.h"
-#include "alidade/io/dataset_csv.h"
-#include "alidade/io/dataset_npy.h"
-#include "alidade/io/files.h"
+#include "alidade/arm_file.h"
+#include "alidade/error.h"
 #include "src/cli/command.h"
+#include "src/common/files.h"
+#include "src/common/text.h"
+#include "src/dataio/dataset_csv.h"
+#include "src/dataio/dataset_npy.h"
+#include "src/job/result_directory.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 void CheckNames(const CommandLine& line) {
@@ -103,4 +104,4 @@ ExitStatus RunConvert(const CommandLine& line) {
   return kExitDone;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

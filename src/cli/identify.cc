@@ -1,17 +1,17 @@
 #include <iostream>
 #include <utility>
 
-#include "alidade/base/error.h"
-#include "alidade/base/units.h"
-#include "alidade/batch/job.h"
-#include "alidade/batch/simulate.h"
-#include "alidade/io/arm_file.h"
-#include "alidade/io/dataset_csv.h"
-#include "alidade/report/report.h"
+#include "alidade/arm_file.h"
+#include "alidade/error.h"
+#include "alidade/units.h"
+#include "src/calibration/job.h"
 #include "src/cli/command.h"
 #include "src/cli/steps.h"
+#include "src/dataio/dataset_csv.h"
+#include "src/report/report.h"
+#include "src/serialization/job_file.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // The rules and ranks compare columns with each other: any sigma will do for a
@@ -20,7 +20,7 @@ constexpr double kAnySigma = kMillimetre;
 
 JobConfig LoadJobOrPair(const CommandLine& line) {
   const std::vector<std::string>& files = line.files;
-  if (files.size() == 1) return ReadJob(files.front(), line.threads);
+  if (files.size() == 1) return LoadJob(files.front(), line.threads);
   JobConfig config;
   config.arm = LoadArm(files[0]);
   DataFormat format;
@@ -49,4 +49,4 @@ ExitStatus RunIdentify(const CommandLine& line) {
   return kExitDone;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

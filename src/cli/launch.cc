@@ -11,9 +11,9 @@
 #include <string>
 #include <system_error>
 
-#include "alidade/base/error.h"
+#include "alidade/error.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr int kNone = -1;
@@ -71,4 +71,4 @@ void Mute() {
   FLAGS_minloglevel = google::GLOG_FATAL;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

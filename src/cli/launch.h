@@ -1,7 +1,7 @@
 #ifndef ALIDADE_SRC_CLI_LAUNCH_H_
 #define ALIDADE_SRC_CLI_LAUNCH_H_
 
-namespace alidade {
+namespace alidade::internal {
 
 /// How this process was started, as Open MPI's mpirun and Slurm's srun tell it
 /// in the environment.
@@ -19,6 +19,6 @@ Launch FindLaunch();
 /// for all.
 void Mute();
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_CLI_LAUNCH_H_

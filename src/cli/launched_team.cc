@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "alidade/base/error.h"
-#include "alidade/measurement/compression.h"
+#include "alidade/error.h"
 #include "src/cli/launch.h"
 #include "src/cli/mpi_team.h"
+#include "src/kernel/compression.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // Vector code adds up in another order where vectors have another length.
@@ -40,4 +40,4 @@ ExitStatus RunAsLaunched(const std::function<ExitStatus(Team*)>& work) {
   return status;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -3,10 +3,10 @@
 
 #include <functional>
 
-#include "alidade/base/team.h"
+#include "alidade/team.h"
 #include "src/cli/command.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 /// work(team) within Team::RunTogether, with the processes that were started
 /// together as a team; work(nullptr) where this one was started alone.
@@ -14,6 +14,6 @@ namespace alidade {
 /// not of one kind, or the program was built without MPI.
 ExitStatus RunAsLaunched(const std::function<ExitStatus(Team*)>& work);
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_CLI_LAUNCHED_TEAM_H_

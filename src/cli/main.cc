@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "alidade/base/error.h"
-#include "alidade/base/memory.h"
-#include "alidade/base/version.h"
+#include "alidade/error.h"
+#include "alidade/memory.h"
+#include "alidade/version.h"
 #include "src/cli/command.h"
 #include "src/cli/launch.h"
 
@@ -29,7 +29,7 @@ DEFINE_uint64(seed, 0, "seed of everything random, instead of the file's");
 DEFINE_uint64(memory, 0, "MB of memory for data; 0: as base/memory.h says");
 DEFINE_int32(verbosity, 0, "0: warnings, 1: what is done, 2: details");
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr std::uint64_t kMostMemory = 1000000000;  // MB
@@ -274,38 +274,40 @@ ExitStatus Main(const std::vector<std::string>& arguments) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal
 
 namespace {
 
 // Where the environment contradicts itself Run says so.
 bool IsFirst() {
   try {
-    return alidade::FindLaunch().rank == 0;
+    return alidade::internal::FindLaunch().rank == 0;
   } catch (const alidade::InputError&) {
     return true;
   }
 }
 
 // What every way out of the program comes to.
-alidade::ExitStatus Run(const std::vector<std::string>& arguments) {
+alidade::internal::ExitStatus Run(const std::vector<std::string>& arguments) {
   try {
-    const alidade::ExitStatus status = alidade::Main(arguments);
+    const alidade::internal::ExitStatus status =
+        alidade::internal::Main(arguments);
     std::cout.flush();
     if (!std::cout) {
-      alidade::PrintError("standard output cannot be written");
-      return alidade::kExitBadInput;
+      alidade::internal::PrintError("standard output cannot be written");
+      return alidade::internal::kExitBadInput;
     }
     return status;
   } catch (const alidade::InputError& error) {
-    alidade::PrintError(error.what());
-    return alidade::kExitBadInput;
+    alidade::internal::PrintError(error.what());
+    return alidade::internal::kExitBadInput;
   } catch (const std::bad_alloc&) {
-    alidade::PrintError("out of memory");
-    return alidade::kExitNumerical;
+    alidade::internal::PrintError("out of memory");
+    return alidade::internal::kExitNumerical;
   } catch (const std::exception& error) {
-    alidade::PrintError(std::string("internal error: ") + error.what());
-    return alidade::kExitNumerical;
+    alidade::internal::PrintError(std::string("internal error: ") +
+                                  error.what());
+    return alidade::internal::kExitNumerical;
   }
 }
 
@@ -318,10 +320,10 @@ int main(int argc, char** argv) {
   FLAGS_log_prefix = false;
   google::InitGoogleLogging(argv[0]);
   const bool is_first = IsFirst();
-  if (!is_first) alidade::Mute();
-  const alidade::ExitStatus status = Run({argv + 1, argv + argc});
+  if (!is_first) alidade::internal::Mute();
+  const alidade::internal::ExitStatus status = Run({argv + 1, argv + argc});
   // Processes that were started together end with the status of the first:
   // another one's, if it came earlier, would have the first killed before it
   // has said why.
-  return is_first ? status : alidade::kExitDone;
+  return is_first ? status : alidade::internal::kExitDone;
 }

@@ -1,5 +1,3 @@
-#include "alidade/batch/montecarlo.h"
-
 #include <glog/logging.h>
 
 #include <chrono>
@@ -7,15 +5,16 @@
 #include <iostream>
 #include <string>
 
-#include "alidade/batch/result_directory.h"
-#include "alidade/batch/simulate.h"
-#include "alidade/report/format.h"
-#include "alidade/report/report.h"
 #include "src/cli/command.h"
 #include "src/cli/progress_line.h"
 #include "src/cli/steps.h"
+#include "src/common/format.h"
+#include "src/job/result_directory.h"
+#include "src/report/report.h"
+#include "src/serialization/job_file.h"
+#include "src/simulation/monte_carlo.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // "trial 2560 of 10000, 3120 a second, 2.4 s left".
@@ -40,7 +39,7 @@ ExitStatus RunMonteCarlo(const CommandLine& line) {
   const std::string& path = line.files.front();
   ProgressLine progress;
   progress.Show("reading " + path);
-  JobConfig config = ReadJob(path, line.threads);
+  JobConfig config = LoadJob(path, line.threads);
   if (!line.out.empty()) {
     CheckResultDirectory(line.out, OutputKind::kMonteCarlo, config.input_files);
   }
@@ -71,4 +70,4 @@ ExitStatus RunMonteCarlo(const CommandLine& line) {
   return kExitDone;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

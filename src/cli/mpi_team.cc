@@ -1,7 +1,7 @@
 // All that the project has to do with MPI; tests/fences looks after it.
 #include "src/cli/mpi_team.h"
 
-#include "alidade/base/error.h"
+#include "alidade/error.h"
 
 #ifdef ALIDADE_WITH_MPI
 
@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // MPI counts in int: longer messages go in pieces.
@@ -148,11 +148,11 @@ std::unique_ptr<Team> JoinTeam(const Launch& launch) {
   return std::make_unique<MpiTeam>(rank, size);
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #else  // ALIDADE_WITH_MPI
 
-namespace alidade {
+namespace alidade::internal {
 
 std::unique_ptr<Team> JoinTeam(const Launch& launch) {
   throw InputError(
@@ -162,6 +162,6 @@ std::unique_ptr<Team> JoinTeam(const Launch& launch) {
               "(scripts/setup mpi) and build it again");
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_WITH_MPI

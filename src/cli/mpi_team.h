@@ -3,10 +3,10 @@
 
 #include <memory>
 
-#include "alidade/base/team.h"
+#include "alidade/team.h"
 #include "src/cli/launch.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 /// The processes that were launched together as a team, over MPI, which starts
 /// now and ends when the object goes. To be called once, by the main thread,
@@ -15,6 +15,6 @@ namespace alidade {
 /// other processes than the launcher.
 std::unique_ptr<Team> JoinTeam(const Launch& launch);
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_CLI_MPI_TEAM_H_

@@ -1,16 +1,18 @@
-#include "alidade/batch/plan.h"
+#include "src/planning/plan.h"
 
 #include <filesystem>
 #include <iostream>
 
-#include "alidade/batch/result_directory.h"
-#include "alidade/io/plan_config.h"
-#include "alidade/report/plan_report.h"
 #include "src/cli/command.h"
 #include "src/cli/progress_line.h"
 #include "src/cli/steps.h"
+#include "src/job/plan_files.h"
+#include "src/job/result_directory.h"
+#include "src/planning/plan_config.h"
+#include "src/report/plan_report.h"
+#include "src/serialization/plan_file.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 ExitStatus RunPlanCommand(const CommandLine& line) {
   const std::string& path = line.files.front();
@@ -41,4 +43,4 @@ ExitStatus RunPlanCommand(const CommandLine& line) {
   return kExitDone;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -5,9 +5,9 @@
 #include <array>
 #include <cstdio>
 
-#include "alidade/base/units.h"
+#include "alidade/units.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr std::chrono::milliseconds kBetweenLines{100};
@@ -50,4 +50,4 @@ void ShowIterations(std::int64_t num_poses, ProgressLine* progress,
   };
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <string>
 
-#include "alidade/solve/options.h"
+#include "alidade/solver_options.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 /// One line on standard error that says how far long work is, and is gone when
 /// the work is done. Nothing at all where standard error is no terminal, so
@@ -34,6 +34,6 @@ class ProgressLine {
 void ShowIterations(std::int64_t num_poses, ProgressLine* progress,
                     SolverOptions* options);
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_CLI_PROGRESS_LINE_H_

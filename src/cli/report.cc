@@ -1,13 +1,13 @@
 #include <filesystem>
 #include <iostream>
 
-#include "alidade/base/error.h"
-#include "alidade/batch/report_page.h"
-#include "alidade/batch/result_directory.h"
-#include "alidade/io/files.h"
+#include "alidade/error.h"
 #include "src/cli/command.h"
+#include "src/common/files.h"
+#include "src/job/report_page.h"
+#include "src/job/result_directory.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -62,4 +62,4 @@ ExitStatus RunReport(const CommandLine& line) {
   return kExitDone;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -4,20 +4,20 @@
 #include <iostream>
 #include <limits>
 
-#include "alidade/base/error.h"
-#include "alidade/base/units.h"
-#include "alidade/batch/simulate.h"
-#include "alidade/io/arm_file.h"
-#include "alidade/io/dataset_csv.h"
-#include "alidade/io/job_file.h"
-#include "alidade/io/result_json.h"
-#include "alidade/model/rotation.h"
-#include "alidade/report/format.h"
-#include "alidade/report/report.h"
-#include "alidade/report/text_table.h"
+#include "alidade/arm_file.h"
+#include "alidade/error.h"
+#include "alidade/rotation.h"
+#include "alidade/units.h"
 #include "src/cli/command.h"
+#include "src/common/format.h"
+#include "src/common/text_table.h"
+#include "src/dataio/dataset_csv.h"
+#include "src/report/report.h"
+#include "src/serialization/job_file.h"
+#include "src/serialization/result_json.h"
+#include "src/simulation/simulation.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using Align = TextTable::Align;
@@ -150,7 +150,7 @@ void ShowDataset(const Arm& arm, const Dataset& data) {
 }
 
 void ShowJob(const std::string& path, int num_threads) {
-  const JobConfig config = ReadJob(path, num_threads);
+  const JobConfig config = LoadJob(path, num_threads);
   std::cout << config.title << "\n\n";
   if (config.validation) {
     std::cout << "held out of the fit: " << config.validation->num_poses()
@@ -200,4 +200,4 @@ ExitStatus RunShow(const CommandLine& line) {
   return kExitDone;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

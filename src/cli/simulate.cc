@@ -1,18 +1,17 @@
-#include "alidade/batch/simulate.h"
-
 #include <glog/logging.h>
 
 #include <filesystem>
 #include <iostream>
 
-#include "alidade/batch/result_directory.h"
-#include "alidade/io/dataset_csv.h"
-#include "alidade/io/dataset_npy.h"
-#include "alidade/io/files.h"
-#include "alidade/io/job_file.h"
 #include "src/cli/command.h"
+#include "src/common/files.h"
+#include "src/dataio/dataset_csv.h"
+#include "src/dataio/dataset_npy.h"
+#include "src/job/result_directory.h"
+#include "src/serialization/job_file.h"
+#include "src/simulation/simulation.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 std::vector<std::string> Provenance(const SimulationConfig& config) {
@@ -50,4 +49,4 @@ ExitStatus RunSimulate(const CommandLine& line) {
   return kExitDone;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

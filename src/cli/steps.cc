@@ -2,9 +2,9 @@
 
 #include <glog/logging.h>
 
-#include "alidade/report/format.h"
+#include "src/common/format.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 std::string Seconds(double seconds) {
@@ -57,4 +57,4 @@ void LogPlan(const PlanResult& result) {
             << " passes, " << Seconds(result.plan_time_s);
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

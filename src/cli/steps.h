@@ -1,11 +1,11 @@
 #ifndef ALIDADE_SRC_CLI_STEPS_H_
 #define ALIDADE_SRC_CLI_STEPS_H_
 
-#include "alidade/io/job_config.h"
-#include "alidade/results/job_result.h"
-#include "alidade/results/plan_result.h"
+#include "alidade/calibration_result.h"
+#include "alidade/plan_result.h"
+#include "src/calibration/job_config.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 // What --verbosity=1 tells on standard error, a line a step, and 2 in detail.
 
@@ -21,6 +21,6 @@ void LogJob(const JobResult& result);
 /// What a plan has looked at and chosen.
 void LogPlan(const PlanResult& result);
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_CLI_STEPS_H_

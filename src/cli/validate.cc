@@ -6,21 +6,21 @@
 #include <string>
 #include <vector>
 
-#include "alidade/base/error.h"
-#include "alidade/base/units.h"
-#include "alidade/batch/calibrated_arm.h"
-#include "alidade/batch/evaluate.h"
-#include "alidade/batch/result_directory.h"
-#include "alidade/io/arm_file.h"
-#include "alidade/io/dataset_csv.h"
-#include "alidade/io/files.h"
-#include "alidade/measurement/measurement_model.h"
-#include "alidade/report/format.h"
-#include "alidade/report/report.h"
-#include "alidade/report/text_table.h"
+#include "alidade/arm_file.h"
+#include "alidade/error.h"
+#include "alidade/units.h"
+#include "src/calibration/evaluate.h"
 #include "src/cli/command.h"
+#include "src/common/files.h"
+#include "src/common/format.h"
+#include "src/common/text_table.h"
+#include "src/dataio/dataset_csv.h"
+#include "src/job/calibrated_arm.h"
+#include "src/job/result_directory.h"
+#include "src/kernel/measurement_model.h"
+#include "src/report/report.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr int kRandomPoses = 10000;
@@ -167,4 +167,4 @@ ExitStatus RunValidate(const CommandLine& line) {
   return Validation(line).Run();
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

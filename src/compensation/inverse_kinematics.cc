@@ -1,12 +1,16 @@
-#include "alidade/compensation/inverse_kinematics.h"
+#include "alidade/inverse_kinematics.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
-#include "alidade/model/chain_axes.h"
+#include "src/model/chain_axes.h"
 
 namespace alidade {
+
+using internal::ChainAxes;
+using internal::ComputeChainAxes;
+
 namespace {
 
 struct TaskState {

@@ -1,18 +1,18 @@
-#include "alidade/identifiability/analysis.h"
+#include "src/identifiability/analysis.h"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 
-#include "alidade/identifiability/elimination.h"
-#include "alidade/identifiability/factor.h"
-#include "alidade/identifiability/observability.h"
-#include "alidade/identifiability/rank.h"
-#include "alidade/identifiability/rules.h"
 #include "src/identifiability/data_analysis.h"
+#include "src/identifiability/elimination.h"
+#include "src/identifiability/factor.h"
+#include "src/identifiability/observability.h"
+#include "src/identifiability/rank.h"
+#include "src/identifiability/rules.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 const char* NameOf(WeakPolicy policy) {
@@ -372,4 +372,4 @@ Eigen::VectorXd PriorsOf(const IdentifiabilityResult& result) {
   return priors;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

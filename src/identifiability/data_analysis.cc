@@ -7,17 +7,17 @@
 #include <cstdio>
 #include <limits>
 
-#include "alidade/identifiability/elimination.h"
-#include "alidade/identifiability/factor.h"
-#include "alidade/identifiability/generic_data.h"
-#include "alidade/identifiability/observability.h"
-#include "alidade/identifiability/rank.h"
-#include "alidade/measurement/compression.h"
-#include "alidade/measurement/share.h"
-#include "alidade/model/joint_draw.h"
+#include "src/identifiability/elimination.h"
+#include "src/identifiability/factor.h"
+#include "src/identifiability/generic_data.h"
+#include "src/identifiability/observability.h"
 #include "src/identifiability/perturbation.h"
+#include "src/identifiability/rank.h"
+#include "src/kernel/compression.h"
+#include "src/kernel/share.h"
+#include "src/model/joint_draw.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // Poses that questions about ranks and orders of magnitude are asked of; with
@@ -308,4 +308,4 @@ std::string FormatDeviation(double value, Dimension dimension) {
   return text.data();
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

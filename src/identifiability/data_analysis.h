@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "alidade/identifiability/options.h"
-#include "alidade/measurement/measurement_model.h"
-#include "alidade/results/identifiability_result.h"
+#include "alidade/identifiability_options.h"
+#include "alidade/identifiability_result.h"
+#include "src/kernel/measurement_model.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 /// What these poses tell of the parameters that some pose could tell.
 struct DataAnalysis {
@@ -56,6 +56,6 @@ void WarnAboutFree(const MeasurementModel& model, const Dataset& data,
 /// "0.12 mm", "3 mrad".
 std::string FormatDeviation(double value, Dimension dimension);
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_IDENTIFIABILITY_DATA_ANALYSIS_H_

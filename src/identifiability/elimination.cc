@@ -1,8 +1,8 @@
-#include "alidade/identifiability/elimination.h"
+#include "src/identifiability/elimination.h"
 
 #include <Eigen/QR>
 
-namespace alidade {
+namespace alidade::internal {
 
 Elimination Eliminate(const Eigen::MatrixXd& factor, double tolerance) {
   Elimination elimination;
@@ -36,4 +36,4 @@ Elimination Eliminate(const Eigen::MatrixXd& factor, double tolerance) {
   return elimination;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -1,6 +1,6 @@
-#include "alidade/identifiability/factor.h"
+#include "src/identifiability/factor.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 double ColumnScale(const MeasurementModel& model, int column) {
   const Parameter& parameter = model.layout().parameter(column);
@@ -30,4 +30,4 @@ Eigen::MatrixXd SelectColumns(const Eigen::MatrixXd& matrix,
   return selected;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

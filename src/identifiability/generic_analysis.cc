@@ -2,15 +2,15 @@
 #include <cmath>
 #include <string>
 
-#include "alidade/identifiability/analysis.h"
-#include "alidade/identifiability/elimination.h"
-#include "alidade/identifiability/factor.h"
-#include "alidade/identifiability/generic_data.h"
-#include "alidade/identifiability/rank.h"
-#include "alidade/measurement/compression.h"
+#include "src/identifiability/analysis.h"
+#include "src/identifiability/elimination.h"
+#include "src/identifiability/factor.h"
+#include "src/identifiability/generic_data.h"
 #include "src/identifiability/perturbation.h"
+#include "src/identifiability/rank.h"
+#include "src/kernel/compression.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr int kPerturbations = 3;
@@ -164,4 +164,4 @@ GenericAnalysis AnalyzeGeneric(const MeasurementModel& model,
   return Generic(model, candidates, data, options).Run();
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

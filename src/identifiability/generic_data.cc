@@ -1,4 +1,4 @@
-#include "alidade/identifiability/generic_data.h"
+#include "src/identifiability/generic_data.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "alidade/measurement/holdout.h"
-#include "alidade/measurement/share.h"
-#include "alidade/model/forward_kinematics.h"
-#include "alidade/model/joint_draw.h"
+#include "alidade/forward_kinematics.h"
+#include "src/kernel/holdout.h"
+#include "src/kernel/share.h"
+#include "src/model/joint_draw.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // What is measured at a pose: target, reference and the axes, as bits.
@@ -221,4 +221,4 @@ Dataset EvenSubset(const Dataset& data, Eigen::Index count) {
   return GatherData(data, SelectPoses(subset, poses));
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -1,11 +1,11 @@
-#include "alidade/identifiability/observability.h"
+#include "src/identifiability/observability.h"
 
 #include <cmath>
 #include <limits>
 
-#include "alidade/base/svd.h"
+#include "src/common/svd.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 ObservabilityIndices ComputeObservability(const Eigen::MatrixXd& factor,
                                           Eigen::Index num_poses) {
@@ -102,4 +102,4 @@ double PredictTotal(const Eigen::MatrixXd& whitened_factor,
   return std::sqrt(variance);
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
-#include "alidade/base/random.h"
+#include "alidade/random.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 Eigen::VectorXd PerturbedValues(const MeasurementModel& model, double size,
                                 int draw) {
@@ -30,4 +30,4 @@ Eigen::VectorXd PerturbedValues(const MeasurementModel& model,
   return values;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

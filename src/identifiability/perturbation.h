@@ -3,9 +3,9 @@
 
 #include <Eigen/Core>
 
-#include "alidade/measurement/measurement_model.h"
+#include "src/kernel/measurement_model.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 /// The nominal values with every joint parameter moved by up to `size` (rad for
 /// angles, times the reach for lengths). Draws are the same for every seed of
@@ -17,6 +17,6 @@ Eigen::VectorXd PerturbedValues(const MeasurementModel& model, double size,
 Eigen::VectorXd PerturbedValues(const MeasurementModel& model,
                                 const Eigen::VectorXd& sizes, int draw);
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_IDENTIFIABILITY_PERTURBATION_H_

@@ -1,4 +1,4 @@
-#include "alidade/identifiability/rank.h"
+#include "src/identifiability/rank.h"
 
 #include <Eigen/SVD>
 #include <algorithm>
@@ -8,11 +8,11 @@
 #include <limits>
 #include <string>
 
-#include "alidade/base/svd.h"
-#include "alidade/identifiability/factor.h"
-#include "alidade/measurement/compression.h"
+#include "src/common/svd.h"
+#include "src/identifiability/factor.h"
+#include "src/kernel/compression.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // References first: nothing else says where they are. Then frames: where an arm
@@ -156,4 +156,4 @@ std::string DescribeDependency(const ParameterLayout& layout,
   return name + " acts as " + sum;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

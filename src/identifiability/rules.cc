@@ -1,14 +1,14 @@
-#include "alidade/identifiability/rules.h"
+#include "src/identifiability/rules.h"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 
-#include "alidade/identifiability/factor.h"
-#include "alidade/identifiability/rank.h"
+#include "src/identifiability/factor.h"
 #include "src/identifiability/perturbation.h"
+#include "src/identifiability/rank.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // Perturbed geometries looked at for the rank: the largest rank counts, since a
@@ -228,4 +228,4 @@ std::vector<int> FreeColumns(const IdentifiabilityResult& result) {
   return columns;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

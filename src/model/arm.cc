@@ -1,4 +1,4 @@
-#include "alidade/model/arm.h"
+#include "alidade/arm.h"
 
 #include <Eigen/LU>
 #include <algorithm>

@@ -1,8 +1,8 @@
-#include "alidade/model/chain_axes.h"
+#include "src/model/chain_axes.h"
 
 #include <cmath>
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // Turns the frame's axes `first` and `second` in their plane, from first
@@ -54,4 +54,4 @@ void ComputeChainAxes(const Arm& arm, const double* joint_values,
       axes->instrument_from_last * arm.last_from_target();
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -1,10 +1,10 @@
-#include "alidade/model/joint_draw.h"
+#include "src/model/joint_draw.h"
 
 #include <cmath>
 
-#include "alidade/base/units.h"
+#include "alidade/units.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 double DrawJointValue(const Arm& arm, int j, Random* random) {
   const Joint& joint = arm.joints[j];
@@ -26,4 +26,4 @@ Eigen::MatrixXd DrawJointValues(const Arm& arm, int count, std::uint64_t seed) {
   return joint_values;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -1,9 +1,9 @@
-#include "alidade/model/parameter_layout.h"
+#include "alidade/parameter_layout.h"
 
 #include <array>
 #include <utility>
 
-#include "alidade/model/rotation.h"
+#include "alidade/rotation.h"
 
 namespace alidade {
 namespace {

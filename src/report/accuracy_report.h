@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "alidade/results/job_result.h"
+#include "alidade/calibration_result.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 /// Accuracy before and after, by stages and by cross-validation, how the
 /// residuals compare with the sigmas, and the acceptance limits.
@@ -15,6 +15,6 @@ std::string AccuracySection(const JobResult& result);
 std::string OutlierTable(const JobResult& result);
 std::string RejectedRowTable(const JobResult& result);
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_REPORT_ACCURACY_REPORT_H_

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "src/report/text.h"
+#include "src/common/text.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr double kTickLength = 5.0;
@@ -149,4 +149,4 @@ void DrawNoData(SvgWriter* svg, const SvgBox& box) {
             {kTitleSize, SvgText::Anchor::kMiddle, kTextColour});
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -8,7 +8,7 @@
 #include "src/report/chart_scale.h"
 #include "src/report/svg_writer.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 /// What line charts and maps share: the look of text and grid, the header,
 /// and the axes about the plot.
@@ -55,6 +55,6 @@ void DrawAxes(SvgWriter* svg, const PlotArea& plot);
 /// An empty plot that says so.
 void DrawNoData(SvgWriter* svg, const SvgBox& box);
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_REPORT_CHART_FRAME_H_

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "src/report/text.h"
+#include "src/common/text.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // Beyond these the arithmetic of ticks overflows, or loses digits.
@@ -224,4 +224,4 @@ void AxisScale::MakeDecadeTicks() {
   }
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "alidade/report/svg_chart.h"
+#include "src/report/svg_chart.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 /// True for a value that has a place on the axis: finite, positive where the
 /// axis is logarithmic, inside the range where one is given.
@@ -62,6 +62,6 @@ class AxisScale {
   std::vector<AxisTick> ticks_;
 };
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_REPORT_CHART_SCALE_H_

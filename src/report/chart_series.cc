@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // Black last: it is the colour of text.
@@ -252,4 +252,4 @@ std::vector<SvgPoint> InkSamples(const ChartSeries& series,
   return samples;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -5,11 +5,11 @@
 #include <string_view>
 #include <vector>
 
-#include "alidade/report/svg_chart.h"
 #include "src/report/chart_frame.h"
+#include "src/report/svg_chart.h"
 #include "src/report/svg_writer.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 /// How the series with this index is drawn: colours that colour-blind readers
 /// tell apart (Okabe, Ito 2008), repeated when they run out. The first series
@@ -43,6 +43,6 @@ std::vector<SvgPoint> InkSamples(const ChartSeries& series,
                                  const PlotArea& plot,
                                  const std::vector<PixelRun>& runs);
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_REPORT_CHART_SERIES_H_

@@ -5,13 +5,13 @@
 #include <utility>
 #include <vector>
 
-#include "alidade/report/format.h"
-#include "alidade/report/report.h"
-#include "alidade/report/text_table.h"
+#include "src/common/format.h"
+#include "src/common/text.h"
+#include "src/common/text_table.h"
+#include "src/report/report.h"
 #include "src/report/solver_names.h"
-#include "src/report/text.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using Align = TextTable::Align;
@@ -182,4 +182,4 @@ std::string FormatComparison(const JobResult& result) {
          Differences(result);
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

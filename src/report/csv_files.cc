@@ -3,11 +3,11 @@
 #include <utility>
 #include <vector>
 
-#include "alidade/report/report.h"
+#include "src/common/text.h"
+#include "src/report/report.h"
 #include "src/report/rows.h"
-#include "src/report/text.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 struct JointColumn {
@@ -167,4 +167,4 @@ std::vector<ReportFile> MakeCsvFiles(const JobResult& result) {
   return files;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -4,13 +4,13 @@
 #include <utility>
 #include <vector>
 
-#include "alidade/report/format.h"
-#include "alidade/report/report.h"
-#include "alidade/report/svg_chart.h"
+#include "src/common/format.h"
+#include "src/common/text.h"
+#include "src/report/report.h"
 #include "src/report/solver_names.h"
-#include "src/report/text.h"
+#include "src/report/svg_chart.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // Markers of more iterations than this would run into each other.
@@ -189,4 +189,4 @@ std::vector<ReportFile> MakeFigures(const JobResult& result) {
   return files;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -3,11 +3,11 @@
 #include <string>
 #include <vector>
 
-#include "alidade/report/html_report.h"
 #include "src/report/html_json.h"
 #include "src/report/html_page.h"
+#include "src/report/html_report.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr std::size_t kMostResults = 2000;
@@ -205,4 +205,4 @@ std::string ComparisonPage::Render(ComparisonKind kind) const {
                   "report.txt hold the numbers.\n");
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

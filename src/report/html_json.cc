@@ -4,7 +4,7 @@
 #include <charconv>
 #include <cmath>
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr char kEscapedLess[] = "\\u003c";
@@ -92,4 +92,4 @@ std::string CompactJson(std::string_view json, int digits) {
   return compact;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

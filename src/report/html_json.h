@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace alidade {
+namespace alidade::internal {
 
 // JSON for a <script> element: no '<' is ever written as such, so that nothing
 // in it can end the element.
@@ -19,6 +19,6 @@ std::string JsonNumber(double value, int digits);
 /// than `digits` significant digits are rounded to so many; 0 = all stay.
 std::string CompactJson(std::string_view json, int digits);
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_REPORT_HTML_JSON_H_

@@ -7,7 +7,7 @@
 
 #include "src/report/svg_writer.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // Line by line, since EscapeXml makes a space of a line's end.
@@ -46,4 +46,4 @@ std::string FillPage(const std::string& title, const std::string& data,
   return page + source.substr(from);
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace alidade {
+namespace alidade::internal {
 
 // The sources of the page, src/report/page, made into C++ by its embed.cmake.
 std::string PageTemplate();
@@ -15,6 +15,6 @@ std::string PageScript();
 std::string FillPage(const std::string& title, const std::string& data,
                      const std::string& text);
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_REPORT_HTML_PAGE_H_

@@ -1,13 +1,13 @@
-#include "alidade/report/html_report.h"
+#include "src/report/html_report.h"
 
 #include <string>
 
-#include "alidade/base/units.h"
+#include "alidade/units.h"
 #include "src/report/html_json.h"
 #include "src/report/html_page.h"
 #include "src/report/html_table.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr std::size_t kMostRows = 4000;
@@ -78,4 +78,4 @@ std::string RenderResultPage(const ReportSource& source) {
   return FillPage(source.title, data + "}]}", source.report_text);
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -3,10 +3,10 @@
 #include <string>
 #include <vector>
 
+#include "src/common/text.h"
 #include "src/report/html_json.h"
-#include "src/report/text.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // Of errors and of everything else (joint values, positions).
@@ -47,4 +47,4 @@ std::string TableJson(const ResultTable& table) {
   return json + "}}";
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -3,15 +3,15 @@
 
 #include <string>
 
-#include "alidade/report/html_report.h"
+#include "src/report/html_report.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 /// {"total": rows of the table, "index": those that are here, from 1,
 /// "columns": {name: [values]}}: numbers with the digits that a figure needs,
 /// empty cells as null.
 std::string TableJson(const ResultTable& table);
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_REPORT_HTML_TABLE_H_

@@ -6,14 +6,14 @@
 #include <utility>
 #include <vector>
 
-#include "alidade/base/units.h"
-#include "alidade/report/report.h"
-#include "alidade/report/svg_chart.h"
+#include "alidade/units.h"
 #include "src/report/chart_frame.h"
 #include "src/report/parameter_names.h"
+#include "src/report/report.h"
+#include "src/report/svg_chart.h"
 #include "src/report/svg_writer.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // Zero cannot stand on a logarithmic axis: it is drawn at the rounding error.
@@ -194,4 +194,4 @@ std::vector<ReportFile> MakeIdentifiabilityFigures(
   return files;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

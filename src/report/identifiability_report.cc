@@ -4,13 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "alidade/report/format.h"
-#include "alidade/report/report.h"
-#include "alidade/report/text_table.h"
+#include "src/common/format.h"
+#include "src/common/text.h"
+#include "src/common/text_table.h"
 #include "src/report/parameter_names.h"
-#include "src/report/text.h"
+#include "src/report/report.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using Align = TextTable::Align;
@@ -172,4 +172,4 @@ std::string FormatIdentifiability(const IdentifiabilityResult& result) {
   return text;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

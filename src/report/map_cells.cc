@@ -8,7 +8,7 @@
 #include <set>
 #include <utility>
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr std::size_t kFewSamples = 400;
@@ -196,4 +196,4 @@ MapCells MakeMapCells(const std::vector<MapSample>& samples,
   return {FillRaster(grid, box, side), side};
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -5,7 +5,7 @@
 
 #include "src/report/svg_writer.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 /// A value at a place of the chart (pixels).
 struct MapSample {
@@ -28,6 +28,6 @@ struct MapCells {
 /// @pre `box` holds every sample; samples is not empty.
 MapCells MakeMapCells(const std::vector<MapSample>& samples, const SvgBox& box);
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_REPORT_MAP_CELLS_H_

@@ -3,13 +3,13 @@
 #include <string>
 #include <vector>
 
-#include "alidade/report/format.h"
-#include "alidade/report/report.h"
-#include "alidade/report/svg_chart.h"
-#include "alidade/report/text_table.h"
-#include "src/report/text.h"
+#include "src/common/format.h"
+#include "src/common/text.h"
+#include "src/common/text_table.h"
+#include "src/report/report.h"
+#include "src/report/svg_chart.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using Align = TextTable::Align;
@@ -220,4 +220,4 @@ std::vector<ReportFile> MakeMonteCarloFiles(const MonteCarloResult& result) {
           {"montecarlo.txt", FormatMonteCarlo(result)}};
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

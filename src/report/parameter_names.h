@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace alidade {
+namespace alidade::internal {
 
 /// The kind of a parameter is in its name: "beta1" and "base_rx" are angles,
 /// "d2" and "tool_x" are lengths.
@@ -12,6 +12,6 @@ inline bool IsAngleName(const std::string& name) {
          name.rfind("theta", 0) == 0 || name.find("_r") != std::string::npos;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_REPORT_PARAMETER_NAMES_H_

@@ -1,15 +1,15 @@
-#include "alidade/report/plan_report.h"
+#include "src/report/plan_report.h"
 
 #include <cmath>
 #include <string>
 #include <vector>
 
-#include "alidade/report/format.h"
-#include "alidade/report/svg_chart.h"
-#include "alidade/report/text_table.h"
-#include "src/report/text.h"
+#include "src/common/format.h"
+#include "src/common/text.h"
+#include "src/common/text_table.h"
+#include "src/report/svg_chart.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using Align = TextTable::Align;
@@ -276,4 +276,4 @@ std::vector<ReportFile> MakePlanFiles(const PlanResult& result) {
           {"curve.csv", CurveCsv(result)}};
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -1,9 +1,9 @@
 #include <string_view>
 #include <utility>
 
-#include "alidade/report/report.h"
+#include "src/report/report.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 ReportFile::ReportFile(std::string file_name, std::string text)
     : ReportFile(std::move(file_name), WholeText(std::move(text))) {}
@@ -17,4 +17,4 @@ std::string ReportFile::Text() const {
   return text;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "alidade/report/html_report.h"
-#include "src/report/text.h"
+#include "src/common/text.h"
+#include "src/report/html_report.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // The largest errors of a thinned table are always in it.
@@ -149,4 +149,4 @@ ResultTable ReadResultTable(const TextSource& csv, std::size_t most_rows) {
   return table;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

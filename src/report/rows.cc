@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr std::size_t kPieceSize = std::size_t{1} << 18;
@@ -25,4 +25,4 @@ TextSource MakeRows(std::string header, std::int64_t num_rows,
   };
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -5,9 +5,9 @@
 #include <functional>
 #include <string>
 
-#include "alidade/base/text_pieces.h"
+#include "src/common/text_pieces.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 /// Appends a row of a table, its newline too. @pre 0 <= row < number of rows.
 using RowAppender = std::function<void(std::int64_t row, std::string* text)>;
@@ -17,6 +17,6 @@ using RowAppender = std::function<void(std::int64_t row, std::string* text)>;
 TextSource MakeRows(std::string header, std::int64_t num_rows,
                     RowAppender append_row);
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_REPORT_ROWS_H_

@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace alidade {
+namespace alidade::internal {
 
 /// A solver as people call it: "ceres" is "Levenberg-Marquardt"; a name
 /// that is not known here stays.
@@ -20,6 +20,6 @@ inline std::string ShortSolverTitle(const std::string& solver) {
   return solver;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_REPORT_SOLVER_NAMES_H_

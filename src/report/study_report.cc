@@ -5,12 +5,12 @@
 #include <utility>
 #include <vector>
 
-#include "alidade/report/format.h"
-#include "alidade/report/report.h"
-#include "alidade/report/text_table.h"
-#include "src/report/text.h"
+#include "src/common/format.h"
+#include "src/common/text.h"
+#include "src/common/text_table.h"
+#include "src/report/report.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using Align = TextTable::Align;
@@ -269,4 +269,4 @@ std::string FormatStudyTable(const JobResult& result) {
          ExplainTime(study);
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -1,4 +1,4 @@
-#include "alidade/report/svg_chart.h"
+#include "src/report/svg_chart.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -7,14 +7,14 @@
 #include <string>
 #include <vector>
 
-#include "alidade/report/format.h"
+#include "src/common/format.h"
+#include "src/common/text.h"
 #include "src/report/chart_frame.h"
 #include "src/report/chart_scale.h"
 #include "src/report/chart_series.h"
 #include "src/report/svg_writer.h"
-#include "src/report/text.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr double kHeight = 420.0;
@@ -218,4 +218,4 @@ std::string RenderSvg(const LineChart& chart) {
   return svg.Finish();
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

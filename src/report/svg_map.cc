@@ -6,15 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "alidade/report/format.h"
-#include "alidade/report/svg_chart.h"
+#include "src/common/format.h"
+#include "src/common/text.h"
 #include "src/report/chart_frame.h"
 #include "src/report/chart_scale.h"
 #include "src/report/map_cells.h"
+#include "src/report/svg_chart.h"
 #include "src/report/svg_writer.h"
-#include "src/report/text.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr double kHeight = 500.0;
@@ -247,4 +247,4 @@ std::string RenderSvg(const MapChart& chart) {
   return svg.Finish();
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <utility>
 
-#include "src/report/text.h"
+#include "src/common/text.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr double kSuperscriptSize = 0.75;
@@ -257,4 +257,4 @@ std::string SvgWriter::Finish() {
   return std::move(document_);
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

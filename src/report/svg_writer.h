@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace alidade {
+namespace alidade::internal {
 
 struct SvgPoint {
   double x = 0.0;
@@ -78,6 +78,6 @@ class SvgWriter {
   std::string document_;
 };
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_REPORT_SVG_WRITER_H_

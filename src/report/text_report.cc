@@ -5,15 +5,15 @@
 #include <utility>
 #include <vector>
 
-#include "alidade/report/format.h"
-#include "alidade/report/report.h"
-#include "alidade/report/text_table.h"
+#include "src/common/format.h"
+#include "src/common/text.h"
+#include "src/common/text_table.h"
 #include "src/report/accuracy_report.h"
+#include "src/report/report.h"
 #include "src/report/solver_names.h"
-#include "src/report/text.h"
 #include "src/report/uncertainty_report.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using Align = TextTable::Align;
@@ -219,4 +219,4 @@ std::string FormatReport(const JobResult& result) {
   return text;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

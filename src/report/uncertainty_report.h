@@ -3,15 +3,15 @@
 
 #include <string>
 
-#include "alidade/results/job_result.h"
+#include "alidade/calibration_result.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 /// The section of report.txt: intervals, what can only be told together, the
 /// residuals, what is predicted over the workspace and at held-out poses.
 /// Empty where it was not assessed.
 std::string UncertaintySection(const JobResult& result);
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_REPORT_UNCERTAINTY_REPORT_H_

@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "alidade/measurement/observation_cost.h"
+#include "src/kernel/observation_cost.h"
 #include "src/solve/formulation.h"
 #include "src/solve/prior_residual.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // Free columns of one block, as indices within it.
@@ -169,4 +169,4 @@ std::unique_ptr<Formulation> MakeAutodiffFormulation(
   return std::make_unique<AutodiffFormulation>(problem, values);
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "alidade/measurement/compression.h"
+#include "src/kernel/compression.h"
 #include "src/solve/formulation.h"
 #include "src/solve/prior_residual.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // The free values, as Ceres has them, among all of the layout.
@@ -150,4 +150,4 @@ std::unique_ptr<Formulation> MakeCompressedFormulation(
   return std::make_unique<CompressedFormulation>(problem, values, compressor);
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -6,7 +6,7 @@
 
 #include "src/solve/damped_step.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // As in Ceres: a step that gains less than this part of what was predicted is
@@ -210,4 +210,4 @@ void IterateLevenbergMarquardt(const CalibrationProblem& problem, double radius,
   LevenbergMarquardt(problem, radius, compressed, progress, values).Run();
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

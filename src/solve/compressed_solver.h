@@ -3,11 +3,11 @@
 
 #include <Eigen/Core>
 
-#include "alidade/measurement/compression.h"
-#include "alidade/solve/solver.h"
+#include "src/kernel/compression.h"
 #include "src/solve/progress.h"
+#include "src/solve/solver.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 /// Levenberg-Marquardt over the compressed problem, whose few rows stand for
 /// all observations: a step solves
@@ -29,6 +29,6 @@ void IterateLevenbergMarquardt(const CalibrationProblem& problem, double radius,
                                CompressedProblem* compressed,
                                Progress* progress, Eigen::VectorXd* values);
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_SOLVE_COMPRESSED_SOLVER_H_

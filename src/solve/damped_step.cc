@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace alidade {
+namespace alidade::internal {
 
 // H = I - v v^T / (v_0 alpha) takes column k, whose top is upper_(k, k), to
 // (alpha, 0).
@@ -55,4 +55,4 @@ const Eigen::VectorXd& DampedStep::Solve(const Eigen::MatrixXd& factor,
   return step_;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-namespace alidade {
+namespace alidade::internal {
 
 /// Solves the least-squares problem of one step of Levenberg-Marquardt,
 ///
@@ -38,6 +38,6 @@ class DampedStep {
   Eigen::VectorXd step_;
 };
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_SOLVE_DAMPED_STEP_H_

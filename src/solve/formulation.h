@@ -6,10 +6,10 @@
 #include <Eigen/Core>
 #include <memory>
 
-#include "alidade/measurement/compression.h"
-#include "alidade/solve/solver.h"
+#include "src/kernel/compression.h"
+#include "src/solve/solver.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 /// A calibration problem as Ceres is given it. The cost that Ceres sees, its
 /// gradient and its Gauss-Newton matrix are the same in every formulation.
@@ -34,6 +34,6 @@ std::unique_ptr<Formulation> MakeCompressedFormulation(
     const CalibrationProblem& problem, const Eigen::VectorXd& values,
     Compressor* compressor);
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_SOLVE_FORMULATION_H_

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <memory>
 
-#include "alidade/solve/solver.h"
 #include "src/solve/compressed_solver.h"
 #include "src/solve/formulation.h"
 #include "src/solve/progress.h"
+#include "src/solve/solver.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // Levenberg-Marquardt adds 1 / sqrt(radius) to the singular values of a
@@ -147,4 +147,4 @@ SolverSummary SolveLevenbergMarquardt(const CalibrationProblem& problem,
   return progress.summary();
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

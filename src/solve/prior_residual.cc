@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace alidade {
+namespace alidade::internal {
 
 PriorResidual::PriorResidual(int block_size, std::vector<Entry> entries)
     : entries_(std::move(entries)) {
@@ -28,4 +28,4 @@ bool PriorResidual::Evaluate(double const* const* parameters, double* residuals,
   return true;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

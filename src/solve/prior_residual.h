@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace alidade {
+namespace alidade::internal {
 
 /// (value - nominal) / prior for some entries of one parameter block.
 class PriorResidual : public ceres::CostFunction {
@@ -25,6 +25,6 @@ class PriorResidual : public ceres::CostFunction {
   std::vector<Entry> entries_;
 };
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_SOLVE_PRIOR_RESIDUAL_H_

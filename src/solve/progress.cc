@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "alidade/measurement/compression.h"
+#include "src/kernel/compression.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 std::vector<int> CalibrationProblem::ColumnsWithPrior() const {
   std::vector<int> columns;
@@ -217,4 +217,4 @@ void Progress::Finish() {
   summary_.solve_time_s = stopwatch_.Seconds() - summary_.setup_time_s;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -6,13 +6,13 @@
 #include <optional>
 #include <string>
 
-#include "alidade/measurement/compression.h"
-#include "alidade/measurement/sigma_totals.h"
-#include "alidade/results/solver_summary.h"
-#include "alidade/solve/options.h"
-#include "alidade/solve/solver.h"
+#include "alidade/solver_options.h"
+#include "alidade/solver_summary.h"
+#include "src/kernel/compression.h"
+#include "src/kernel/sigma_totals.h"
+#include "src/solve/solver.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 /// Wall time since construction.
 class Stopwatch {
@@ -90,6 +90,6 @@ class Progress {
   std::optional<Compressor> compressor_;
 };
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_SOLVE_PROGRESS_H_

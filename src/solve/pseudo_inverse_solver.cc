@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <vector>
 
-#include "alidade/base/svd.h"
-#include "alidade/solve/solver.h"
+#include "src/common/svd.h"
 #include "src/solve/progress.h"
+#include "src/solve/solver.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // Singular values of later steps that are left to count: all but rounding.
@@ -113,4 +113,4 @@ SolverSummary SolvePseudoInverse(const CalibrationProblem& problem,
   return progress.summary();
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

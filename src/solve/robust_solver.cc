@@ -3,11 +3,11 @@
 #include <utility>
 #include <vector>
 
-#include "alidade/measurement/robust_loss.h"
-#include "alidade/measurement/share.h"
-#include "alidade/solve/solver.h"
+#include "alidade/robust_loss.h"
+#include "src/kernel/share.h"
+#include "src/solve/solver.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // What leads to a loss: each of these is a good enough start for the next.
@@ -106,4 +106,4 @@ SolverSummary SolveRobust(const CalibrationProblem& problem, LossKind loss,
   return summary;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

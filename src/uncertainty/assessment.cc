@@ -1,4 +1,4 @@
-#include "alidade/uncertainty/assessment.h"
+#include "src/uncertainty/assessment.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "alidade/base/distributions.h"
-#include "alidade/measurement/share.h"
-#include "alidade/uncertainty/diagnostics.h"
-#include "alidade/uncertainty/prediction.h"
+#include "src/common/distributions.h"
+#include "src/kernel/share.h"
+#include "src/uncertainty/diagnostics.h"
+#include "src/uncertainty/prediction.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // Beyond this two parameters can only be told together.
@@ -205,4 +205,4 @@ UncertaintyResult AssessUncertainty(const AssessmentInput& input) {
   return Assessment(input).Run();
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -1,16 +1,16 @@
-#include "alidade/uncertainty/covariance.h"
+#include "src/uncertainty/covariance.h"
 
 #include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "alidade/base/svd.h"
-#include "alidade/measurement/compression.h"
-#include "alidade/measurement/observation_rows.h"
-#include "alidade/measurement/share.h"
+#include "src/common/svd.h"
+#include "src/kernel/compression.h"
+#include "src/kernel/observation_rows.h"
+#include "src/kernel/share.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -222,4 +222,4 @@ double EffectiveParameters(const ParameterCovariance& covariance,
   return effective;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -1,4 +1,4 @@
-#include "alidade/uncertainty/diagnostics.h"
+#include "src/uncertainty/diagnostics.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -8,13 +8,13 @@
 #include <optional>
 #include <vector>
 
-#include "alidade/base/chi_square.h"
-#include "alidade/base/distributions.h"
-#include "alidade/identifiability/generic_data.h"
-#include "alidade/measurement/observation_rows.h"
-#include "alidade/measurement/share.h"
+#include "src/common/chi_square.h"
+#include "src/common/distributions.h"
+#include "src/identifiability/generic_data.h"
+#include "src/kernel/observation_rows.h"
+#include "src/kernel/share.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -263,4 +263,4 @@ ResidualDiagnostics DiagnoseResiduals(const FinishedProblem& fit,
   return Diagnosis(fit, covariance).Run(sigma_given);
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

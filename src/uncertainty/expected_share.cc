@@ -5,10 +5,10 @@
 #include <cmath>
 #include <vector>
 
-#include "alidade/base/distributions.h"
-#include "alidade/base/random.h"
+#include "alidade/random.h"
+#include "src/common/distributions.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr int kDraws = 400;
@@ -119,4 +119,4 @@ std::pair<double, double> ExpectedEllipsoidShares(const PredictedRows& rows,
   return Middle(std::move(shares));
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

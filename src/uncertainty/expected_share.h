@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <utility>
 
-namespace alidade {
+namespace alidade::internal {
 
 /// Predictions of rows: J root, a row each, of what was measured (whitened), so
 /// that a deviation from what is predicted is n + (J root) u, n of the
@@ -36,6 +36,6 @@ std::pair<double, double> ExpectedEllipsoidShares(const PredictedRows& rows,
                                                   double confidence,
                                                   double dof);
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_UNCERTAINTY_EXPECTED_SHARE_H_

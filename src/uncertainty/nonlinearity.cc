@@ -1,14 +1,14 @@
-#include "alidade/uncertainty/nonlinearity.h"
+#include "src/uncertainty/nonlinearity.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
 
-#include "alidade/identifiability/generic_data.h"
-#include "alidade/measurement/share.h"
+#include "src/identifiability/generic_data.h"
+#include "src/kernel/share.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -168,4 +168,4 @@ ConfidenceInterval ProfileInterval(const FinishedProblem& fit,
   return interval;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

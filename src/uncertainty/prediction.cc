@@ -1,4 +1,4 @@
-#include "alidade/uncertainty/prediction.h"
+#include "src/uncertainty/prediction.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -8,15 +8,15 @@
 #include <limits>
 #include <utility>
 
-#include "alidade/base/distributions.h"
-#include "alidade/base/parallel.h"
-#include "alidade/measurement/observation_rows.h"
-#include "alidade/measurement/share.h"
-#include "alidade/model/forward_kinematics.h"
-#include "alidade/model/joint_draw.h"
-#include "alidade/model/rotation.h"
+#include "alidade/forward_kinematics.h"
+#include "alidade/rotation.h"
+#include "src/common/distributions.h"
+#include "src/common/parallel.h"
+#include "src/kernel/observation_rows.h"
+#include "src/kernel/share.h"
+#include "src/model/joint_draw.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -140,4 +140,4 @@ PredictedMap MapPrediction(const MeasurementModel& model,
   return map;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

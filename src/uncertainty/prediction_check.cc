@@ -6,13 +6,13 @@
 #include <utility>
 #include <vector>
 
-#include "alidade/base/distributions.h"
-#include "alidade/measurement/observation_rows.h"
-#include "alidade/measurement/share.h"
-#include "alidade/uncertainty/prediction.h"
+#include "src/common/distributions.h"
+#include "src/kernel/observation_rows.h"
+#include "src/kernel/share.h"
 #include "src/uncertainty/expected_share.h"
+#include "src/uncertainty/prediction.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // Observations that the expected shares are computed from, of all at most.
@@ -191,4 +191,4 @@ PredictionCheck CheckPrediction(const MeasurementModel& model,
   return check;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -13,13 +13,13 @@
 #include <thread>
 #include <vector>
 
-#include "alidade/base/random.h"
-#include "alidade/io/arm_file.h"
+#include "alidade/arm_file.h"
+#include "alidade/random.h"
 #include "tests/support/batch_outcome.h"
 #include "tests/support/process.h"
 #include "tests/support/without_times.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -233,4 +233,4 @@ TEST_F(BatchCrashTest, DISABLED_TwentyKillsOfAThousandJobsEndAsNone) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

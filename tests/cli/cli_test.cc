@@ -13,7 +13,7 @@
 #include "tests/support/process.h"
 #include "tests/support/without_times.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using ::testing::AllOf;
@@ -432,4 +432,4 @@ TEST_F(StudyTest, ValidateAgainstAnotherArmComparesWorkspaces) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

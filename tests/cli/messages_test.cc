@@ -8,7 +8,7 @@
 
 #include "tests/support/process.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -86,4 +86,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& slip) { return slip.param.name; });
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
-#include "alidade/base/random.h"
+#include "alidade/random.h"
 #include "tests/support/batch_outcome.h"
 #include "tests/support/process.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -297,4 +297,4 @@ TEST(LaunchTest, ARankWithoutASizeIsRefused) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -8,7 +8,7 @@
 
 #include "tests/support/process.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -188,4 +188,4 @@ TEST_F(OverwriteTest, BatchesDoNotReplaceWhatTheyRead) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

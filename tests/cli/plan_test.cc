@@ -13,7 +13,7 @@
 #include "tests/support/process.h"
 #include "tests/support/without_times.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -158,4 +158,4 @@ TEST_F(PlanCommandTest, RefusesWithoutWritingAnything) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -8,7 +8,7 @@
 
 #include "tests/support/process.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -43,4 +43,4 @@ TEST(ProgressTest, IsNotInALog) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -8,7 +8,7 @@
 
 #include "tests/support/process.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using ::testing::AllOf;
@@ -118,4 +118,4 @@ TEST_F(SameDataTest, AFileTwiceIsAnErrorAndACopyAWarning) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -1,4 +1,4 @@
-#include "alidade/compensation/inverse_kinematics.h"
+#include "alidade/inverse_kinematics.h"
 
 #include <gtest/gtest.h>
 
@@ -7,13 +7,13 @@
 #include <cmath>
 #include <optional>
 
-#include "alidade/base/random.h"
-#include "alidade/base/units.h"
+#include "alidade/random.h"
+#include "alidade/units.h"
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/rv2aj_arms.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // Tolerances of the default options, and the rounding of the check itself.
@@ -256,4 +256,4 @@ TEST(IsWithinLimitsTest, TakesTheLimitsThemselves) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -3,11 +3,11 @@
 #include <cmath>
 #include <cstdio>
 
-#include "alidade/base/random.h"
-#include "alidade/base/units.h"
-#include "alidade/identifiability/rules.h"
-#include "alidade/measurement/measurement_model.h"
-#include "alidade/solve/solver.h"
+#include "alidade/random.h"
+#include "alidade/units.h"
+#include "src/identifiability/rules.h"
+#include "src/kernel/measurement_model.h"
+#include "src/solve/solver.h"
 
 int main() {
   alidade::Arm arm;

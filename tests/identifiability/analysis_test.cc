@@ -1,4 +1,4 @@
-#include "alidade/identifiability/analysis.h"
+#include "src/identifiability/analysis.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "alidade/identifiability/rules.h"
+#include "src/identifiability/rules.h"
 #include "tests/support/classic_arms.h"
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/reference_solution.h"
 #include "tests/support/study.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using ::testing::AllOf;
@@ -233,4 +233,4 @@ TEST(AnalysisTest, RowsInAnyOrderAndThreadsGiveTheSameAnswer) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

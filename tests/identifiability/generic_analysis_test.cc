@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "alidade/identifiability/analysis.h"
-#include "alidade/identifiability/rank.h"
+#include "src/identifiability/analysis.h"
+#include "src/identifiability/rank.h"
 #include "tests/support/classic_arms.h"
 #include "tests/support/rv2aj_arms.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 std::vector<int> AllColumns(const ParameterLayout& layout) {
@@ -198,4 +198,4 @@ TEST(Rv2ajGenericTest, PreferredParameterIsKeptInsteadOfItsStandIn) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -1,4 +1,4 @@
-#include "alidade/identifiability/generic_data.h"
+#include "src/identifiability/generic_data.h"
 
 #include <gtest/gtest.h>
 
@@ -12,12 +12,12 @@
 #include <tuple>
 #include <vector>
 
-#include "alidade/base/random.h"
-#include "alidade/model/joint_draw.h"
+#include "alidade/random.h"
+#include "src/model/joint_draw.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_measurements.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using testing::MeasuredArm;
@@ -329,4 +329,4 @@ TEST(EvenSubsetTest, LeavesSmallDataAsTheyAre) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -1,4 +1,4 @@
-#include "alidade/identifiability/observability.h"
+#include "src/identifiability/observability.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "alidade/base/random.h"
+#include "alidade/random.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 TEST(ObservabilityTest, IndicesOfKnownSingularValues) {
@@ -172,4 +172,4 @@ TEST(PredictTotalOfRowsTest, AParameterWithoutAnyEffectMatters) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -1,12 +1,12 @@
-#include "alidade/identifiability/options.h"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <string>
 #include <vector>
 
-namespace alidade {
+#include "alidade/identifiability_options.h"
+
+namespace alidade::internal {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -79,4 +79,4 @@ TEST(IdentifiabilityOptionsTest, MessageHoldsTheValue) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

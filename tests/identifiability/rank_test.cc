@@ -1,4 +1,4 @@
-#include "alidade/identifiability/rank.h"
+#include "src/identifiability/rank.h"
 
 #include <gtest/gtest.h>
 
@@ -11,14 +11,14 @@
 #include <utility>
 #include <vector>
 
-#include "alidade/base/random.h"
+#include "alidade/random.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"
 #include "tests/support/reference_solution.h"
 #include "tests/support/rv2aj_arms.h"
 #include "tests/support/study.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using testing::ColumnsOf;
@@ -408,4 +408,4 @@ TEST(DescribeDependencyTest, SaysWhatActsAsWhatInMillimetresAndRadians) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -1,4 +1,4 @@
-#include "alidade/identifiability/rules.h"
+#include "src/identifiability/rules.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "alidade/base/random.h"
-#include "alidade/base/units.h"
+#include "alidade/random.h"
+#include "alidade/units.h"
 #include "tests/identifiability/rules_test_util.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"
@@ -16,7 +16,7 @@
 #include "tests/support/rv2aj_arms.h"
 #include "tests/support/study.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using testing::DecisionOn;
@@ -426,4 +426,4 @@ TEST_P(RandomArmRulesTest, DoesNotDependOnThreads) {
 INSTANTIATE_TEST_SUITE_P(Joints, RandomArmRulesTest, ::testing::Range(1, 8));
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

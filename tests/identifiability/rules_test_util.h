@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "alidade/identifiability/rules.h"
+#include "src/identifiability/rules.h"
 #include "tests/support/reference_solution.h"
 #include "tests/support/study.h"
 
-namespace alidade::testing {
+namespace alidade::internal::testing {
 
 using Names = std::vector<std::string>;
 
@@ -96,6 +96,6 @@ inline void ExpectFollowingTheRefusalHelps(const MeasurementModel& model,
   EXPECT_EQ(result.num_free, refused.perturbed_rank.rank);
 }
 
-}  // namespace alidade::testing
+}  // namespace alidade::internal::testing
 
 #endif  // ALIDADE_TESTS_IDENTIFIABILITY_RULES_TEST_UTIL_H_

@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "alidade/base/random.h"
-#include "alidade/identifiability/rules.h"
+#include "alidade/random.h"
+#include "src/identifiability/rules.h"
 #include "tests/identifiability/rules_test_util.h"
 #include "tests/support/reference_solution.h"
 #include "tests/support/rv2aj_arms.h"
 #include "tests/support/study.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using testing::DecisionOn;
@@ -147,4 +147,4 @@ TEST_P(Rv2ajStudyTest, FlangeIsSolvableOnceTheUserFixesTwo) {
 INSTANTIATE_TEST_SUITE_P(Seeds, Rv2ajStudyTest, ::testing::Values(1, 2, 3));
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

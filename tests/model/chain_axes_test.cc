@@ -1,4 +1,4 @@
-#include "alidade/model/chain_axes.h"
+#include "src/model/chain_axes.h"
 
 #include <gtest/gtest.h>
 
@@ -6,14 +6,14 @@
 #include <array>
 #include <vector>
 
-#include "alidade/base/random.h"
-#include "alidade/base/units.h"
-#include "alidade/model/parameter_layout.h"
+#include "alidade/parameter_layout.h"
+#include "alidade/random.h"
+#include "alidade/units.h"
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/rv2aj_arms.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 // The derivative that chain_axes.h states for a parameter of a joint.
@@ -122,4 +122,4 @@ TEST(ChainAxesFixedTest, AxesMayBeReusedForAnotherArm) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

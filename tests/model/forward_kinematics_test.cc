@@ -1,4 +1,4 @@
-#include "alidade/model/forward_kinematics.h"
+#include "alidade/forward_kinematics.h"
 
 #include <gtest/gtest.h>
 
@@ -8,14 +8,14 @@
 #include <limits>
 #include <utility>
 
-#include "alidade/base/random.h"
-#include "alidade/base/units.h"
+#include "alidade/random.h"
+#include "alidade/units.h"
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"
 #include "tests/support/rv2aj_arms.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr int kArmsPerSize = 20;
@@ -205,4 +205,4 @@ TEST(ReachTest, OfAnArmWithoutLengthsIsOneMetre) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

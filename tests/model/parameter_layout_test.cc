@@ -1,4 +1,4 @@
-#include "alidade/model/parameter_layout.h"
+#include "alidade/parameter_layout.h"
 
 #include <gtest/gtest.h>
 
@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "alidade/base/random.h"
+#include "alidade/random.h"
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 std::vector<std::string> Names(const ParameterLayout& layout) {
@@ -338,4 +338,4 @@ TEST(FullLayoutTest, MovesOneTargetAlone) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -1,4 +1,4 @@
-#include "alidade/model/rotation.h"
+#include "alidade/rotation.h"
 
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
@@ -7,13 +7,13 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "alidade/base/random.h"
-#include "alidade/base/units.h"
+#include "alidade/random.h"
+#include "alidade/units.h"
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/measurement_oracle.h"
 #include "tests/support/random_arms.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using Jet = ceres::Jet<double, 3>;
@@ -338,4 +338,4 @@ TEST(InverseLeftJacobianTest, IsTheFirstOrderOfLogAfterATurnOnTheLeft) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -1,4 +1,4 @@
-#include "alidade/report/html_report.h"
+#include "src/report/html_report.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include "src/report/html_json.h"
 #include "src/report/html_table.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using nlohmann::json;
@@ -193,4 +193,4 @@ TEST(ComparisonPageTest, StaysSmallWithManyResults) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -9,11 +9,11 @@
 #include <string_view>
 #include <vector>
 
-#include "alidade/report/report.h"
+#include "src/report/report.h"
 #include "tests/report/report_test_util.h"
 #include "tests/report/well_formed.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using testing::Cells;
@@ -205,4 +205,4 @@ TEST(MakeCsvFilesTest, KeepsAnObservationInOneLine) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -1,4 +1,4 @@
-#include "alidade/report/report.h"
+#include "src/report/report.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include "tests/report/report_test_util.h"
 #include "tests/report/well_formed.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using testing::Contains;
@@ -375,4 +375,4 @@ TEST(FormatReportTest, NamesTargetsAndPointsAndUnitsOfLimits) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "alidade/report/report.h"
+#include "src/report/report.h"
 
-namespace alidade::testing {
+namespace alidade::internal::testing {
 
 inline bool Contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
@@ -233,6 +233,6 @@ inline EvaluatedSet MakeMixedSet() {
   return set;
 }
 
-}  // namespace alidade::testing
+}  // namespace alidade::internal::testing
 
 #endif  // ALIDADE_TESTS_REPORT_REPORT_TEST_UTIL_H_

@@ -1,4 +1,4 @@
-#include "alidade/report/svg_chart.h"
+#include "src/report/svg_chart.h"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "alidade/base/units.h"
+#include "alidade/units.h"
 #include "tests/report/well_formed.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -342,4 +342,4 @@ TEST(SvgMapChartTest, LogarithmicColoursSpanDecades) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

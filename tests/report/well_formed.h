@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace alidade {
+namespace alidade::internal {
 
 /// A small check of XML that knows elements, attributes in double quotes and
 /// the five named entities: all that an SVG document of ours may use.
@@ -74,6 +74,6 @@ inline std::string WhatIsMalformed(std::string_view xml) {
   return has_root ? "" : "no root element";
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
 #endif  // ALIDADE_TESTS_REPORT_WELL_FORMED_H_

@@ -14,18 +14,18 @@
 #include <tuple>
 #include <vector>
 
-#include "alidade/base/random.h"
-#include "alidade/identifiability/analysis.h"
-#include "alidade/measurement/compression.h"
-#include "alidade/measurement/robust_loss.h"
-#include "alidade/solve/solver.h"
+#include "alidade/random.h"
+#include "alidade/robust_loss.h"
+#include "src/identifiability/analysis.h"
+#include "src/kernel/compression.h"
+#include "src/solve/solver.h"
 #include "tests/solve/solvers_test_util.h"
 #include "tests/support/measurement_oracle.h"
 #include "tests/support/noisy_positions.h"
 #include "tests/support/random_measurements.h"
 #include "tests/support/rv2aj_arms.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using testing::Calibration;
@@ -474,4 +474,4 @@ TEST(TunedLossesTest, HasTheConstantOfEachDimension) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

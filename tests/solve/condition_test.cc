@@ -9,14 +9,14 @@
 #include <limits>
 #include <vector>
 
-#include "alidade/base/random.h"
-#include "alidade/base/units.h"
-#include "alidade/measurement/compression.h"
-#include "alidade/model/joint_draw.h"
-#include "alidade/solve/solver.h"
+#include "alidade/random.h"
+#include "alidade/units.h"
+#include "src/kernel/compression.h"
+#include "src/model/joint_draw.h"
+#include "src/solve/solver.h"
 #include "tests/support/rv2aj_arms.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr double kSigma = 0.02 * kMillimetre;
@@ -233,4 +233,4 @@ TEST(GramRuleTest, DependentColumnsFallBack) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -9,9 +9,9 @@
 #include <cstdint>
 #include <limits>
 
-#include "alidade/base/random.h"
+#include "alidade/random.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using LongMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
@@ -132,4 +132,4 @@ TEST(DampedStepTest, LeavesWhatOnlyTheDampingHolds) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -1,12 +1,12 @@
-#include "alidade/solve/options.h"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <string>
 #include <vector>
 
-namespace alidade {
+#include "alidade/solver_options.h"
+
+namespace alidade::internal {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -124,4 +124,4 @@ TEST(SolverOptionsTest, MessageHoldsValueAndConstraint) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

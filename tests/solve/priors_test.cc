@@ -6,12 +6,12 @@
 #include <limits>
 #include <vector>
 
-#include "alidade/identifiability/analysis.h"
-#include "alidade/identifiability/rules.h"
-#include "alidade/solve/solver.h"
+#include "src/identifiability/analysis.h"
+#include "src/identifiability/rules.h"
+#include "src/solve/solver.h"
 #include "tests/support/study.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using Solver = SolverSummary (*)(const CalibrationProblem&,
@@ -86,4 +86,4 @@ INSTANTIATE_TEST_SUITE_P(Both, PriorsTest,
                                            &SolvePseudoInverse));
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

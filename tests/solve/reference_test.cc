@@ -7,13 +7,13 @@
 #include <tuple>
 #include <vector>
 
-#include "alidade/solve/solver.h"
+#include "src/solve/solver.h"
 #include "tests/solve/solvers_test_util.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/reference_solution.h"
 #include "tests/support/study.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using testing::Calibration;
@@ -158,4 +158,4 @@ INSTANTIATE_TEST_SUITE_P(Seeds, BaselineConvergenceTest,
                          ::testing::Range(1, 7));
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

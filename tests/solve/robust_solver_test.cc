@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-#include "alidade/identifiability/rank.h"
 #include "solvers_test_util.h"
+#include "src/identifiability/rank.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using testing::Calibration;
@@ -134,4 +134,4 @@ TEST(SolvePseudoInverseTest, RefusesARobustLoss) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -6,14 +6,14 @@
 #include <tuple>
 #include <vector>
 
-#include "alidade/solve/solver.h"
+#include "src/solve/solver.h"
 #include "tests/solve/solvers_test_util.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"
 #include "tests/support/reference_solution.h"
 #include "tests/support/study.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using testing::Calibration;
@@ -258,4 +258,4 @@ TEST(SolversTest, AgreeOnNoisyData) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

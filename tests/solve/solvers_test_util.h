@@ -11,24 +11,24 @@
 #include <string>
 #include <vector>
 
-#include "alidade/base/random.h"
-#include "alidade/identifiability/rank.h"
-#include "alidade/solve/solver.h"
+#include "alidade/random.h"
+#include "src/identifiability/rank.h"
+#include "src/solve/solver.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"
 #include "tests/support/reference_solution.h"
 #include "tests/support/rv2aj_arms.h"
 #include "tests/support/study.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 inline void PrintTo(SolverStatus status, std::ostream* out) {
   *out << ToString(status);
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
-namespace alidade::testing {
+namespace alidade::internal::testing {
 
 /// One of the solvers, to run the same tests with each.
 struct SolverCase {
@@ -188,6 +188,6 @@ inline bool HoldsTheOthers(const Eigen::VectorXd& start,
   return SameBits(others, start);
 }
 
-}  // namespace alidade::testing
+}  // namespace alidade::internal::testing
 
 #endif  // ALIDADE_TESTS_SOLVE_SOLVERS_TEST_UTIL_H_

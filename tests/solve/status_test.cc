@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "alidade/solve/solver.h"
+#include "src/solve/solver.h"
 #include "tests/solve/solvers_test_util.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/study.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using testing::Calibration;
@@ -303,4 +303,4 @@ INSTANTIATE_TEST_SUITE_P(Solvers, SolverStatusTest,
                          testing::NameOfSolver);
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -6,12 +6,12 @@
 #include <limits>
 #include <vector>
 
-#include "alidade/solve/solver.h"
+#include "src/solve/solver.h"
 #include "tests/solve/solvers_test_util.h"
 #include "tests/support/reference_solution.h"
 #include "tests/support/study.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using testing::Calibration;
@@ -219,4 +219,4 @@ TEST(PseudoInverseSummaryTest, RunsAFixedNumberOfIterations) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -8,7 +8,7 @@
 #include "tests/support/process.h"
 #include "tests/support/without_times.h"
 
-namespace alidade::testing {
+namespace alidade::internal::testing {
 
 /// Everything below a batch's directory but its own records, times aside.
 inline std::map<std::string, std::string> BatchOutcome(const std::string& out) {
@@ -29,6 +29,6 @@ inline std::map<std::string, std::string> BatchOutcome(const std::string& out) {
   return files;
 }
 
-}  // namespace alidade::testing
+}  // namespace alidade::internal::testing
 
 #endif  // ALIDADE_TESTS_SUPPORT_BATCH_OUTCOME_H_

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "alidade/base/units.h"
-#include "alidade/model/arm.h"
+#include "alidade/arm.h"
+#include "alidade/units.h"
 
-namespace alidade::testing {
+namespace alidade::internal::testing {
 
 /// One row of a modified Denavit-Hartenberg table: alpha and a of the link
 /// before the joint, then theta offset and offset along the axis (deg, mm).
@@ -98,6 +98,6 @@ inline Arm LiftingColumn() {
                                    {90, 0, 0, 121}});
 }
 
-}  // namespace alidade::testing
+}  // namespace alidade::internal::testing
 
 #endif  // ALIDADE_TESTS_SUPPORT_CLASSIC_ARMS_H_

@@ -8,10 +8,10 @@
 #include <cstddef>
 #include <vector>
 
-#include "alidade/measurement/observation_cost.h"
-#include "alidade/model/parameter_layout.h"
+#include "alidade/parameter_layout.h"
+#include "src/kernel/observation_cost.h"
 
-namespace alidade::testing {
+namespace alidade::internal::testing {
 
 /// An autodiff residual with its derivatives by the columns of the layout;
 /// zero by those that it does not have.
@@ -51,6 +51,6 @@ inline CostEvaluation EvaluateCost(const ObservationCost& cost,
   return evaluation;
 }
 
-}  // namespace alidade::testing
+}  // namespace alidade::internal::testing
 
 #endif  // ALIDADE_TESTS_SUPPORT_COST_EVALUATION_H_

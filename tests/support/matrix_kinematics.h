@@ -4,10 +4,10 @@
 #include <Eigen/Core>
 #include <cmath>
 
-#include "alidade/model/arm.h"
-#include "alidade/model/parameter_layout.h"
+#include "alidade/arm.h"
+#include "alidade/parameter_layout.h"
 
-namespace alidade::testing {
+namespace alidade::internal::testing {
 
 /// An independent forward kinematics: the convention of docs/conventions.md
 /// written out as products of 4 x 4 matrices, in long double (64 bits of
@@ -190,6 +190,6 @@ inline Matrix3Xl MatrixJacobian(const Arm& nominal, const VectorXl& values,
   return jacobian;
 }
 
-}  // namespace alidade::testing
+}  // namespace alidade::internal::testing
 
 #endif  // ALIDADE_TESTS_SUPPORT_MATRIX_KINEMATICS_H_

@@ -5,13 +5,13 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "alidade/measurement/dataset.h"
-#include "alidade/measurement/references.h"
-#include "alidade/model/arm.h"
-#include "alidade/model/parameter_layout.h"
+#include "alidade/arm.h"
+#include "alidade/dataset.h"
+#include "alidade/parameter_layout.h"
+#include "alidade/references.h"
 #include "tests/support/matrix_kinematics.h"
 
-namespace alidade::testing {
+namespace alidade::internal::testing {
 
 /// An arm and its references, the values that they really have, and what was
 /// measured: what the functions below predict of every kind of measurement, by
@@ -193,6 +193,6 @@ inline MatrixXl OracleJacobian(const MeasuredArm& measured,
   return jacobian;
 }
 
-}  // namespace alidade::testing
+}  // namespace alidade::internal::testing
 
 #endif  // ALIDADE_TESTS_SUPPORT_MEASUREMENT_ORACLE_H_

@@ -5,15 +5,15 @@
 #include <cstdint>
 #include <vector>
 
-#include "alidade/base/random.h"
-#include "alidade/identifiability/analysis.h"
-#include "alidade/identifiability/rules.h"
-#include "alidade/measurement/dataset.h"
-#include "alidade/measurement/measurement_model.h"
-#include "alidade/model/joint_draw.h"
+#include "alidade/dataset.h"
+#include "alidade/random.h"
+#include "src/identifiability/analysis.h"
+#include "src/identifiability/rules.h"
+#include "src/kernel/measurement_model.h"
+#include "src/model/joint_draw.h"
 #include "tests/support/matrix_kinematics.h"
 
-namespace alidade::testing {
+namespace alidade::internal::testing {
 
 /// Positions of an arm as it is at poses drawn within its limits, with Gaussian
 /// noise of `sigma` on every coordinate, from products of matrices.
@@ -40,6 +40,6 @@ inline std::vector<int> TellableColumns(const MeasurementModel& model,
   return FreeColumns(AnalyzeIdentifiability(model, data, options));
 }
 
-}  // namespace alidade::testing
+}  // namespace alidade::internal::testing
 
 #endif  // ALIDADE_TESTS_SUPPORT_NOISY_POSITIONS_H_

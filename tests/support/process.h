@@ -10,7 +10,7 @@
 #include <sstream>
 #include <string>
 
-namespace alidade::testing {
+namespace alidade::internal::testing {
 
 struct ProcessResult {
   int status = -1;  ///< exit status; 128 + signal where one ended it
@@ -73,6 +73,6 @@ inline ProcessResult RunIn(const std::filesystem::path& directory,
   return RunProcess("cd " + directory.string() + " && " + command);
 }
 
-}  // namespace alidade::testing
+}  // namespace alidade::internal::testing
 
 #endif  // ALIDADE_TESTS_SUPPORT_PROCESS_H_

@@ -5,11 +5,11 @@
 #include <Eigen/Geometry>
 #include <string>
 
-#include "alidade/base/random.h"
-#include "alidade/base/units.h"
-#include "alidade/model/arm.h"
+#include "alidade/arm.h"
+#include "alidade/random.h"
+#include "alidade/units.h"
 
-namespace alidade::testing {
+namespace alidade::internal::testing {
 
 /// Uniform in the cube [-size, size)^3.
 inline Eigen::Vector3d RandomVector(double size, Random* random) {
@@ -88,6 +88,6 @@ inline Eigen::MatrixXd RandomJointValues(const Arm& arm, int num_poses,
   return joint_values;
 }
 
-}  // namespace alidade::testing
+}  // namespace alidade::internal::testing
 
 #endif  // ALIDADE_TESTS_SUPPORT_RANDOM_ARMS_H_

@@ -4,15 +4,15 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "alidade/base/random.h"
-#include "alidade/base/units.h"
-#include "alidade/measurement/dataset.h"
-#include "alidade/model/arm.h"
-#include "alidade/model/parameter_layout.h"
+#include "alidade/arm.h"
+#include "alidade/dataset.h"
+#include "alidade/parameter_layout.h"
+#include "alidade/random.h"
+#include "alidade/units.h"
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/random_arms.h"
 
-namespace alidade::testing {
+namespace alidade::internal::testing {
 
 /// Lengths of rotation vectors (rad) at which formulas change their character:
 /// none, tiny, on both sides of where the series of Exp and of its derivative
@@ -58,6 +58,6 @@ inline Dataset RandomDataset(const Arm& arm, const Eigen::VectorXd& values,
   return data;
 }
 
-}  // namespace alidade::testing
+}  // namespace alidade::internal::testing
 
 #endif  // ALIDADE_TESTS_SUPPORT_RANDOM_DATASETS_H_

@@ -7,16 +7,16 @@
 #include <utility>
 #include <vector>
 
-#include "alidade/base/random.h"
-#include "alidade/measurement/dataset.h"
-#include "alidade/measurement/references.h"
-#include "alidade/model/arm.h"
-#include "alidade/model/parameter_layout.h"
+#include "alidade/arm.h"
+#include "alidade/dataset.h"
+#include "alidade/parameter_layout.h"
+#include "alidade/random.h"
+#include "alidade/references.h"
 #include "tests/support/measurement_oracle.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"
 
-namespace alidade::testing {
+namespace alidade::internal::testing {
 
 /// Poses and observations of what RandomMeasurements makes. Observation i of a
 /// block is of pose i and of target i modulo the number of targets.
@@ -192,6 +192,6 @@ inline MeasuredArm RandomMeasurements(int num_joints, Weighting weighting,
   return measured;
 }
 
-}  // namespace alidade::testing
+}  // namespace alidade::internal::testing
 
 #endif  // ALIDADE_TESTS_SUPPORT_RANDOM_MEASUREMENTS_H_

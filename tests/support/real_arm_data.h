@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <string>
 
-#include "alidade/io/files.h"
+#include "src/common/files.h"
 
-namespace alidade::testing {
+namespace alidade::internal::testing {
 
 /// Why a job of configs/real_arms cannot be loaded, as a test that skips it
 /// says: ALIDADE_DATA is not set, or its own files are not in the folder that
@@ -32,6 +32,6 @@ inline std::string WhatDataLack(const std::string& job_path) {
   return "";
 }
 
-}  // namespace alidade::testing
+}  // namespace alidade::internal::testing
 
 #endif  // ALIDADE_TESTS_SUPPORT_REAL_ARM_DATA_H_

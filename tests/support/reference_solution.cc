@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-namespace alidade::testing {
+namespace alidade::internal::testing {
 namespace {
 
 // One factor of T(j-1, j): a rotation about (`angular`) or a translation
@@ -203,4 +203,4 @@ ReferenceSolution SolveReference(const Arm& arm, const VectorXl& start,
   return solution;
 }
 
-}  // namespace alidade::testing
+}  // namespace alidade::internal::testing

@@ -4,12 +4,12 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "alidade/measurement/dataset.h"
-#include "alidade/model/arm.h"
-#include "alidade/model/parameter_layout.h"
+#include "alidade/arm.h"
+#include "alidade/dataset.h"
+#include "alidade/parameter_layout.h"
 #include "tests/support/matrix_kinematics.h"
 
-namespace alidade::testing {
+namespace alidade::internal::testing {
 
 /// An independent solution of the calibration: Gauss-Newton in long double
 /// over products of 4 x 4 matrices and their exact derivatives. It shares
@@ -80,6 +80,6 @@ ReferenceSolution SolveReference(const Arm& arm, const VectorXl& start,
                                  const Dataset& data,
                                  const std::vector<int>& columns);
 
-}  // namespace alidade::testing
+}  // namespace alidade::internal::testing
 
 #endif  // ALIDADE_TESTS_SUPPORT_REFERENCE_SOLUTION_H_

@@ -1,10 +1,10 @@
 #ifndef ALIDADE_TESTS_SUPPORT_RV2AJ_ARMS_H_
 #define ALIDADE_TESTS_SUPPORT_RV2AJ_ARMS_H_
 
-#include "alidade/base/units.h"
-#include "alidade/model/arm.h"
+#include "alidade/arm.h"
+#include "alidade/units.h"
 
-namespace alidade::testing {
+namespace alidade::internal::testing {
 
 /// The Mitsubishi RV-2AJ of the reference case, measured at its wrist centre
 /// (r5 = 0, no tool).
@@ -57,6 +57,6 @@ inline Arm WithRv2ajDeviations(const Arm& nominal) {
   return arm;
 }
 
-}  // namespace alidade::testing
+}  // namespace alidade::internal::testing
 
 #endif  // ALIDADE_TESTS_SUPPORT_RV2AJ_ARMS_H_

@@ -7,15 +7,15 @@
 #include <variant>
 #include <vector>
 
-#include "alidade/base/units.h"
-#include "alidade/batch/simulate.h"
-#include "alidade/io/job_config.h"
-#include "alidade/measurement/dataset.h"
-#include "alidade/model/arm.h"
-#include "alidade/model/parameter_layout.h"
+#include "alidade/arm.h"
+#include "alidade/dataset.h"
+#include "alidade/parameter_layout.h"
+#include "alidade/units.h"
+#include "src/calibration/job_config.h"
+#include "src/simulation/simulation.h"
 #include "tests/support/rv2aj_arms.h"
 
-namespace alidade::testing {
+namespace alidade::internal::testing {
 
 /// How positions are measured.
 struct Measurement {
@@ -105,6 +105,6 @@ inline std::vector<int> FlangeFreeColumns(const ParameterLayout& layout) {
                             "theta1", "theta2", "theta3", "r1", "r2", "r5"});
 }
 
-}  // namespace alidade::testing
+}  // namespace alidade::internal::testing
 
 #endif  // ALIDADE_TESTS_SUPPORT_STUDY_H_

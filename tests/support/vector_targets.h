@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace alidade::testing {
+namespace alidade::internal::testing {
 
 /// Runs a test once for every instruction set of this machine that the kernels
 /// may have been compiled for; those that they were not fall back to a smaller
@@ -42,6 +42,6 @@ inline std::string TargetName(
   return hwy::TargetName(info.param);
 }
 
-}  // namespace alidade::testing
+}  // namespace alidade::internal::testing
 
 #endif  // ALIDADE_TESTS_SUPPORT_VECTOR_TARGETS_H_

@@ -9,7 +9,7 @@
 
 #include "tests/support/process.h"
 
-namespace alidade::testing {
+namespace alidade::internal::testing {
 
 /// A result.json without what differs from run to run (times) and from call to
 /// call (the command, the number of threads); nothing else may.
@@ -35,6 +35,6 @@ inline std::string WithoutTimes(const std::string& path) {
                             std::regex("[0-9.]+ m?s, [0-9. ]+ times less"), "");
 }
 
-}  // namespace alidade::testing
+}  // namespace alidade::internal::testing
 
 #endif  // ALIDADE_TESTS_SUPPORT_WITHOUT_TIMES_H_

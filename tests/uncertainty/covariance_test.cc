@@ -1,4 +1,4 @@
-#include "alidade/uncertainty/covariance.h"
+#include "src/uncertainty/covariance.h"
 
 #include <gtest/gtest.h>
 
@@ -6,15 +6,15 @@
 #include <limits>
 #include <vector>
 
-#include "alidade/measurement/compression.h"
-#include "alidade/solve/solver.h"
+#include "src/kernel/compression.h"
+#include "src/solve/solver.h"
 #include "tests/support/classic_arms.h"
 #include "tests/support/noisy_positions.h"
 #include "tests/support/reference_solution.h"
 #include "tests/support/rv2aj_arms.h"
 #include "tests/support/study.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 using testing::MatrixXl;
@@ -139,4 +139,4 @@ TEST(CovarianceTest, SandwichHasTheEfficiencyThatLossesAreTunedTo) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

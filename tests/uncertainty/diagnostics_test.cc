@@ -1,4 +1,4 @@
-#include "alidade/uncertainty/diagnostics.h"
+#include "src/uncertainty/diagnostics.h"
 
 #include <gtest/gtest.h>
 
@@ -6,15 +6,15 @@
 #include <cmath>
 #include <vector>
 
-#include "alidade/base/random.h"
-#include "alidade/measurement/compression.h"
-#include "alidade/solve/solver.h"
+#include "alidade/random.h"
+#include "src/kernel/compression.h"
+#include "src/solve/solver.h"
 #include "tests/support/noisy_positions.h"
 #include "tests/support/reference_solution.h"
 #include "tests/support/rv2aj_arms.h"
 #include "tests/support/study.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr double kSigma = 0.02e-3;
@@ -151,4 +151,4 @@ TEST(DiagnosticsTest, TrueNormalsFailAsOftenAsTheySay) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

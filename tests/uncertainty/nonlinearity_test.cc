@@ -1,4 +1,4 @@
-#include "alidade/uncertainty/nonlinearity.h"
+#include "src/uncertainty/nonlinearity.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "alidade/measurement/compression.h"
+#include "src/kernel/compression.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -109,4 +109,4 @@ TEST(NonlinearityTest, ProfileWithoutEndIsInfinite) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -1,4 +1,4 @@
-#include "alidade/uncertainty/prediction.h"
+#include "src/uncertainty/prediction.h"
 
 #include <gtest/gtest.h>
 
@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "alidade/base/random.h"
-#include "alidade/measurement/compression.h"
-#include "alidade/model/rotation.h"
+#include "alidade/random.h"
+#include "alidade/rotation.h"
+#include "src/kernel/compression.h"
 #include "tests/support/classic_arms.h"
 #include "tests/support/noisy_positions.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -218,4 +218,4 @@ TEST(PredictionTest, LargerErrorsThanPredictedAreCalledSo) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -1,0 +1,34 @@
+#ifndef ALIDADE_ARM_FILE_H_
+#define ALIDADE_ARM_FILE_H_
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "alidade/arm.h"
+
+namespace alidade {
+
+/// Reads an arm (docs/files.md, "format: alidade-arm-1").
+/// @throws InputError with file, line, column and key.
+Arm LoadArm(const std::string& path);
+
+/// The same; the paths of further files that the arm file names (a URDF) are
+/// appended to `input_files`.
+Arm LoadArm(const std::string& path, std::vector<std::string>* input_files);
+
+/// The text of an arm file that LoadArm reads back to the same bits (rotations
+/// of base and targets to about 1e-15). Numbers are in m and rad, with mm and
+/// deg beside them in comments for people. `comment` goes on top, each of its
+/// lines behind "# ".
+std::string FormatArm(const Arm& arm, const std::string& comment);
+
+/// Reads deviations from nominal (docs/files.md, "alidade-deviations-1"): one
+/// entry per column of the layout of the arm alone, zero where the file names
+/// none.
+/// @throws InputError with file, line, column and key.
+Eigen::VectorXd LoadDeviations(const std::string& path, const Arm& arm);
+
+}  // namespace alidade
+
+#endif  // ALIDADE_ARM_FILE_H_

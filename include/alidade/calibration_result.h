@@ -1,0 +1,253 @@
+#ifndef ALIDADE_CALIBRATION_RESULT_H_
+#define ALIDADE_CALIBRATION_RESULT_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "alidade/accuracy.h"
+#include "alidade/dataset.h"
+#include "alidade/identifiability_result.h"
+#include "alidade/large_matrix.h"
+#include "alidade/solver_summary.h"
+#include "alidade/uncertainty_result.h"
+#include "alidade/units.h"
+
+namespace alidade {
+
+/// A file that a result was computed from.
+struct InputFile {
+  std::string path;    ///< as the user wrote it
+  std::string sha256;  ///< 64 hexadecimal digits
+};
+
+/// One parameter of the calibrated arm (rad or m by `dimension`).
+struct ParameterResult {
+  std::string name;
+  std::string kind;  ///< block it belongs to: "beta" ... "r", "base", "tool"
+  Dimension dimension = Dimension::kLength;
+  double nominal = 0.0;
+  double value = 0.0;
+  /// Standard deviation; NaN where it is not computed or does not apply.
+  double std = std::numeric_limits<double>::quiet_NaN();
+  /// The true value, where the job knows it (a simulated arm).
+  std::optional<double> truth;
+  ParameterDecision decision;
+
+  double deviation() const { return value - nominal; }
+};
+
+/// What one observation is of.
+struct ObservationLabel {
+  std::string kind;           ///< "position", "pose", "distance" ...
+  int pose = 0;               ///< column of joint_values; -1: of none
+  std::string target;         ///< its name, empty where it has none
+  std::string where;          ///< "file:line", empty where not read from a file
+  bool has_length = true;     ///< a length was measured, if only one axis
+  bool has_rotation = false;  ///< an orientation was measured
+};
+
+/// The error of the arm, before and after calibration, at the poses of one
+/// data set. All lengths in m, all angles in rad. Matrices may share their
+/// numbers with the data set that was evaluated.
+struct EvaluatedSet {
+  std::string name;          ///< file of the poses
+  LargeMatrix joint_values;  ///< one column per pose
+  /// What each joint value measures, one per row of `joint_values`.
+  std::vector<Dimension> joint_dimensions;
+  /// One entry per observation, as are the columns below; empty where they are
+  /// one position per pose.
+  std::vector<ObservationLabel> labels;
+  /// Measured, or true where simulated; NaN where no position was measured.
+  LargeMatrix positions;
+  LargeMatrix residual_before;  ///< predicted - measured, lengths
+  LargeMatrix residual_after;
+  /// Rotation vectors of measured orientations, zero of other observations;
+  /// empty where no orientation was measured.
+  LargeMatrix rotation_residual_before;
+  LargeMatrix rotation_residual_after;
+  Accuracy before;
+  Accuracy after;
+  Accuracy rotation_before;  ///< (rad); n = 0 without orientations
+  Accuracy rotation_after;
+
+  LargeVector ErrorBefore() const;
+  LargeVector ErrorAfter() const;
+};
+
+/// One solver on the training data.
+struct SolverRun {
+  SolverSummary summary;
+  Eigen::VectorXd values;  ///< all parameters of the layout
+  Accuracy train;          ///< with these values
+};
+
+/// One acceptance limit of the job (m, rad).
+struct AcceptanceCheck {
+  std::string quantity;  ///< "train_max", "heldout_rms" ...
+  double limit = 0.0;
+  double obtained = 0.0;
+  Dimension dimension = Dimension::kLength;
+  bool met() const { return obtained <= limit; }
+};
+
+/// How accurate the arm is with so much of it calibrated.
+struct StageResult {
+  std::string name;  ///< "frames only", "joint offsets", "all geometry"
+  int num_free = 0;  ///< parameters solved for
+  Accuracy train;
+  Accuracy heldout;         ///< n = 0 without held-out poses
+  Accuracy train_rotation;  ///< (rad); n = 0 without orientations
+  Accuracy heldout_rotation;
+};
+
+/// A point or a plane that was measured against, in the instrument's frame.
+struct ReferenceResult {
+  std::string block;  ///< of its parameters: "point1", "plane2"
+  std::string name;
+  bool is_known = false;
+  /// Of a point its position (m), of a plane its unit normal.
+  Eigen::Vector3d vector = Eigen::Vector3d::Zero();
+  /// Of a plane (m); NaN for points.
+  double offset = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// Errors of poses that were each held out of one fit.
+struct CrossValidation {
+  int folds = 0;
+  Accuracy position;
+  Accuracy rotation;  ///< (rad); n = 0 without orientations
+};
+
+/// What measurements of the same configuration differ by: the instrument and
+/// the arm's own repeatability, no geometry. Zero degrees of freedom: nothing
+/// was repeated.
+struct RepeatSpread {
+  double length = 0.0;  ///< standard deviation of a coordinate (m)
+  std::int64_t length_freedom = 0;
+  double rotation = 0.0;  ///< of a component of the rotation vector (rad)
+  std::int64_t rotation_freedom = 0;
+};
+
+/// An observation of the training data whose residual is beyond chance.
+struct Outlier {
+  std::int64_t observation = 0;  ///< of the data that was fitted, from 0
+  ObservationLabel label;
+  double error = 0.0;         ///< in length (m)
+  double standardised = 0.0;  ///< norm of the whitened residual
+  double weight = 1.0;        ///< that the robust loss left it
+};
+
+/// One line of "published against obtained".
+struct StudyRow {
+  std::string quantity;
+  std::string published;
+  std::string obtained;
+};
+
+/// One parameter of the study's tables, as deviations from nominal.
+struct StudyParameter {
+  std::string name;
+  Dimension dimension = Dimension::kLength;
+  bool identified = false;
+  double nominal = 0.0;
+  double assumed = 0.0;    ///< deviation of the assumed real arm
+  double published = 0.0;  ///< as the study's table prints it
+  double obtained = 0.0;   ///< ours, at full precision
+
+  /// |deviation - assumed| / |assumed| in percent, the study's error of a
+  /// parameter. NaN where assumed = 0.
+  double ErrorPercent(double deviation) const;
+};
+
+/// A free parameter takes up part of a frozen one that is not at its nominal
+/// value: to first order at the identified geometry,
+/// change of `taken_up_by` = coefficient * deviation of `frozen`.
+struct Absorption {
+  std::string frozen;
+  double frozen_deviation = 0.0;
+  std::string taken_up_by;
+  Dimension dimension = Dimension::kLength;  ///< of `taken_up_by`
+  double coefficient = 0.0;
+  double amount = 0.0;
+};
+
+/// A published study beside our results.
+struct StudyResult {
+  std::string source;
+  std::vector<StudyRow> rows;
+  std::vector<StudyParameter> parameters;
+  std::vector<Absorption> absorptions;
+  /// Digits of the study's printed table (of rad and of mm).
+  int angle_decimals = 0;
+  int length_decimals = 0;
+  /// Over the validation poses: the identified values rounded as the study
+  /// prints them, and with three more decimals of the lengths.
+  Accuracy as_printed;
+  Accuracy three_more_decimals;
+  /// The baseline's fixed number of iterations against the published time.
+  int timed_iterations = 0;
+  double timed_s = 0.0;
+  double published_s = 0.0;
+};
+
+/// Everything a calibration found out; what io writes and report prints.
+struct JobResult {
+  std::string version;
+  std::string command;
+  std::string title;
+  std::string arm;
+  std::vector<InputFile> inputs;
+  std::uint64_t seed = 0;
+
+  std::vector<ParameterResult> parameters;
+  IdentifiabilityResult identifiability;
+  /// The first is the job's own solver, whose values the result holds; then
+  /// those it is compared with.
+  std::vector<SolverRun> runs;
+  EvaluatedSet train;
+  std::optional<EvaluatedSet> heldout;
+  /// What "before" is where it is not the nominal arm as it stands in its file.
+  std::string before_note;
+  /// Where base or tool are fitted: what each part of a calibration brings.
+  std::vector<StageResult> stages;
+  std::optional<CrossValidation> cross_validation;
+  RepeatSpread repeats;
+  std::vector<RejectedRow> rejected;
+  /// What people call the targets and references: {"point1", "A"}.
+  std::vector<std::pair<std::string, std::string>> aliases;
+  std::vector<ReferenceResult> references;  ///< as calibrated
+  /// Norm of a whitened residual beyond which one of all observations would be
+  /// by chance in 5 % of calibrations; 0 = not looked at.
+  double outlier_limit = 0.0;
+  std::vector<Outlier> outliers;  ///< worst first
+  /// Standard deviation of a coordinate, where the job asked for an estimate
+  /// (m); 0 = given.
+  double estimated_sigma = 0.0;
+  /// The same of a component of an orientation (rad).
+  double estimated_rotation_sigma = 0.0;
+  /// Median sigma that the fit took of a coordinate (m); 0 = no lengths.
+  double sigma = 0.0;
+  /// Chi-square of the fit over its degrees of freedom, priors accounted for;
+  /// 0 where no freedom is left.
+  double reduced_chi_square = 0.0;
+  /// Nothing where it was not asked for.
+  std::optional<UncertaintyResult> uncertainty;
+  std::optional<StudyResult> study;
+  std::vector<AcceptanceCheck> acceptance;
+  /// What speaks against the result although a solver calls it usable.
+  std::vector<std::string> warnings;
+
+  double identify_time_s = 0.0;
+  double total_time_s = 0.0;
+
+  bool accepted() const;
+};
+
+}  // namespace alidade
+
+#endif  // ALIDADE_CALIBRATION_RESULT_H_

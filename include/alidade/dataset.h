@@ -1,0 +1,191 @@
+#ifndef ALIDADE_DATASET_H_
+#define ALIDADE_DATASET_H_
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "alidade/large_matrix.h"
+#include "alidade/pose_sources.h"
+
+namespace alidade {
+
+class Team;
+
+/// What is measured. With p the position of the target at the observation's
+/// pose, R its orientation, both in the instrument's frame, and "m" what was
+/// measured, the residual (predicted minus measured) is
+///
+///   kPosition       p - p_m                                   3 rows (m)
+///   kPose           p - p_m;  Log(R R_m^T)                    3 (m), 3 (rad)
+///   kDistance       |p - c| - L_m, c a reference point        1 row (m)
+///   kFixedPoint     p - c: a ball in a socket                 3 rows (m)
+///   kPlane          n . p - offset: contact with a plane      1 row (m)
+///   kDifference     p - p' - d_m, p' at a second pose         3 rows (m)
+///   kPointDistance  |c - c'| - L_m of two reference points    1 row (m)
+enum class MeasurementKind {
+  kPosition,
+  kPose,
+  kDistance,
+  kFixedPoint,
+  kPlane,
+  kDifference,
+  kPointDistance,
+};
+
+/// "position", "pose", "distance", "fixed point", "plane", "difference", "point
+/// distance".
+const char* NameOf(MeasurementKind kind);
+
+/// Whether the position of the target itself is measured: kPosition, kPose.
+bool HoldsPosition(MeasurementKind kind);
+
+/// Whether an observation names a reference point or plane.
+bool HasReference(MeasurementKind kind);
+
+/// Whether an observation names a second pose or point.
+bool HasSecond(MeasurementKind kind);
+
+/// Rows of one observation: 3, 6 or 1.
+int RowsOf(MeasurementKind kind);
+
+/// Observations of one kind, as a structure of arrays: column i of each matrix
+/// and entry i of each list belong to observation i.
+struct ObservationBlock {
+  MeasurementKind kind = MeasurementKind::kPosition;
+  /// Column of the pose in Dataset::joint_values; empty: observation i is of
+  /// pose i. (Of kPointDistance: not used.)
+  std::vector<int> poses = {};
+  /// Number of the target; empty: the first.
+  std::vector<int> targets = {};
+  /// Number of the reference point (kDistance, kFixedPoint, kPointDistance) or
+  /// plane (kPlane).
+  std::vector<int> references = {};
+  /// The second pose (kDifference) or the second point (kPointDistance).
+  std::vector<int> seconds = {};
+  /// RowsOf(kind) x M (m, rad); orientations as rotation vectors; zero for
+  /// kFixedPoint and kPlane.
+  LargeMatrix measured = {};
+  /// Standard deviation of each row of the residual, RowsOf(kind) x M (m, rad),
+  /// positive; infinite where that row was not measured.
+  LargeMatrix sigmas = {};
+  /// Where an observation's rows are correlated: W with W^T W the inverse of
+  /// their covariance; the whitened residual is W e instead of e / sigma. One
+  /// entry per observation or none at all; an empty matrix leaves the sigmas.
+  std::vector<Eigen::MatrixXd> whiteners = {};
+
+  Eigen::Index size() const { return measured.cols(); }
+  int rows_each() const { return RowsOf(kind); }
+  int pose(Eigen::Index i) const {
+    return poses.empty() ? static_cast<int>(i) : poses[i];
+  }
+  int target(Eigen::Index i) const { return targets.empty() ? 0 : targets[i]; }
+  /// Rows of observation i that were measured.
+  int Dimension(Eigen::Index i) const;
+};
+
+/// Where what came from one file begins.
+struct Shard {
+  Eigen::Index first_pose = 0;
+  std::vector<Eigen::Index> first_observations = {};  ///< of each block
+};
+
+/// What a data set is a share of: other members of a team have the others. The
+/// whole is never in one place; its poses, and the observations of each of its
+/// blocks, are those of member 0, then those of member 1 and so on (share.h).
+struct DataShare {
+  Team* team = nullptr;         ///< null: the data set is whole
+  Eigen::Index first_pose = 0;  ///< of this share among all
+  Eigen::Index all_poses = 0;
+  /// The same for the observations of each block.
+  std::vector<Eigen::Index> first_observations = {};
+  std::vector<Eigen::Index> all_observations = {};
+};
+
+/// Measurements of an arm at known joint values. Observations are counted, and
+/// their residual rows stacked, block after block. Numbers of poses and
+/// observations may be those of a mapped file, or lie in a temporary one
+/// (base/memory.h).
+struct Dataset {
+  std::string name;  ///< file it came from, for messages
+  /// Joint values, num_joints x poses (rad for revolute, m for prismatic).
+  LargeMatrix joint_values;
+  std::vector<ObservationBlock> blocks;
+  /// One entry per pose, or none where the data come from no file.
+  PoseSources sources = {};
+  std::vector<std::string> files = {};
+  /// One entry per file, in ascending order; empty: all is one. What is summed
+  /// or factored over all poses is so for each shard first, then over shards,
+  /// so that bits do not depend on who has which of them.
+  std::vector<Shard> shards = {};
+  /// Blocks are the same on every member, if empty on some.
+  DataShare share = {};
+
+  int num_joints() const { return static_cast<int>(joint_values.rows()); }
+  Eigen::Index num_poses() const { return joint_values.cols(); }
+  Eigen::Index num_observations() const;
+  /// Rows of the stacked residual, those not measured (always zero) included.
+  Eigen::Index num_rows() const;
+  /// Number of scalar measurements (of a share: its own).
+  Eigen::Index num_equations() const;
+  /// Of a share: whether the whole has any.
+  bool Has(MeasurementKind kind) const;
+
+  /// Of the whole that this is a share of; no collective call.
+  Eigen::Index all_poses() const;
+  Eigen::Index all_observations() const;
+  Eigen::Index all_observations(std::size_t block) const;
+  std::size_t num_shards() const {
+    return std::max<std::size_t>(1, shards.size());
+  }
+  /// The observations [first, second) of a block that belong to a shard.
+  std::pair<Eigen::Index, Eigen::Index> ShardRange(std::size_t shard,
+                                                   std::size_t block) const;
+
+  /// The measured points and their sigmas (3 x poses, m) of a data set of one
+  /// block of positions, as MakePositions returns it; an empty data set becomes
+  /// one. @pre there is no other block.
+  LargeMatrix& positions() { return PositionBlock().measured; }
+  LargeMatrix& sigmas() { return PositionBlock().sigmas; }
+  const LargeMatrix& positions() const { return blocks.front().measured; }
+  const LargeMatrix& sigmas() const { return blocks.front().sigmas; }
+
+ private:
+  ObservationBlock& PositionBlock();
+};
+
+/// A row of a data file that holds no measurement.
+struct RejectedRow {
+  std::string file;
+  int line = 0;
+  std::string reason;
+};
+
+/// "file:line" of a pose; empty where it comes from no file.
+std::string SourceOf(const Dataset& data, int pose);
+
+/// Whether the sigmas of observations [first, first + count) of a block are the
+/// same. O(count), at the speed of memory.
+bool HaveOneSigma(const ObservationBlock& block, Eigen::Index first,
+                  Eigen::Index count);
+
+/// One measured position per pose: joint values n x N, points 3 x N (m), sigmas
+/// 3 x N (m).
+Dataset MakePositions(LargeMatrix joint_values, LargeMatrix points,
+                      LargeMatrix sigmas);
+
+/// Clears the block's list of poses where it says nothing: 0, 1, ... of a data
+/// set with as many poses, or observations that belong to none.
+void DropTrivialPoses(Eigen::Index num_poses, ObservationBlock* block);
+
+/// Whitens stacked rows (residuals or a Jacobian) of `count` observations of a
+/// block from `first` on, in place. Rows that were not measured become zero.
+void Whiten(const ObservationBlock& block, Eigen::Index first,
+            Eigen::Index count, Eigen::Ref<Eigen::MatrixXd> rows);
+
+}  // namespace alidade
+
+#endif  // ALIDADE_DATASET_H_

@@ -1,0 +1,159 @@
+#ifndef ALIDADE_FORWARD_KINEMATICS_H_
+#define ALIDADE_FORWARD_KINEMATICS_H_
+
+#include <Eigen/Core>
+#include <cmath>
+
+#include "alidade/arm.h"
+#include "alidade/parameter_layout.h"
+#include "alidade/rotation.h"
+
+namespace alidade {
+
+/// The one definition of the model: forward kinematics as a template over the
+/// scalar, which may be double, long double or an autodiff type.
+///
+/// A point is carried from the target to the instrument, joint by joint from
+/// the inside out:
+///
+///   p(j-1) = Rot(y, beta) Rot(x, alpha) (d e_x + Rot(z, theta) (p(j) + r e_z))
+///
+/// which costs three plane rotations of one vector per joint (12
+/// multiplications), where a product of 4 x 4 matrices takes more than 100:
+/// for autodiff scalars this is most of the cost of a calibration.
+template <typename T>
+using Vector3 = Eigen::Matrix<T, 3, 1>;
+
+/// The parameters of a layout, block by block: n values each, then base and
+/// tool with six (translation, rotation vector on the left of the nominal
+/// rotation). `base` and `tool` may be null: the arm's own are used. `tool` is
+/// the block of target number `target`.
+template <typename T>
+struct GeometryView {
+  const T* beta = nullptr;
+  const T* alpha = nullptr;
+  const T* d = nullptr;
+  const T* theta = nullptr;
+  const T* r = nullptr;
+  const T* base = nullptr;
+  const T* tool = nullptr;
+  int target = 0;
+};
+
+/// The blocks of a vector with one value per column of the layout. The view
+/// lives as long as `values`.
+template <typename T>
+GeometryView<T> ViewOf(const ParameterLayout& layout, const T* values,
+                       int target = 0) {
+  const auto block = [&](ParameterKind kind, int object = 0) {
+    return values + layout.Column(kind, 0, object);
+  };
+  return {block(ParameterKind::kBeta),
+          block(ParameterKind::kAlpha),
+          block(ParameterKind::kD),
+          block(ParameterKind::kTheta),
+          block(ParameterKind::kR),
+          block(ParameterKind::kBaseTranslation),
+          block(ParameterKind::kToolTranslation, target),
+          target};
+}
+
+/// Rotates (a, b) by the angle whose sine and cosine are given, a towards b.
+template <typename T>
+void RotatePlane(const T& sine, const T& cosine, T* a, T* b) {
+  const T rotated = cosine * *a - sine * *b;
+  *b = sine * *a + cosine * *b;
+  *a = rotated;
+}
+
+/// Carries a point of frame j (index `j` from 0) to frame j - 1, and with it
+/// the `num_axes` directions at `axes`.
+template <typename T>
+void CarryThroughJoint(const Arm& arm, const GeometryView<T>& geometry, int j,
+                       double q, Vector3<T>* point, int num_axes = 0,
+                       Vector3<T>* axes = nullptr) {
+  using std::cos;
+  using std::sin;
+  T theta = geometry.theta[j];
+  T r = geometry.r[j];
+  if (arm.joints[j].type == JointType::kRevolute) {
+    theta += q;
+  } else {
+    r += q;
+  }
+  T& x = point->x();
+  T& y = point->y();
+  T& z = point->z();
+  z += r;
+  const T sin_theta = sin(theta), cos_theta = cos(theta);
+  const T sin_alpha = sin(geometry.alpha[j]),
+          cos_alpha = cos(geometry.alpha[j]);
+  const T sin_beta = sin(geometry.beta[j]), cos_beta = cos(geometry.beta[j]);
+  RotatePlane<T>(sin_theta, cos_theta, &x, &y);
+  x += geometry.d[j];
+  RotatePlane<T>(sin_alpha, cos_alpha, &y, &z);
+  RotatePlane<T>(sin_beta, cos_beta, &z, &x);
+  for (int k = 0; k < num_axes; ++k) {
+    Vector3<T>& axis = axes[k];
+    RotatePlane<T>(sin_theta, cos_theta, &axis.x(), &axis.y());
+    RotatePlane<T>(sin_alpha, cos_alpha, &axis.y(), &axis.z());
+    RotatePlane<T>(sin_beta, cos_beta, &axis.z(), &axis.x());
+  }
+}
+
+/// Position of the target's origin in the instrument's frame (m).
+/// `joint_values`: n values, rad or m. Cost: O(n), no allocation.
+template <typename T>
+Vector3<T> TargetPosition(const Arm& arm, const GeometryView<T>& geometry,
+                          const double* joint_values) {
+  Vector3<T> point =
+      arm.last_from_target(geometry.target).translation().template cast<T>();
+  if (geometry.tool != nullptr) {
+    point = Eigen::Map<const Vector3<T>>(geometry.tool);
+  }
+  for (int j = arm.num_joints() - 1; j >= 0; --j) {
+    CarryThroughJoint(arm, geometry, j, joint_values[j], &point);
+  }
+  point = arm.instrument_from_base.linear().template cast<T>() * point;
+  if (geometry.base == nullptr) {
+    return point + arm.instrument_from_base.translation().template cast<T>();
+  }
+  const Eigen::Map<const Vector3<T>> translation(geometry.base);
+  const Vector3<T> rotation = Eigen::Map<const Vector3<T>>(geometry.base + 3);
+  return RotationFromVector<T>(rotation) * point + translation;
+}
+
+/// The same, and the target's orientation: `axes` receives the columns of the
+/// rotation from the target's frame to the instrument's.
+template <typename T>
+Vector3<T> TargetPose(const Arm& arm, const GeometryView<T>& geometry,
+                      const double* joint_values,
+                      Eigen::Matrix<T, 3, 3>* instrument_from_target) {
+  const Eigen::Isometry3d& tool = arm.last_from_target(geometry.target);
+  Vector3<T> point = tool.translation().template cast<T>();
+  Eigen::Matrix<T, 3, 3> rotation = tool.linear().template cast<T>();
+  if (geometry.tool != nullptr) {
+    point = Eigen::Map<const Vector3<T>>(geometry.tool);
+    const Vector3<T> turn = Eigen::Map<const Vector3<T>>(geometry.tool + 3);
+    rotation = RotationFromVector<T>(turn) * rotation;
+  }
+  Vector3<T> axes[3] = {rotation.col(0), rotation.col(1), rotation.col(2)};
+  for (int j = arm.num_joints() - 1; j >= 0; --j) {
+    CarryThroughJoint(arm, geometry, j, joint_values[j], &point, 3, axes);
+  }
+  for (int k = 0; k < 3; ++k) rotation.col(k) = axes[k];
+  Eigen::Matrix<T, 3, 3> base =
+      arm.instrument_from_base.linear().template cast<T>();
+  Vector3<T> origin = arm.instrument_from_base.translation().template cast<T>();
+  if (geometry.base != nullptr) {
+    origin = Eigen::Map<const Vector3<T>>(geometry.base);
+    const Vector3<T> turn = Eigen::Map<const Vector3<T>>(geometry.base + 3);
+    base = RotationFromVector<T>(turn) * base;
+  }
+  *instrument_from_target = base * rotation;
+  return base * point + origin;
+}
+
+}  // namespace alidade
+
+#endif  // ALIDADE_FORWARD_KINEMATICS_H_

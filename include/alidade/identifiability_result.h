@@ -1,0 +1,121 @@
+#ifndef ALIDADE_IDENTIFIABILITY_RESULT_H_
+#define ALIDADE_IDENTIFIABILITY_RESULT_H_
+
+#include <Eigen/Core>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace alidade {
+
+enum class ParameterState {
+  kFree,    ///< identified
+  kFrozen,  ///< held at its nominal value by the analysis or by the user
+  kGiven,   ///< not among the parameters to identify (a known base or tool)
+};
+
+/// "free", "frozen", "given".
+const char* ToString(ParameterState state);
+
+/// What the analysis decided about one parameter, and why.
+struct ParameterDecision {
+  std::string name;
+  ParameterState state = ParameterState::kFree;
+  /// Short key of what decided, empty for a plainly free parameter:
+  /// "beta_rule", "zero_column", "parallel_r" (the study's rules),
+  /// "no_effect", "structural", "at_geometry", "not_excited", "not_practical"
+  /// (the levels of the rank method; a free one may carry the last three),
+  /// "fixed_by_user".
+  std::string rule;
+  /// A sentence for people.
+  std::string reason;
+  /// What a free parameter stands for once others are frozen
+  /// ("r2 + r3 + r4"), or empty.
+  std::string stands_for;
+  /// Known beforehand, of all that the parameter stands for; NaN where no prior
+  /// applies.
+  double prior_std = std::numeric_limits<double>::quiet_NaN();
+  /// Predicted from these poses and their sigmas, priors included where the
+  /// policy uses them; infinite where nothing tells, NaN where frozen.
+  double predicted_std = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// A parameter that can be left out, and the combination of others that acts
+/// as it does: moving `parameter` by 1 moves every measured point as moving
+/// each term's parameter by its coefficient does (SI units).
+struct Relation {
+  std::string parameter;
+  std::string
+      level;  ///< "no_effect", "structural", "at_geometry", "not_excited"
+  std::vector<std::pair<std::string, double>> terms;
+  std::string text;  ///< "alpha5 acts as -72 mm * r2"
+  /// The parameters were moved along it and the points stayed, but for
+  /// second-order terms.
+  bool verified = false;
+};
+
+/// Observability indices (observability.h).
+struct ObservabilityIndices {
+  double o1 = 0.0;
+  double o2 = 0.0;
+  double o3 = 0.0;
+  double o4 = 0.0;
+  double o5 = 0.0;
+  double condition = 0.0;
+};
+
+/// Singular values of a Jacobian with scaled columns, and the rank read from
+/// them.
+struct RankReport {
+  Eigen::VectorXd singular_values;  ///< descending, relative to the first
+  int rank = 0;
+  /// Ratio of the last singular value kept to the first one dropped; infinite
+  /// when none is dropped or it is exactly zero.
+  double gap = 0.0;
+
+  /// The smallest singular value that counts; 1 where nothing is known.
+  double SmallestCounted() const;
+  /// The middle (geometric) of the gap between the singular values that count
+  /// and those that do not; where all count, of that between the smallest one
+  /// and the rounding error. A tolerance there reads the same rank.
+  double MiddleOfGap() const;
+};
+
+struct IdentifiabilityResult {
+  std::string method;  ///< "rules" or "rank"
+  std::string policy;  ///< "freeze", "prior" or "keep", as used
+  /// One entry per column of the parameter layout.
+  std::vector<ParameterDecision> decisions;
+  /// Of the kept parameters, at the nominal geometry and these poses.
+  RankReport nominal_rank;
+  /// Of the kept parameters, at seeded perturbations of the geometry and these
+  /// poses: what a solver can tell apart by second-order effects.
+  RankReport perturbed_rank;
+  int num_free = 0;
+  /// More parameters are kept than any solver could tell apart; `refusal`
+  /// names them. Solving needs a choice by the user.
+  bool exceeds_rank = false;
+  std::string refusal;
+  std::vector<std::string> warnings;
+  /// Kept parameters that depend on others at the nominal geometry only.
+  std::vector<std::string> weak;
+
+  /// Rank method only: over generic poses, at the nominal geometry and at
+  /// perturbed ones (the structural rank), of all candidates.
+  int num_candidates = 0;
+  RankReport generic_rank;
+  RankReport structural_rank;
+  std::vector<Relation> relations;
+  /// Joint motions that would tell apart what these poses do not.
+  std::vector<std::string> advice;
+
+  /// Of the free parameters over these poses, columns as they are (m and m/rad)
+  /// and scaled by the reach.
+  ObservabilityIndices unscaled;
+  ObservabilityIndices scaled;
+};
+
+}  // namespace alidade
+
+#endif  // ALIDADE_IDENTIFIABILITY_RESULT_H_

@@ -1,7 +1,0 @@
-#include "alidade/base/version.h"
-
-namespace alidade {
-
-const char* Version() { return ALIDADE_VERSION; }
-
-}  // namespace alidade

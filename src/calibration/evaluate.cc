@@ -1,0 +1,366 @@
+#include "src/calibration/evaluate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "alidade/error.h"
+#include "alidade/rotation.h"
+#include "src/calibration/label_bytes.h"
+#include "src/kernel/holdout.h"
+#include "src/kernel/share.h"
+#include "src/model/joint_draw.h"
+
+namespace alidade::internal {
+namespace {
+
+void RequireSameJoints(const Arm& arm, const Arm& reference) {
+  bool same = arm.num_joints() == reference.num_joints();
+  for (int j = 0; same && j < arm.num_joints(); ++j) {
+    same = arm.joints[j].type == reference.joints[j].type;
+  }
+  if (same) return;
+  throw InputError({}, "the arms \"" + arm.name + "\" and \"" + reference.name +
+                           "\" differ in the number or the types of their "
+                           "joints and cannot be compared");
+}
+
+void RequireLimitedTravel(const Arm& arm) {
+  for (int j = 0; j < arm.num_joints(); ++j) {
+    const Joint& joint = arm.joints[j];
+    if (joint.type == JointType::kRevolute) continue;
+    if (std::isfinite(joint.lower) && std::isfinite(joint.upper)) continue;
+    throw InputError({}, "prismatic joint " + std::to_string(j + 1) +
+                             " of the arm \"" + arm.name +
+                             "\" has no limits: its workspace is not bounded. "
+                             "Add limits to the arm file");
+  }
+}
+
+// One position of the one target at every pose: nothing to label.
+bool IsPlain(const Dataset& data) {
+  return data.blocks.size() == 1 && data.blocks[0].poses.empty() &&
+         data.blocks[0].targets.empty() &&
+         data.blocks[0].kind == MeasurementKind::kPosition;
+}
+
+// Calls visit(block, index in it, observation, first row) for every one.
+template <typename Visit>
+void ForEach(const Dataset& data, const Visit& visit) {
+  Eigen::Index count = 0;
+  Eigen::Index row = 0;
+  for (const ObservationBlock& block : data.blocks) {
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      visit(block, i, count++, row);
+      row += block.rows_each();
+    }
+  }
+}
+
+LargeMatrix MeasuredPositions(const Dataset& data) {
+  if (IsPlain(data) && data.sigmas().allFinite()) return data.positions();
+  LargeMatrix all(3, data.num_observations());
+  LargeMatrix::Editable positions = all.edit();
+  positions.setConstant(std::numeric_limits<double>::quiet_NaN());
+  ForEach(data, [&](const ObservationBlock& block, Eigen::Index i,
+                    Eigen::Index count, Eigen::Index) {
+    if (!HoldsPosition(block.kind)) return;
+    if (!block.sigmas.col(i).head<3>().allFinite()) return;
+    positions.col(count) = block.measured.col(i).head<3>();
+  });
+  return all;
+}
+
+// The first rows of every observation, up to three.
+LargeMatrix Lengths(const Dataset& data, const LargeVector& errors) {
+  if (IsPlain(data)) return errors.Reshaped(3);
+  LargeMatrix all(3, data.num_observations());
+  LargeMatrix::Editable lengths = all.edit();
+  lengths.setZero();
+  ForEach(data, [&](const ObservationBlock& block, Eigen::Index,
+                    Eigen::Index count, Eigen::Index row) {
+    const Eigen::Index height = std::min(3, block.rows_each());
+    lengths.col(count).head(height) = errors.segment(row, height);
+  });
+  return all;
+}
+
+LargeMatrix Rotations(const Dataset& data, const LargeVector& errors) {
+  LargeMatrix all(3, data.num_observations());
+  LargeMatrix::Editable turns = all.edit();
+  turns.setZero();
+  ForEach(data, [&](const ObservationBlock& block, Eigen::Index,
+                    Eigen::Index count, Eigen::Index row) {
+    if (block.kind != MeasurementKind::kPose) return;
+    turns.col(count) = errors.segment<3>(row + 3);
+  });
+  return all;
+}
+
+using Lists = std::vector<std::vector<double>>;  // one for each block
+
+Accuracy Summarize(const Dataset& data, Lists mine) {
+  const std::vector<double> norms = InOrder(data, std::move(mine));
+  return ComputeOnFirst(data, [&] {
+    return SummarizeErrors(Eigen::Map<const Eigen::VectorXd>(
+        norms.data(), static_cast<Eigen::Index>(norms.size())));
+  });
+}
+
+// There is one block of poses at most.
+Lists RotationLists(const LargeVector& errors, const Dataset& data) {
+  Lists lists(data.blocks.size());
+  for (std::size_t k = 0; k < lists.size(); ++k) {
+    if (data.blocks[k].kind != MeasurementKind::kPose) continue;
+    const LargeVector norms = RotationErrors(errors, data);
+    lists[k].assign(norms.data(), norms.data() + norms.size());
+  }
+  return lists;
+}
+
+// The labels of the whole data set, on member 0.
+std::vector<ObservationLabel> LabelsInOrder(
+    const Dataset& data, std::vector<ObservationLabel> mine) {
+  if (data.share.team == nullptr) return mine;
+  std::vector<ObservationLabel> all;
+  auto label = mine.begin();
+  for (const ObservationBlock& block : data.blocks) {
+    ByteWriter writer;
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      PutLabel(*label++, &writer);
+    }
+    for (const std::string& bytes :
+         data.share.team->GatherToFirst(writer.Take())) {
+      ByteReader reader(bytes);
+      while (!reader.is_at_end()) all.push_back(GetLabel(&reader));
+    }
+  }
+  return all;
+}
+
+// A number that poses of the same joint values have in common, and hardly any
+// others.
+std::uint64_t Fingerprint(const Eigen::Ref<const Eigen::VectorXd>& joints) {
+  std::uint64_t print = 0;
+  for (const double joint : joints) {
+    const double value = joint + 0.0;  // -0 is 0
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &value, sizeof(bits));
+    // The finisher of MurmurHash3 (Appleby), which spreads every bit.
+    print ^= bits + 0x9e3779b97f4a7c15U + (print << 6U) + (print >> 2U);
+    print = (print ^ (print >> 33U)) * 0xff51afd7ed558ccdU;
+    print = (print ^ (print >> 33U)) * 0xc4ceb9fe1a85ec53U;
+    print ^= print >> 33U;
+  }
+  return print;
+}
+
+// The fingerprints of all members' poses that are there more than once, in
+// order.
+std::vector<std::uint64_t> RepeatedPrints(const Dataset& data) {
+  std::vector<std::vector<std::uint64_t>> lists(data.blocks.size());
+  if (lists.empty()) return {};
+  lists.front().reserve(static_cast<std::size_t>(data.num_poses()));
+  for (Eigen::Index i = 0; i < data.num_poses(); ++i) {
+    lists.front().push_back(Fingerprint(data.joint_values.col(i)));
+  }
+  std::vector<std::uint64_t> all = InOrder(data, std::move(lists));
+  std::sort(all.begin(), all.end());
+  std::vector<std::uint64_t> repeated;
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    if (all[i] == all[i - 1]) repeated.push_back(all[i]);
+  }
+  Team* const team = data.share.team;
+  if (team == nullptr) return repeated;
+  ByteWriter answer;
+  answer.PutList(repeated);
+  const std::string bytes = team->Broadcast(answer.Take());
+  return ByteReader(bytes).GetList<std::uint64_t>();
+}
+
+// Poses that others, here or at other members, repeat; with few that only seem
+// to.
+std::vector<Eigen::Index> RepeatedPoses(const Dataset& data) {
+  const std::vector<std::uint64_t> repeated = RepeatedPrints(data);
+  std::vector<Eigen::Index> poses;
+  for (Eigen::Index i = 0; i < data.num_poses() && !repeated.empty(); ++i) {
+    const std::uint64_t print = Fingerprint(data.joint_values.col(i));
+    if (std::binary_search(repeated.begin(), repeated.end(), print)) {
+      poses.push_back(i);
+    }
+  }
+  return poses;
+}
+
+// Adds the squares about the mean of repeated measurements.
+void AddSpread(const ObservationBlock& block,
+               const std::vector<Eigen::Index>& repeats, RepeatSpread* spread) {
+  const auto n = static_cast<std::int64_t>(repeats.size());
+  if (n < 2) return;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Index i : repeats) mean += block.measured.col(i).head<3>();
+  mean /= static_cast<double>(n);
+  for (const Eigen::Index i : repeats) {
+    spread->length += (block.measured.col(i).head<3>() - mean).squaredNorm();
+  }
+  spread->length_freedom += 3 * (n - 1);
+  if (block.kind != MeasurementKind::kPose) return;
+  // Rotation vectors from the first, which are small, less their mean.
+  const Eigen::Vector3d first = block.measured.col(repeats[0]).tail<3>();
+  Eigen::Matrix3Xd turns(3, n);
+  for (std::int64_t k = 0; k < n; ++k) {
+    const Eigen::Vector3d mine = block.measured.col(repeats[k]).tail<3>();
+    turns.col(k) = VectorFromRotation(RotationFromVector<double>(mine) *
+                                      RotationFromVector<double>(-first));
+  }
+  spread->rotation += (turns.colwise() - turns.rowwise().mean()).squaredNorm();
+  spread->rotation_freedom += 3 * (n - 1);
+}
+
+}  // namespace
+
+ObservationLabel LabelOf(const Arm& arm, const Dataset& data, std::size_t block,
+                         Eigen::Index i) {
+  const ObservationBlock& mine = data.blocks[block];
+  ObservationLabel label;
+  label.kind = NameOf(mine.kind);
+  const Eigen::Index lengths = std::min(3, mine.rows_each());
+  const auto is_measured = mine.sigmas.col(i).array().isFinite().eval();
+  label.has_length = is_measured.head(lengths).any();
+  label.has_rotation = is_measured.tail(mine.rows_each() - lengths).any();
+  if (mine.kind == MeasurementKind::kPointDistance) {
+    label.pose = -1;
+  } else {
+    label.pose = static_cast<int>(data.share.first_pose) + mine.pose(i);
+    label.target = arm.targets[mine.target(i)].name;
+    label.where = SourceOf(data, mine.pose(i));
+  }
+  return label;
+}
+
+std::vector<ObservationLabel> LabelsOf(const Arm& arm, const Dataset& data) {
+  std::vector<ObservationLabel> labels;
+  for (std::size_t k = 0; k < data.blocks.size(); ++k) {
+    for (Eigen::Index i = 0; i < data.blocks[k].size(); ++i) {
+      labels.push_back(LabelOf(arm, data, k, i));
+    }
+  }
+  return labels;
+}
+
+EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
+                         const Eigen::VectorXd& before,
+                         const Eigen::VectorXd& after) {
+  EvaluatedSet set;
+  set.name = data.name;
+  for (const Joint& joint : model.nominal().joints) {
+    const bool revolute = joint.type == JointType::kRevolute;
+    set.joint_dimensions.push_back(revolute ? Dimension::kAngle
+                                            : Dimension::kLength);
+  }
+  set.joint_values = PosesInOrder(data, data.joint_values);
+  if (!IsPlain(data)) {
+    set.labels = LabelsInOrder(data, LabelsOf(model.nominal(), data));
+  }
+  set.positions = ObservationsInOrder(data, MeasuredPositions(data));
+  const LargeVector errors_before = model.Errors(before, data);
+  const LargeVector errors_after = model.Errors(after, data);
+  set.residual_before = ObservationsInOrder(data, Lengths(data, errors_before));
+  set.residual_after = ObservationsInOrder(data, Lengths(data, errors_after));
+  if (data.Has(MeasurementKind::kPose)) {
+    set.rotation_residual_before =
+        ObservationsInOrder(data, Rotations(data, errors_before));
+    set.rotation_residual_after =
+        ObservationsInOrder(data, Rotations(data, errors_after));
+  }
+  set.before = Summarize(data, CountedLengths(errors_before, data));
+  set.after = Summarize(data, CountedLengths(errors_after, data));
+  if (data.Has(MeasurementKind::kPose)) {
+    set.rotation_before = Summarize(data, RotationLists(errors_before, data));
+    set.rotation_after = Summarize(data, RotationLists(errors_after, data));
+  }
+  return set;
+}
+
+Lists CountedLengths(const LargeVector& errors, const Dataset& data) {
+  const LargeVector norms = LengthErrors(errors, data);
+  Lists counted(data.blocks.size());
+  Eigen::Index count = 0;
+  for (std::size_t k = 0; k < counted.size(); ++k) {
+    const ObservationBlock& block = data.blocks[k];
+    const Eigen::Index height = std::min(3, block.rows_each());
+    counted[k].reserve(static_cast<std::size_t>(block.size()));
+    for (Eigen::Index i = 0; i < block.size(); ++i, ++count) {
+      if (block.kind == MeasurementKind::kPointDistance) continue;
+      if (block.sigmas.col(i).head(height).array().isFinite().any()) {
+        counted[k].push_back(norms[count]);
+      }
+    }
+  }
+  return counted;
+}
+
+Accuracy EvaluateAccuracy(const MeasurementModel& model, const Dataset& data,
+                          const Eigen::VectorXd& values) {
+  return Summarize(data, CountedLengths(model.Errors(values, data), data));
+}
+
+Accuracy EvaluateRotations(const MeasurementModel& model, const Dataset& data,
+                           const Eigen::VectorXd& values) {
+  if (!data.Has(MeasurementKind::kPose)) return {};
+  return Summarize(data, RotationLists(model.Errors(values, data), data));
+}
+
+RepeatSpread MeasureRepeats(const Dataset& data) {
+  const Dataset poses =
+      GatherData(data, SelectPoses(data, RepeatedPoses(data)));
+  const std::vector<int> groups = GroupByJointValues(poses);
+  RepeatSpread spread;
+  for (const ObservationBlock& block : poses.blocks) {
+    if (!HoldsPosition(block.kind)) continue;
+    const auto key = [&](Eigen::Index i) {
+      return std::make_pair(groups[block.pose(i)], block.target(i));
+    };
+    std::vector<Eigen::Index> full;
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      if (block.Dimension(i) == block.rows_each()) full.push_back(i);
+    }
+    std::sort(full.begin(), full.end(), [&](Eigen::Index a, Eigen::Index b) {
+      return std::make_pair(key(a), a) < std::make_pair(key(b), b);
+    });
+    for (auto first = full.begin(); first != full.end();) {
+      const auto end = std::find_if(first, full.end(), [&](Eigen::Index i) {
+        return key(i) != key(*first);
+      });
+      AddSpread(block, {first, end}, &spread);
+      first = end;
+    }
+  }
+  const auto root = [](double squares, std::int64_t freedom) {
+    return freedom > 0 ? std::sqrt(squares / static_cast<double>(freedom))
+                       : 0.0;
+  };
+  spread.length = root(spread.length, spread.length_freedom);
+  spread.rotation = root(spread.rotation, spread.rotation_freedom);
+  return spread;
+}
+
+Accuracy CompareArms(const Arm& arm, const Arm& reference, int count,
+                     std::uint64_t seed) {
+  RequireSameJoints(arm, reference);
+  RequireLimitedTravel(arm);
+  const Eigen::MatrixXd joint_values = DrawJointValues(arm, count, seed);
+  const MeasurementModel model(arm);
+  const MeasurementModel reference_model(reference);
+  const Eigen::Matrix3Xd difference =
+      model.Predict(model.NominalValues(), joint_values) -
+      reference_model.Predict(reference_model.NominalValues(), joint_values);
+  return SummarizeErrors(difference.colwise().norm().transpose());
+}
+
+}  // namespace alidade::internal

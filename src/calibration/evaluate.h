@@ -1,0 +1,60 @@
+#ifndef ALIDADE_SRC_CALIBRATION_EVALUATE_H_
+#define ALIDADE_SRC_CALIBRATION_EVALUATE_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "alidade/calibration_result.h"
+#include "src/kernel/measurement_model.h"
+
+namespace alidade::internal {
+
+/// What observation i of a block of `data` is of. @pre the arm has its targets.
+ObservationLabel LabelOf(const Arm& arm, const Dataset& data, std::size_t block,
+                         Eigen::Index i);
+
+/// The same of each observation.
+std::vector<ObservationLabel> LabelsOf(const Arm& arm, const Dataset& data);
+
+/// Errors of two sets of values, before and after, at the poses of `data`. Of a
+/// share (measurement/share.h) the whole is evaluated; what has an entry for
+/// each pose or observation is then on member 0 alone. This and all below that
+/// take a data set are collective.
+EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
+                         const Eigen::VectorXd& before,
+                         const Eigen::VectorXd& after);
+
+/// The norms of lengths that an accuracy is made of, block by block, from the
+/// stacked errors of a model: without point distances and observations of
+/// orientation alone. Of a share its own.
+std::vector<std::vector<double>> CountedLengths(const LargeVector& errors,
+                                                const Dataset& data);
+
+/// Accuracy of one set of values over all observations of `data`, as lengths
+/// (m): of positions and differences their distance, of lengths to points and
+/// planes the error of the length. Distances of reference points do not count.
+Accuracy EvaluateAccuracy(const MeasurementModel& model, const Dataset& data,
+                          const Eigen::VectorXd& values);
+
+/// The same of measured orientations (rad); n = 0 where there are none.
+Accuracy EvaluateRotations(const MeasurementModel& model, const Dataset& data,
+                           const Eigen::VectorXd& values);
+
+/// What measurements of one configuration, target and kind differ by, pooled
+/// over all configurations measured more than once: the square root of the sum
+/// of squares about their means over the degrees of freedom. Orientations about
+/// the first of each. Positions and poses only.
+RepeatSpread MeasureRepeats(const Dataset& data);
+
+/// Distance between the targets of two arms with the same joint types at
+/// `count` joint values drawn uniformly within the limits of the first
+/// (revolute joints without limits: a full turn). Pose k draws from stream k of
+/// the seed. @throws InputError where the arms differ in their joints, or a
+/// prismatic joint has no limits.
+Accuracy CompareArms(const Arm& arm, const Arm& reference, int count,
+                     std::uint64_t seed);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_CALIBRATION_EVALUATE_H_

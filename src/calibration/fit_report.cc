@@ -1,0 +1,227 @@
+#include "src/calibration/fit_report.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "alidade/robust_loss.h"
+#include "src/calibration/evaluate.h"
+#include "src/calibration/frame_fit.h"
+#include "src/calibration/label_bytes.h"
+#include "src/calibration/preparation.h"
+#include "src/common/chi_square.h"
+#include "src/common/format.h"
+#include "src/identifiability/analysis.h"
+#include "src/kernel/holdout.h"
+#include "src/kernel/share.h"
+
+namespace alidade::internal {
+namespace {
+
+// Observations beyond this are outliers: were all residuals Gaussian, one of
+// them would be there in so many of all calibrations.
+constexpr double kChanceOfOutlier = 0.05;
+
+// A parameter so many prior standard deviations away was not drawn from it.
+constexpr double kFarFromPrior = 5.0;
+
+StageResult MakeStage(const FinishedFit& fit, const std::string& name,
+                      int num_free, const Eigen::VectorXd& values) {
+  const MeasurementModel& model = fit.model();
+  StageResult stage;
+  stage.name = name;
+  stage.num_free = num_free;
+  stage.train = EvaluateAccuracy(model, fit.config.data, values);
+  stage.train_rotation = EvaluateRotations(model, fit.config.data, values);
+  if (fit.config.validation) {
+    stage.heldout = EvaluateAccuracy(model, *fit.config.validation, values);
+    stage.heldout_rotation =
+        EvaluateRotations(model, *fit.config.validation, values);
+  }
+  return stage;
+}
+
+void AppendTo(const LargeVector& norms, std::vector<double>* all) {
+  all->insert(all->end(), norms.data(), norms.data() + norms.size());
+}
+
+Accuracy Summarize(const std::vector<double>& norms) {
+  return SummarizeErrors(Eigen::Map<const Eigen::VectorXd>(
+      norms.data(), static_cast<Eigen::Index>(norms.size())));
+}
+
+// Targets, points and planes that data say something of, as names.
+std::set<std::string> ObjectsIn(const Dataset& data) {
+  std::set<std::string> objects;
+  for (const ObservationBlock& block : data.blocks) {
+    const bool is_plane = block.kind == MeasurementKind::kPlane;
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      objects.insert("target " + std::to_string(block.target(i)));
+      if (block.references.empty()) continue;
+      objects.insert((is_plane ? "plane " : "point ") +
+                     std::to_string(block.references[i]));
+    }
+  }
+  return objects;
+}
+
+bool CoversObjects(const HoldOut& split) {
+  const std::set<std::string> train = ObjectsIn(split.train);
+  const std::set<std::string> heldout = ObjectsIn(split.heldout);
+  return std::includes(train.begin(), train.end(), heldout.begin(),
+                       heldout.end());
+}
+
+// Of a share, those of all members, on member 0.
+std::vector<Outlier> WithThoseOfOthers(const Dataset& data,
+                                       std::vector<Outlier> mine) {
+  if (data.share.team == nullptr) return mine;
+  ByteWriter writer;
+  for (const Outlier& outlier : mine) {
+    writer.Put(outlier.observation);
+    PutLabel(outlier.label, &writer);
+    writer.Put(outlier.error);
+    writer.Put(outlier.standardised);
+    writer.Put(outlier.weight);
+  }
+  std::vector<Outlier> all;
+  for (const std::string& bytes :
+       data.share.team->GatherToFirst(writer.Take())) {
+    ByteReader reader(bytes);
+    while (!reader.is_at_end()) {
+      Outlier outlier;
+      outlier.observation = reader.Get<std::int64_t>();
+      outlier.label = GetLabel(&reader);
+      outlier.error = reader.Get<double>();
+      outlier.standardised = reader.Get<double>();
+      outlier.weight = reader.Get<double>();
+      all.push_back(std::move(outlier));
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+std::vector<StageResult> ListStages(const FinishedFit& fit, int num_free) {
+  const IdentifiabilityOptions& options = fit.config.identifiability;
+  const IdentifiabilityResult frames = AnalyzeIdentifiability(
+      fit.model(), fit.config.data, FramesOnly(options, fit.model().layout()));
+  std::vector<StageResult> stages = {MakeStage(
+      fit, "frames only", frames.num_free, fit.model().NominalValues())};
+  if (!options.candidates.joints) return stages;
+  const Fit offsets =
+      FitPart(fit.config, fit.model(), OffsetsOnly(options, fit.model()));
+  if (offsets.summary.IsSolutionUsable()) {
+    stages.push_back(
+        MakeStage(fit, "joint offsets", offsets.num_free(), offsets.values));
+  }
+  stages.push_back(MakeStage(fit, "all geometry", num_free, fit.values));
+  return stages;
+}
+
+std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit) {
+  const Dataset& data = fit.config.data;
+  const LargeVector errors = fit.model().Errors(fit.values, data);
+  const LargeVector squared = SquaredNorms(errors, data);
+  const LargeVector lengths = LengthErrors(errors, data);
+  const double chance =
+      kChanceOfOutlier /
+      static_cast<double>(std::max<Eigen::Index>(1, data.all_observations()));
+  // Squared limits of observations of 0 to 6 rows.
+  std::array<double, 7> limits{};
+  for (std::size_t rows = 1; rows < limits.size(); ++rows) {
+    limits[rows] = ChiSquareUpperQuantile(chance, static_cast<int>(rows));
+  }
+  constexpr int kPositionRows = 3;
+  *limit = std::sqrt(limits[kPositionRows]);
+  const std::vector<RobustLoss> losses = TunedLosses(fit.config.loss);
+  std::vector<Outlier> outliers;
+  Eigen::Index count = 0;
+  for (std::size_t k = 0; k < data.blocks.size(); ++k) {
+    const ObservationBlock& block = data.blocks[k];
+    for (Eigen::Index i = 0; i < block.size(); ++i, ++count) {
+      const int rows = block.Dimension(i);
+      if (rows == 0 || squared[count] <= limits[rows]) continue;
+      const double weight =
+          losses.empty() ? 1.0 : losses[rows - 1].Weight(squared[count]);
+      outliers.push_back({ObservationInAll(data, k, i),
+                          LabelOf(fit.model().nominal(), data, k, i),
+                          lengths[count], std::sqrt(squared[count]), weight});
+    }
+  }
+  outliers = WithThoseOfOthers(data, std::move(outliers));
+  std::stable_sort(outliers.begin(), outliers.end(),
+                   [](const Outlier& a, const Outlier& b) {
+                     if (a.standardised != b.standardised) {
+                       return a.standardised > b.standardised;
+                     }
+                     return a.observation < b.observation;
+                   });
+  return outliers;
+}
+
+std::optional<CrossValidation> CrossValidate(const JobConfig& config,
+                                             int num_threads) {
+  std::vector<double> lengths;
+  std::vector<double> rotations;
+  for (int k = 0; k < config.folds->folds; ++k) {
+    HoldOut split =
+        HoldOutFold(config.data, config.folds->folds, k, config.folds->seed);
+    if (!CoversObjects(split)) return std::nullopt;
+    JobConfig fold = config;
+    fold.data = std::move(split.train);
+    if (HasUnknownFrames(fold) && !fold.truth &&
+        !FitFrames(&fold, num_threads)) {
+      return std::nullopt;
+    }
+    if (fold.estimate_sigma &&
+        !(EstimateSigmas(&fold, num_threads).length > 0.0)) {
+      return std::nullopt;
+    }
+    const MeasurementModel model(fold.arm, fold.references, num_threads);
+    const Fit fit = FitOnce(fold, model, fold.identifiability);
+    if (!fit.summary.IsSolutionUsable()) return std::nullopt;
+    const LargeVector errors = model.Errors(fit.values, split.heldout);
+    for (const std::vector<double>& norms :
+         CountedLengths(errors, split.heldout)) {
+      lengths.insert(lengths.end(), norms.begin(), norms.end());
+    }
+    AppendTo(RotationErrors(errors, split.heldout), &rotations);
+  }
+  return CrossValidation{config.folds->folds, Summarize(lengths),
+                         Summarize(rotations)};
+}
+
+std::string FarFromPriors(const FinishedFit& fit) {
+  const Eigen::VectorXd nominal = fit.model().NominalValues();
+  std::string names;
+  for (const int column : fit.problem.ColumnsWithPrior()) {
+    const double times = std::abs(fit.values[column] - nominal[column]) /
+                         fit.problem.priors[column];
+    if (times <= kFarFromPrior) continue;
+    names += (names.empty() ? "" : ", ") +
+             fit.model().layout().parameter(column).name + " (" +
+             FormatSignificant(times, 2) + ")";
+  }
+  return names;
+}
+
+std::string AtBounds(const FinishedFit& fit) {
+  if (fit.problem.lower.size() == 0) return "";
+  std::string names;
+  for (const int column : fit.problem.free_columns) {
+    const double value = fit.values[column];
+    const bool inside =
+        value > fit.problem.lower[column] && value < fit.problem.upper[column];
+    if (inside) continue;
+    names += (names.empty() ? "" : ", ") +
+             fit.model().layout().parameter(column).name;
+  }
+  return names;
+}
+
+}  // namespace alidade::internal

@@ -1,0 +1,49 @@
+#ifndef ALIDADE_SRC_CALIBRATION_FIT_REPORT_H_
+#define ALIDADE_SRC_CALIBRATION_FIT_REPORT_H_
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "alidade/calibration_result.h"
+#include "src/calibration/job_config.h"
+#include "src/kernel/measurement_model.h"
+#include "src/solve/solver.h"
+
+namespace alidade::internal {
+
+/// A finished fit, for what is told of it.
+struct FinishedFit {
+  const JobConfig& config;
+  const CalibrationProblem& problem;
+  const Eigen::VectorXd& values;
+
+  const MeasurementModel& model() const { return problem.model; }
+};
+
+/// What each part of a calibration brings: frames only (the nominal values of
+/// the model), joint offsets, all geometry.
+std::vector<StageResult> ListStages(const FinishedFit& fit, int num_free);
+
+/// The observations that are farther off than one of all would be by chance in
+/// 5 % of calibrations, worst first. `limit` receives how far that is, in
+/// sigmas, for an observation of three rows; those of other dimensions have
+/// limits of the same probability.
+std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit);
+
+/// Fits all folds of the job's data, frames and all, and pools the errors of
+/// the poses held out. Nothing where one of the fits is not usable.
+std::optional<CrossValidation> CrossValidate(const JobConfig& config,
+                                             int num_threads);
+
+/// Free parameters further from nominal than their priors allow, as
+/// "d3 (6.1), ...", in standard deviations; empty where there are none.
+std::string FarFromPriors(const FinishedFit& fit);
+
+/// Free parameters at one of their bounds, by name.
+std::string AtBounds(const FinishedFit& fit);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_CALIBRATION_FIT_REPORT_H_

@@ -1,0 +1,145 @@
+#include "src/calibration/fit_uncertainty.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "alidade/robust_loss.h"
+#include "src/model/joint_draw.h"
+
+namespace alidade::internal {
+namespace {
+
+// Profiles ask for a dozen solves of each parameter: more observations than
+// this make the model straight anyway.
+constexpr Eigen::Index kMostForProfiles = 100000;
+
+// What the prior of a held parameter adds: the solver counts those of free ones
+// alone.
+double PriorCost(const CalibrationProblem& problem, int column,
+                 const Eigen::VectorXd& values) {
+  if (column < 0 || problem.priors.size() == 0) return 0.0;
+  if (!std::isfinite(problem.priors[column])) return 0.0;
+  const double nominal = problem.model.NominalValues()[column];
+  const double deviation = (values[column] - nominal) / problem.priors[column];
+  return deviation * deviation;
+}
+
+// A frozen parameter and those that stand for it, moved so that no measured
+// quantity changes: 1 and what its relation takes back.
+Eigen::VectorXd DirectionOf(const Relation& relation,
+                            const ParameterLayout& layout) {
+  Eigen::VectorXd direction = Eigen::VectorXd::Zero(layout.size());
+  direction[*layout.Find(relation.parameter)] = 1.0;
+  for (const auto& [name, coefficient] : relation.terms) {
+    direction[*layout.Find(name)] -= coefficient;
+  }
+  return direction;
+}
+
+// Frozen parameters that nothing measured could tell, but that move positions,
+// within what is known of them beforehand by `counts` (m, root mean square) or
+// more: of one axis or of distances there are some.
+std::string FrozenThatMovePositions(const MeasurementModel& model,
+                                    const IdentifiabilityResult& pass,
+                                    const PriorTolerances& priors,
+                                    double counts) {
+  constexpr int kPoses = 50;
+  // Relations leave small coefficients out.
+  constexpr double kLeftOut = 1e-3;
+  constexpr double kRounding = 1e-6;
+  const ParameterLayout& layout = model.layout();
+  const Eigen::MatrixXd joints = DrawJointValues(model.nominal(), kPoses, 1);
+  const Dataset positions =
+      MakePositions(joints, Eigen::Matrix3Xd::Zero(3, kPoses),
+                    Eigen::Matrix3Xd::Ones(3, kPoses));
+  std::vector<int> all(layout.size());
+  std::iota(all.begin(), all.end(), 0);
+  Linearization rows;
+  model.Linearize(model.NominalValues(), positions, all, &rows);
+  const Eigen::VectorXd norms = rows.jacobian.colwise().norm();
+  std::string names;
+  for (const Relation& relation : pass.relations) {
+    const int column = *layout.Find(relation.parameter);
+    const ParameterDecision& decision = pass.decisions[column];
+    if (decision.state != ParameterState::kFrozen ||
+        decision.rule == "fixed_by_user") {
+      continue;
+    }
+    const Eigen::VectorXd direction = DirectionOf(relation, layout);
+    // Beside what its parts do, or, where they do nothing, what others do.
+    const double parts =
+        std::max(norms.dot(direction.cwiseAbs()), kRounding * norms.maxCoeff());
+    const double moved = (rows.jacobian * direction).norm();
+    const double prior = priors.Of(layout.parameter(column).kind);
+    if (moved <= kLeftOut * parts ||
+        prior * moved <= counts * std::sqrt(static_cast<double>(kPoses))) {
+      continue;
+    }
+    names += (names.empty() ? "" : ", ") + relation.parameter;
+  }
+  return names;
+}
+
+void WarnOfWhatIsNotMeasured(const FinishedFit& fit,
+                             const IdentifiabilityResult& pass,
+                             UncertaintyResult* result) {
+  // Less would not show beside what is predicted.
+  constexpr double kShows = 0.3;
+  const double predicted =
+      result->workspace ? result->workspace->summary.rms : 0.0;
+  const std::string names = FrozenThatMovePositions(
+      fit.model(), pass, fit.config.identifiability.priors, kShows * predicted);
+  if (names.empty()) return;
+  result->warnings.push_back(
+      "positions depend on what these measurements cannot tell (" + names +
+      " frozen at nominal): predicted deviations are those of what was "
+      "measured, and the whole position may be off by what these are");
+}
+
+}  // namespace
+
+Resolve ResolveByCeres(const CalibrationProblem& problem,
+                       const SolverOptions& options) {
+  SolverOptions quiet = options;
+  quiet.on_iteration = {};
+  return [&problem, quiet](int fixed_column,
+                           Eigen::VectorXd* values) -> std::optional<double> {
+    CalibrationProblem rest = problem;
+    std::vector<int>& free = rest.free_columns;
+    free.erase(std::remove(free.begin(), free.end(), fixed_column), free.end());
+    rest.start_rank = {};
+    const SolverSummary summary = SolveLevenbergMarquardt(rest, quiet, values);
+    if (!summary.IsSolutionUsable()) return std::nullopt;
+    return summary.final_cost + PriorCost(problem, fixed_column, *values);
+  };
+}
+
+UncertaintyResult AssessFit(const FinishedFit& fit,
+                            const IdentifiabilityResult& pass,
+                            double final_cost) {
+  CalibrationProblem problem = fit.problem;
+  problem.losses = TunedLosses(fit.config.loss);
+  AssessmentInput input{{fit.model(), fit.config.data, problem.free_columns,
+                         problem.priors, problem.losses, fit.values},
+                        fit.config.uncertainty};
+  input.sigma_estimated = fit.config.estimate_sigma;
+  if (fit.config.solver == SolverName::kCeres &&
+      fit.config.data.all_observations() <= kMostForProfiles) {
+    input.fit_cost = final_cost;
+    input.resolve = ResolveByCeres(problem, fit.config.solver_options);
+  }
+  if (fit.config.validation) input.heldout = &*fit.config.validation;
+  if (fit.config.truth) input.true_values = *fit.config.truth;
+  UncertaintyResult result = AssessUncertainty(input);
+  WarnOfWhatIsNotMeasured(fit, pass, &result);
+  if (fit.config.uncertainty.intervals == IntervalMethod::kProfile &&
+      !input.resolve) {
+    result.warnings.push_back(
+        "intervals are linear: profiles need the solver ceres and " +
+        std::to_string(kMostForProfiles) + " observations at most");
+  }
+  return result;
+}
+
+}  // namespace alidade::internal

@@ -1,0 +1,24 @@
+#ifndef ALIDADE_SRC_CALIBRATION_FIT_UNCERTAINTY_H_
+#define ALIDADE_SRC_CALIBRATION_FIT_UNCERTAINTY_H_
+
+#include "alidade/identifiability_result.h"
+#include "alidade/uncertainty_result.h"
+#include "src/calibration/fit_report.h"
+#include "src/uncertainty/assessment.h"
+
+namespace alidade::internal {
+
+/// How far a finished fit of a job can be trusted, by the job's options.
+/// `pass`: what decided its free columns; `final_cost`: of the solve.
+UncertaintyResult AssessFit(const FinishedFit& fit,
+                            const IdentifiabilityResult& pass,
+                            double final_cost);
+
+/// Fits with one parameter held, for profiles: Ceres over the other free
+/// columns of `problem`, which must outlive it.
+Resolve ResolveByCeres(const CalibrationProblem& problem,
+                       const SolverOptions& options);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_CALIBRATION_FIT_UNCERTAINTY_H_

@@ -1,0 +1,15 @@
+#ifndef ALIDADE_SRC_CALIBRATION_LABEL_BYTES_H_
+#define ALIDADE_SRC_CALIBRATION_LABEL_BYTES_H_
+
+#include "alidade/bytes.h"
+#include "alidade/calibration_result.h"
+
+namespace alidade::internal {
+
+/// Labels as the members of a team send them to each other.
+void PutLabel(const ObservationLabel& label, ByteWriter* writer);
+ObservationLabel GetLabel(ByteReader* reader);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_CALIBRATION_LABEL_BYTES_H_

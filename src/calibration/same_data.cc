@@ -1,0 +1,87 @@
+#include "src/calibration/same_data.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <functional>
+#include <string_view>
+
+namespace alidade::internal {
+namespace {
+
+constexpr Eigen::Index kMostObservations = 1000000;
+
+// Coarse decimals make some repeated measurements alike; a copy makes half of
+// all.
+constexpr double kManyOfAll = 0.2;
+
+using Prints = std::vector<std::size_t>;
+
+void Append(const Eigen::Ref<const Eigen::VectorXd>& values,
+            std::string* bytes) {
+  for (const double value : values) {
+    const double positive = value + 0.0;  // -0 is 0
+    bytes->append(reinterpret_cast<const char*>(&positive), sizeof(positive));
+  }
+}
+
+// A number of each observation of a position, in ascending order. Others
+// (contacts, distances) may well agree.
+Prints PrintsOf(const Dataset& data) {
+  Prints prints;
+  for (const ObservationBlock& block : data.blocks) {
+    if (!HoldsPosition(block.kind)) continue;
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      std::string bytes = std::to_string(block.target(i));
+      Append(data.joint_values.col(block.pose(i)), &bytes);
+      Append(block.measured.col(i), &bytes);
+      prints.push_back(std::hash<std::string_view>()(bytes));
+    }
+  }
+  std::sort(prints.begin(), prints.end());
+  return prints;
+}
+
+bool IsTooLarge(const Dataset& data) {
+  return data.share.team != nullptr ||
+         data.num_observations() > kMostObservations;
+}
+
+std::string CountOf(std::size_t count, std::size_t all) {
+  return std::to_string(count) + " of " + std::to_string(all);
+}
+
+}  // namespace
+
+std::vector<std::string> DoubtSameData(const JobConfig& config) {
+  std::vector<std::string> doubts;
+  if (IsTooLarge(config.data)) return doubts;
+  const Prints fitted = PrintsOf(config.data);
+  Prints distinct = fitted;
+  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+  const std::size_t repeated = fitted.size() - distinct.size();
+  if (static_cast<double>(repeated) >
+      kManyOfAll * static_cast<double>(fitted.size())) {
+    doubts.push_back(
+        CountOf(repeated, fitted.size()) +
+        " measurements are in the data before, joint values and measured "
+        "values to the last digit: is a file there twice, or a copy of it? "
+        "They count as independent, so that standard deviations are too small");
+  }
+  if (!config.validation || IsTooLarge(*config.validation)) return doubts;
+  const Prints heldout = PrintsOf(*config.validation);
+  const auto is_fitted = [&](std::size_t print) {
+    return std::binary_search(distinct.begin(), distinct.end(), print);
+  };
+  const auto shared = static_cast<std::size_t>(
+      std::count_if(heldout.begin(), heldout.end(), is_fitted));
+  if (shared > 0) {
+    doubts.push_back(
+        CountOf(shared, heldout.size()) +
+        " validation measurements are those that the fit has used, to the last "
+        "digit: their errors say nothing of other poses. Validate with data "
+        "that are not in `data`");
+  }
+  return doubts;
+}
+
+}  // namespace alidade::internal

@@ -1,0 +1,20 @@
+#ifndef ALIDADE_SRC_CALIBRATION_SAME_DATA_H_
+#define ALIDADE_SRC_CALIBRATION_SAME_DATA_H_
+
+#include <string>
+#include <vector>
+
+#include "src/calibration/job_config.h"
+
+namespace alidade::internal {
+
+/// What to warn of where measurements are there twice, joint values and
+/// measured values to the last bit: in the data (a file and its copy), or in
+/// the data and the validation, which is none then. Noise makes no two
+/// measurements alike, whatever the files are called. Nothing of a share of the
+/// data, and of more than a million observations.
+std::vector<std::string> DoubtSameData(const JobConfig& config);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_CALIBRATION_SAME_DATA_H_

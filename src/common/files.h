@@ -1,0 +1,51 @@
+#ifndef ALIDADE_SRC_COMMON_FILES_H_
+#define ALIDADE_SRC_COMMON_FILES_H_
+
+#include <cstdint>
+#include <string>
+
+#include "src/common/text_pieces.h"
+
+namespace alidade::internal {
+
+/// The whole file. @throws InputError naming the path and the cause.
+std::string ReadFile(const std::string& path);
+
+/// The same in pieces: memory does not grow with the file. @throws InputError.
+void ReadInPieces(const std::string& path, const TextSink& sink);
+
+/// Writes to a temporary name in the same directory, syncs it and renames it,
+/// so that no reader ever sees half a file. @throws InputError.
+void WriteFileAtomically(const std::string& path, const std::string& content);
+/// The same of a text that comes in pieces; returns how many bytes they are.
+/// Nothing is left of it either where `content` throws, which goes on to the
+/// caller. Memory does not grow with the text.
+std::uint64_t WriteFileAtomically(const std::string& path,
+                                  const TextSource& content);
+
+/// Writes a file that is not there yet and syncs it: for directories that are
+/// renamed as a whole. @throws InputError.
+void WriteNewFile(const std::string& path, const std::string& content);
+/// The same in pieces, as WriteFileAtomically.
+std::uint64_t WriteNewFile(const std::string& path, const TextSource& content);
+
+/// Makes names in a directory, or their removal, outlast a loss of power.
+/// @throws InputError.
+void SyncDirectory(const std::string& path);
+
+/// Creates a directory and its parents. @throws InputError.
+void MakeDirectories(const std::string& path);
+
+/// SHA-256 of a string, as 64 hexadecimal digits.
+std::string Sha256(const std::string& content);
+
+/// The same of a file, read piece by piece: memory does not grow with it.
+/// @throws InputError.
+std::string Sha256OfFile(const std::string& path);
+
+/// `path` as seen from the directory of `from_file`; absolute paths stay.
+std::string ResolvePath(const std::string& from_file, const std::string& path);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_COMMON_FILES_H_

@@ -1,0 +1,91 @@
+#include "src/common/names.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace alidade::internal {
+namespace {
+
+constexpr std::size_t kMaxQuoted = 40;
+constexpr std::size_t kMaxListed = 16;
+
+// Not std::tolower: it depends on the locale.
+char LowerCase(char c) {
+  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
+
+bool IsControl(char c) {
+  return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+}
+
+// Levenshtein distance, one row of its table at a time.
+std::size_t EditDistance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const bool same = LowerCase(a[i]) == LowerCase(b[j]);
+      const std::size_t replaced = diagonal + (same ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, diagonal + 1, row[j] + 1});
+    }
+  }
+  return row[b.size()];
+}
+
+}  // namespace
+
+std::string Quote(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char c : text.substr(0, kMaxQuoted)) {
+    quoted += IsControl(c) ? '?' : c;
+  }
+  if (text.size() > kMaxQuoted) quoted += "...";
+  return quoted + "\"";
+}
+
+std::string OneLine(std::string text) {
+  std::replace_if(text.begin(), text.end(), IsControl, ' ');
+  return text;
+}
+
+std::string JoinNames(const std::vector<std::string>& names) {
+  std::string joined;
+  const std::size_t listed = std::min(names.size(), kMaxListed);
+  for (std::size_t i = 0; i < listed; ++i) {
+    joined += (i == 0 ? "" : ", ") + names[i];
+  }
+  if (listed < names.size()) {
+    joined += " ... (" + std::to_string(names.size()) + " in all)";
+  }
+  return joined;
+}
+
+std::optional<std::string> NearestName(
+    std::string_view name, const std::vector<std::string>& candidates) {
+  constexpr std::size_t kMaxCompared = 64;
+  if (name.size() > kMaxCompared) return std::nullopt;
+  std::size_t best = std::max<std::size_t>(2, name.size() / 3) + 1;
+  std::optional<std::string> nearest;
+  for (const std::string& candidate : candidates) {
+    const std::size_t distance = EditDistance(name, candidate);
+    if (distance < best && distance < candidate.size()) {
+      best = distance;
+      nearest = candidate;
+    }
+  }
+  return nearest;
+}
+
+std::string UnknownName(std::string_view what, std::string_view name,
+                        const std::vector<std::string>& candidates) {
+  std::string message = "unknown " + std::string(what) + " " + Quote(name);
+  const std::optional<std::string> nearest = NearestName(name, candidates);
+  if (nearest) message += ", did you mean \"" + *nearest + "\"?";
+  return message + (nearest ? " Expected one of " : ", expected one of ") +
+         JoinNames(candidates);
+}
+
+}  // namespace alidade::internal

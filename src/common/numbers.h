@@ -1,0 +1,54 @@
+#ifndef ALIDADE_SRC_COMMON_NUMBERS_H_
+#define ALIDADE_SRC_COMMON_NUMBERS_H_
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "alidade/units.h"
+
+namespace alidade::internal {
+
+/// A unit that files may state. SI value = number * 10^exponent * factor; the
+/// power of ten is applied to the decimal text, so that a length in mm is read
+/// to the double nearest to it in m and is written back with the same digits.
+struct Unit {
+  const char* name;
+  Dimension dimension;
+  int exponent;
+  double factor;
+};
+
+/// The unit of a name, or null.
+const Unit* FindUnit(std::string_view name);
+
+/// Names of the units that fit a dimension: "mm, m, um" or "deg, rad, mrad".
+std::vector<std::string> UnitNames(Dimension dimension);
+
+/// "length" or "angle".
+const char* DimensionName(Dimension dimension);
+
+/// `text` times 10^exponent, rounded once. Nothing unless all of `text` is one
+/// finite decimal number: an optional '-', digits with at most one decimal
+/// point, an optional exponent. Does not depend on the locale.
+std::optional<double> ParseNumber(std::string_view text, int exponent = 0);
+
+/// The SI value of `text` in `unit`; nothing where ParseNumber gives nothing.
+std::optional<double> ParseQuantity(std::string_view text, const Unit& unit);
+
+/// Why ParseNumber refused `text`, and what to write instead. `unit_hint` says
+/// where a unit belongs: "state the unit in \"units\"".
+std::string DescribeBadNumber(std::string_view text,
+                              std::string_view unit_hint);
+
+/// The fewest digits that read back to the same bits.
+std::string FormatShortest(double value);
+
+/// value * 10^exponent in decimal: the digits of FormatShortest(value) with
+/// the point moved, so that ParseNumber(text, -exponent) gives the same bits.
+std::string FormatShifted(double value, int exponent);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_COMMON_NUMBERS_H_

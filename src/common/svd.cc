@@ -1,0 +1,50 @@
+#include "src/common/svd.h"
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <limits>
+#include <utility>
+
+namespace alidade::internal {
+namespace {
+
+using SquareSvd = Eigen::JacobiSVD<Eigen::MatrixXd, Eigen::NoQRPreconditioner>;
+
+Eigen::MatrixXd TriangularFactor(
+    const Eigen::HouseholderQR<Eigen::MatrixXd>& qr) {
+  return qr.matrixQR().topRows(qr.cols()).triangularView<Eigen::Upper>();
+}
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
+
+Svd ComputeSvd(const Eigen::MatrixXd& matrix) {
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(matrix);
+  const Eigen::MatrixXd factor = TriangularFactor(qr);
+  const Eigen::Index size = factor.cols();
+  // Eigen leaves its results as memory was.
+  if (!factor.allFinite()) {
+    return {Eigen::MatrixXd::Constant(matrix.rows(), size, kNan),
+            Eigen::VectorXd::Constant(size, kNan),
+            Eigen::MatrixXd::Constant(size, size, kNan)};
+  }
+  const SquareSvd svd(factor, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::MatrixXd u = Eigen::MatrixXd::Zero(matrix.rows(), matrix.cols());
+  u.topRows(matrix.cols()) = svd.matrixU();
+  u.applyOnTheLeft(qr.householderQ());
+  return {std::move(u), svd.singularValues(), svd.matrixV()};
+}
+
+Eigen::VectorXd SingularValues(const Eigen::MatrixXd& matrix) {
+  if (matrix.size() == 0) return {};
+  if (matrix.rows() < matrix.cols()) return SingularValues(matrix.transpose());
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(matrix);
+  const Eigen::MatrixXd factor = TriangularFactor(qr);
+  if (!factor.allFinite()) {
+    return Eigen::VectorXd::Constant(factor.cols(), kNan);
+  }
+  return SquareSvd(factor).singularValues();
+}
+
+}  // namespace alidade::internal

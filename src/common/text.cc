@@ -1,0 +1,211 @@
+#include "src/common/text.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+namespace alidade::internal {
+namespace {
+
+constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD
+
+bool IsContinuation(char byte) {
+  return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U;
+}
+
+int SequenceLength(unsigned char lead) {
+  if (lead < 0x80U) return 1;
+  if (lead >= 0xC2U && lead < 0xE0U) return 2;
+  if (lead >= 0xE0U && lead < 0xF0U) return 3;
+  if (lead >= 0xF0U && lead < 0xF5U) return 4;
+  return 0;
+}
+
+// Overlong forms, surrogates, and what lies above U+10FFFF show in the second
+// byte. U+FFFE and U+FFFF are no characters of XML.
+bool IsForbidden(std::string_view sequence) {
+  if (sequence.size() < 3) return false;
+  const auto lead = static_cast<unsigned char>(sequence[0]);
+  const auto second = static_cast<unsigned char>(sequence[1]);
+  if (lead == 0xE0U && second < 0xA0U) return true;
+  if (lead == 0xEDU && second >= 0xA0U) return true;
+  if (lead == 0xF0U && second < 0x90U) return true;
+  if (lead == 0xF4U && second >= 0x90U) return true;
+  return sequence == "\xEF\xBF\xBE" || sequence == "\xEF\xBF\xBF";
+}
+
+// Length of the valid character that `text` begins with, or 0.
+std::size_t ValidPrefix(std::string_view text) {
+  const auto length = static_cast<std::size_t>(
+      SequenceLength(static_cast<unsigned char>(text[0])));
+  if (length == 0 || length > text.size()) return 0;
+  const std::string_view sequence = text.substr(0, length);
+  if (!std::all_of(sequence.begin() + 1, sequence.end(), IsContinuation)) {
+    return 0;
+  }
+  return IsForbidden(sequence) ? 0 : length;
+}
+
+bool IsControl(char c) {
+  return static_cast<unsigned char>(c) < 0x20U || c == 0x7F;
+}
+
+std::string NonFinite(double value) {
+  if (std::isnan(value)) return "nan";
+  return value > 0.0 ? "inf" : "-inf";
+}
+
+}  // namespace
+
+int Utf8Length(std::string_view text) {
+  return static_cast<int>(text.size() -
+                          static_cast<std::size_t>(std::count_if(
+                              text.begin(), text.end(), IsContinuation)));
+}
+
+std::string CleanUtf8(std::string_view text) {
+  std::string clean;
+  while (!text.empty()) {
+    const std::size_t length = ValidPrefix(text);
+    if (length == 0) {
+      clean += kReplacement;
+    } else if (IsControl(text[0])) {
+      clean += ' ';
+    } else {
+      clean += text.substr(0, length);
+    }
+    text.remove_prefix(std::max<std::size_t>(length, 1));
+  }
+  return clean;
+}
+
+std::vector<std::string> WrapText(std::string_view text, int width) {
+  std::vector<std::string> lines(1);
+  while (!text.empty()) {
+    const std::string_view word =
+        text.substr(0, std::min(text.find_first_of(" \n\t"), text.size()));
+    text.remove_prefix(std::min(word.size() + 1, text.size()));
+    if (word.empty()) continue;
+    std::string& line = lines.back();
+    if (line.empty()) {
+      line = word;
+    } else if (Utf8Length(line) + 1 + Utf8Length(word) <= width) {
+      line += ' ';
+      line += word;
+    } else {
+      lines.emplace_back(word);
+    }
+  }
+  return lines;
+}
+
+void AddWrappedRow(const std::vector<std::string>& cells,
+                   const std::vector<int>& widths, TextTable* table) {
+  std::vector<std::vector<std::string>> columns;
+  std::size_t height = 1;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    columns.push_back(widths[i] > 0 ? WrapText(cells[i], widths[i])
+                                    : std::vector<std::string>{cells[i]});
+    height = std::max(height, columns.back().size());
+  }
+  for (std::size_t line = 0; line < height; ++line) {
+    std::vector<std::string> row;
+    for (const auto& column : columns) {
+      row.push_back(line < column.size() ? column[line] : "");
+    }
+    table->AddRow(std::move(row));
+  }
+}
+
+std::string Paragraph(std::string_view text, int indent) {
+  const std::string margin(static_cast<std::size_t>(indent), ' ');
+  std::string paragraph;
+  for (const std::string& line : WrapText(text, kReportWidth - indent)) {
+    paragraph += line.empty() ? "\n" : margin + line + "\n";
+  }
+  return paragraph;
+}
+
+std::string Heading(std::string_view title, char rule) {
+  const auto length = static_cast<std::size_t>(Utf8Length(title));
+  return std::string(title) + "\n" + std::string(length, rule) + "\n";
+}
+
+std::string Join(const std::vector<std::string>& parts,
+                 std::string_view separator) {
+  std::string joined;
+  for (const std::string& part : parts) {
+    if (&part != &parts.front()) joined += separator;
+    joined += part;
+  }
+  return joined;
+}
+
+std::string FixedNumber(double value, int decimals) {
+  if (!std::isfinite(value)) return NonFinite(value);
+  // The largest double has 309 digits before the point.
+  std::array<char, 400> buffer;
+  const auto end =
+      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
+                    std::chars_format::fixed, std::clamp(decimals, 0, 60))
+          .ptr;
+  std::string text(buffer.data(), end);
+  if (text[0] == '-' && text.find_first_of("123456789") == std::string::npos) {
+    text.erase(0, 1);
+  }
+  return text;
+}
+
+std::string ShortestNumber(double value) {
+  std::string text;
+  AppendShortest(value, &text);
+  return text;
+}
+
+void AppendShortest(double value, std::string* text) {
+  if (!std::isfinite(value)) {
+    *text += NonFinite(value);
+  } else if (value == 0.0) {
+    *text += '0';
+  } else {
+    std::array<char, 32> buffer;
+    const auto end =
+        std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+    text->append(buffer.data(), end);
+  }
+}
+
+std::string Count(std::int64_t number, std::string_view singular) {
+  std::string text = std::to_string(number) + " " + std::string(singular);
+  if (number != 1) text += "s";
+  return text;
+}
+
+bool ParseCell(const std::string& cell, double* value) {
+  const char* end = cell.data() + cell.size();
+  const auto result = std::from_chars(cell.data(), end, *value);
+  return result.ec == std::errc() && result.ptr == end;
+}
+
+std::string TextCell(const std::string& text) {
+  std::string cell;
+  AppendTextCell(text, &cell);
+  return cell;
+}
+
+void AppendTextCell(const std::string& text, std::string* row) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) {
+    *row += text;
+    return;
+  }
+  *row += '"';
+  for (const char c : text) {
+    if (c == '"') *row += '"';
+    *row += c == '\n' || c == '\r' ? ' ' : c;
+  }
+  *row += '"';
+}
+
+}  // namespace alidade::internal

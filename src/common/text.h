@@ -1,0 +1,70 @@
+#ifndef ALIDADE_SRC_COMMON_TEXT_H_
+#define ALIDADE_SRC_COMMON_TEXT_H_
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "src/common/text_table.h"
+
+namespace alidade::internal {
+
+/// Columns of a report for people; no line is longer unless a single word is.
+inline constexpr int kReportWidth = 100;
+
+/// Number of UTF-8 characters; a byte that cannot begin one counts as part of
+/// the character before it.
+int Utf8Length(std::string_view text);
+
+/// `text` as valid UTF-8 for a document: what is no UTF-8 becomes U+FFFD,
+/// control characters become spaces.
+std::string CleanUtf8(std::string_view text);
+
+/// Lines of at most `width` characters, broken at spaces. A longer word has a
+/// line of its own, unbroken, so that paths and hashes can be copied. Never
+/// empty: an empty text is one empty line.
+std::vector<std::string> WrapText(std::string_view text, int width);
+
+/// Adds a row whose cells are wrapped to `widths` (0 = not wrapped): the lines
+/// that do not fit stand in rows below. @pre one width per cell.
+void AddWrappedRow(const std::vector<std::string>& cells,
+                   const std::vector<int>& widths, TextTable* table);
+
+/// WrapText with every line behind `indent` spaces, the whole within
+/// kReportWidth, each line ending in a newline.
+std::string Paragraph(std::string_view text, int indent = 0);
+
+/// `title` underlined with `rule`.
+std::string Heading(std::string_view title, char rule = '-');
+
+std::string Join(const std::vector<std::string>& parts,
+                 std::string_view separator);
+
+/// `decimals` fixed decimals, independent of the locale: "-1.50", "0.00" also
+/// for values that round to minus zero, "nan", "inf", "-inf".
+std::string FixedNumber(double value, int decimals);
+
+/// In place of a number of decimals: the fewest digits that read back to the
+/// same double.
+inline constexpr int kFewestDigits = -1;
+
+/// The shortest text that reads back to the same double: "0.1", "2.1e-13".
+std::string ShortestNumber(double value);
+/// The same at the end of `text`, for tables of many rows.
+void AppendShortest(double value, std::string* text);
+
+/// The number that a whole cell of a CSV is; false where it is none.
+bool ParseCell(const std::string& cell, double* value);
+
+/// A cell of a CSV: texts come from users, so quoted where one needs it.
+std::string TextCell(const std::string& text);
+/// The same at the end of `row`.
+void AppendTextCell(const std::string& text, std::string* row);
+
+/// "1 pose", "56 poses".
+std::string Count(std::int64_t number, std::string_view singular);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_COMMON_TEXT_H_

@@ -1,0 +1,187 @@
+#include "alidade/dataset.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+namespace alidade {
+
+bool HoldsPosition(MeasurementKind kind) {
+  return kind == MeasurementKind::kPosition || kind == MeasurementKind::kPose;
+}
+
+bool HasReference(MeasurementKind kind) {
+  return kind == MeasurementKind::kDistance ||
+         kind == MeasurementKind::kFixedPoint ||
+         kind == MeasurementKind::kPlane ||
+         kind == MeasurementKind::kPointDistance;
+}
+
+bool HasSecond(MeasurementKind kind) {
+  return kind == MeasurementKind::kDifference ||
+         kind == MeasurementKind::kPointDistance;
+}
+
+int RowsOf(MeasurementKind kind) {
+  switch (kind) {
+    case MeasurementKind::kPosition:
+    case MeasurementKind::kFixedPoint:
+    case MeasurementKind::kDifference:
+      return 3;
+    case MeasurementKind::kPose:
+      return 6;
+    case MeasurementKind::kDistance:
+    case MeasurementKind::kPlane:
+    case MeasurementKind::kPointDistance:
+      return 1;
+  }
+  return 0;
+}
+
+const char* NameOf(MeasurementKind kind) {
+  switch (kind) {
+    case MeasurementKind::kPosition:
+      return "position";
+    case MeasurementKind::kPose:
+      return "pose";
+    case MeasurementKind::kDistance:
+      return "distance";
+    case MeasurementKind::kFixedPoint:
+      return "fixed point";
+    case MeasurementKind::kPlane:
+      return "plane";
+    case MeasurementKind::kDifference:
+      return "difference";
+    case MeasurementKind::kPointDistance:
+      return "point distance";
+  }
+  return "";
+}
+
+int ObservationBlock::Dimension(Eigen::Index i) const {
+  return static_cast<int>(sigmas.col(i).array().isFinite().count());
+}
+
+Eigen::Index Dataset::num_observations() const {
+  Eigen::Index count = 0;
+  for (const ObservationBlock& block : blocks) count += block.size();
+  return count;
+}
+
+Eigen::Index Dataset::num_rows() const {
+  Eigen::Index count = 0;
+  for (const ObservationBlock& block : blocks) count += block.measured.size();
+  return count;
+}
+
+Eigen::Index Dataset::num_equations() const {
+  Eigen::Index count = 0;
+  for (const ObservationBlock& block : blocks) {
+    count += block.sigmas.array().isFinite().count();
+  }
+  return count;
+}
+
+bool Dataset::Has(MeasurementKind kind) const {
+  for (std::size_t block = 0; block < blocks.size(); ++block) {
+    if (blocks[block].kind == kind && all_observations(block) > 0) return true;
+  }
+  return false;
+}
+
+Eigen::Index Dataset::all_poses() const {
+  return share.team == nullptr ? num_poses() : share.all_poses;
+}
+
+Eigen::Index Dataset::all_observations(std::size_t block) const {
+  return share.team == nullptr ? blocks[block].size()
+                               : share.all_observations[block];
+}
+
+Eigen::Index Dataset::all_observations() const {
+  Eigen::Index count = 0;
+  for (std::size_t block = 0; block < blocks.size(); ++block) {
+    count += all_observations(block);
+  }
+  return count;
+}
+
+std::pair<Eigen::Index, Eigen::Index> Dataset::ShardRange(
+    std::size_t shard, std::size_t block) const {
+  const Eigen::Index end = blocks[block].size();
+  if (shards.empty()) return {0, end};
+  const bool is_last = shard + 1 == shards.size();
+  return {shards[shard].first_observations[block],
+          is_last ? end : shards[shard + 1].first_observations[block]};
+}
+
+ObservationBlock& Dataset::PositionBlock() {
+  if (blocks.empty()) blocks.emplace_back();
+  CHECK(blocks.size() == 1 && blocks[0].kind == MeasurementKind::kPosition)
+      << "not a data set of positions alone";
+  return blocks[0];
+}
+
+std::string SourceOf(const Dataset& data, int pose) {
+  if (data.sources.empty()) return "";
+  const PoseSource source = data.sources[pose];
+  return data.files[source.file] + ":" + std::to_string(source.line);
+}
+
+bool HaveOneSigma(const ObservationBlock& block, Eigen::Index first,
+                  Eigen::Index count) {
+  if (count < 2) return true;
+  const LargeMatrix& sigmas = block.sigmas;
+  const auto bytes = [&](Eigen::Index columns) {
+    return sizeof(double) * static_cast<std::size_t>(columns * sigmas.rows());
+  };
+  const double* const begin = sigmas.col(first).data();
+  if (sigmas.outerStride() == sigmas.rows()) {
+    // Each column is the one before it.
+    return std::memcmp(begin, sigmas.col(first + 1).data(), bytes(count - 1)) ==
+           0;
+  }
+  for (Eigen::Index i = 1; i < count; ++i) {
+    if (std::memcmp(begin, sigmas.col(first + i).data(), bytes(1)) != 0) {
+      return false;
+    }
+  }
+  return true;
+}
+
+Dataset MakePositions(LargeMatrix joint_values, LargeMatrix points,
+                      LargeMatrix sigmas) {
+  Dataset data;
+  data.joint_values = std::move(joint_values);
+  data.positions() = std::move(points);
+  data.sigmas() = std::move(sigmas);
+  return data;
+}
+
+void DropTrivialPoses(Eigen::Index num_poses, ObservationBlock* block) {
+  std::vector<int>& poses = block->poses;
+  bool counts = static_cast<Eigen::Index>(poses.size()) == num_poses;
+  for (std::size_t i = 0; counts && i < poses.size(); ++i) {
+    counts = poses[i] == static_cast<int>(i);
+  }
+  if (counts || block->kind == MeasurementKind::kPointDistance) poses.clear();
+}
+
+void Whiten(const ObservationBlock& block, Eigen::Index first,
+            Eigen::Index count, Eigen::Ref<Eigen::MatrixXd> rows) {
+  const int height = block.rows_each();
+  for (Eigen::Index i = 0; i < count; ++i) {
+    auto mine = rows.middleRows(i * height, height);
+    const Eigen::Index k = first + i;
+    if (!block.whiteners.empty() && block.whiteners[k].size() > 0) {
+      mine = (block.whiteners[k] * mine).eval();
+      continue;
+    }
+    mine.array().colwise() /= block.sigmas.col(k).array();
+  }
+}
+
+}  // namespace alidade

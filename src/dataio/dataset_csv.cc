@@ -1,0 +1,76 @@
+#include "src/dataio/dataset_csv.h"
+
+#include <utility>
+
+#include "alidade/error.h"
+#include "src/common/names.h"
+#include "src/dataio/csv_columns.h"
+#include "src/dataio/dataset_npy.h"
+#include "src/dataio/load_data.h"
+#include "src/dataio/npy_data.h"
+#include "src/dataio/row_reader.h"
+
+namespace alidade::internal {
+namespace {
+
+// Of a target whose orientation is measured (m).
+constexpr double kTargetSize = 0.2;
+
+Eigen::MatrixXd ReadJointValues(MappedFile file, const Arm& arm) {
+  RowReader rows(std::move(file), arm, JointColumns(arm), true);
+  std::vector<double> motors;
+  while (rows.Next()) {
+    for (int j = 0; j < arm.num_joints(); ++j) motors.push_back(rows.Number(j));
+  }
+  if (rows.row() == 0) {
+    rows.Fail("no rows behind the header, expected one for every pose");
+  }
+  return JointsFromMotors(
+      arm, Eigen::Map<const Eigen::MatrixXd>(motors.data(), arm.num_joints(),
+                                             rows.row()));
+}
+
+}  // namespace
+
+double DefaultRotationSigma(double sigma) { return sigma / kTargetSize; }
+
+LoadedData LoadData(const std::string& path, const Arm& arm,
+                    const DataFormat& format, References* references,
+                    int num_threads) {
+  ReadOptions options;
+  options.num_threads = num_threads;
+  return LoadDataWith({path, arm, format}, references, options);
+}
+
+Dataset LoadDataset(const std::string& path, const Arm& arm,
+                    double default_sigma, int num_threads) {
+  DataFormat format;
+  format.sigma = default_sigma;
+  References references;
+  LoadedData loaded = LoadData(path, arm, format, &references, num_threads);
+  std::vector<std::string> names;
+  for (const ReferencePoint& point : references.points) {
+    names.push_back(point.name);
+  }
+  for (const ReferencePlane& plane : references.planes) {
+    names.push_back(plane.name);
+  }
+  if (!names.empty()) {
+    throw InputError({path, 0, 0, ""},
+                     "measured against " + JoinNames(names) +
+                         ": expected a job that names this file as its `data`");
+  }
+  return std::move(loaded.data);
+}
+
+Eigen::MatrixXd LoadJointValues(const std::string& path, const Arm& arm) {
+  if (!IsNpy(path)) return ReadJointValues(MappedFile(path), arm);
+  MappedFile text(path, NpyAsCsv(path));
+  try {
+    return ReadJointValues(std::move(text), arm);
+  } catch (const InputError& error) {
+    throw InArray(error);
+  }
+}
+
+}  // namespace alidade::internal

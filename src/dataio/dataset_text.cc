@@ -1,0 +1,185 @@
+#include <glog/logging.h>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "alidade/units.h"
+#include "src/common/names.h"
+#include "src/common/numbers.h"
+#include "src/common/text.h"
+#include "src/dataio/csv_columns.h"
+#include "src/dataio/dataset_columns.h"
+#include "src/dataio/dataset_csv.h"
+#include "src/dataio/observation_order.h"
+
+namespace alidade::internal {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Rounding must not leave "-0.0000".
+std::string FormatFixed(double value, int decimals) {
+  std::array<char, 400> buffer;
+  const std::to_chars_result result =
+      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
+                    std::chars_format::fixed, decimals);
+  std::string text(buffer.data(), result.ptr);
+  const bool is_zero = text.find_first_not_of("-0.") == std::string::npos;
+  return is_zero && text.front() == '-' ? text.substr(1) : text;
+}
+
+// A number of degrees that reads back to exactly `angle` (rad), the one with
+// the fewest decimals first; nothing where no double is near enough to do so.
+std::optional<double> ExactDegrees(double angle) {
+  const double degrees = angle / kDegree;
+  double power = 1.0;
+  for (int decimals = 0; decimals <= 15; ++decimals, power *= 10.0) {
+    const double candidate = std::round(degrees * power) / power;
+    if (candidate * kDegree == angle) return candidate;
+  }
+  for (const double candidate : {degrees, std::nextafter(degrees, -kInfinity),
+                                 std::nextafter(degrees, kInfinity)}) {
+    if (candidate * kDegree == angle) return candidate;
+  }
+  return std::nullopt;
+}
+
+class DatasetText {
+ public:
+  DatasetText(const Dataset& data, const Arm& arm, int joint_decimals,
+              bool with_sigmas)
+      : data_(data),
+        arm_(arm),
+        motors_(MotorsFromJoints(arm, data.joint_values)),
+        joint_decimals_(joint_decimals),
+        has_orientations_(data.Has(MeasurementKind::kPose)),
+        sigmas_(SigmaColumns(data, with_sigmas)),
+        has_targets_(arm.num_targets() > 1),
+        in_radians_(FindInexactJoints()) {}
+
+  std::string Header() const {
+    const DatasetColumns columns = MakeDatasetColumns(arm_, DataFormat());
+    std::vector<std::pair<int, int>> groups = {{0, arm_.num_joints()},
+                                               {columns.position, 3}};
+    if (has_orientations_) groups.emplace_back(columns.vector, 3);
+    if (sigmas_.positions) groups.emplace_back(columns.position_sigma, 3);
+    if (sigmas_.orientations) groups.emplace_back(columns.turn_sigma, 3);
+    if (has_targets_) groups.emplace_back(columns.target, 1);
+    std::string header;
+    for (const auto& [first, count] : groups) {
+      for (int i = first; i < first + count; ++i) {
+        if (!header.empty()) header += ",";
+        const ColumnSpec& spec = columns.specs[i];
+        header += i < arm_.num_joints() && in_radians_[i] ? spec.base + "_rad"
+                                                          : FirstName(spec);
+      }
+    }
+    return header + "\n";
+  }
+
+  std::string Row(const ObservationBlock& block, Eigen::Index i) const {
+    std::string text;
+    for (int j = 0; j < data_.num_joints(); ++j) {
+      if (j > 0) text += ",";
+      text += JointText(j, motors_(j, block.pose(i)));
+    }
+    AppendLengths(block, block.measured, i, &text);
+    if (has_orientations_) AppendAngles(block, block.measured, i, &text);
+    if (sigmas_.positions) AppendLengths(block, block.sigmas, i, &text);
+    if (sigmas_.orientations) AppendAngles(block, block.sigmas, i, &text);
+    if (has_targets_) text += "," + arm_.targets[block.target(i)].name;
+    return text + "\n";
+  }
+
+ private:
+  bool IsRevolute(int j) const {
+    return arm_.joints[j].type == JointType::kRevolute;
+  }
+
+  // Turning joints whose values degrees cannot state exactly, where all their
+  // digits are asked for.
+  std::vector<bool> FindInexactJoints() const {
+    std::vector<bool> in_radians(arm_.joints.size(), false);
+    for (int j = 0; j < arm_.num_joints(); ++j) {
+      if (joint_decimals_ != kFewestDigits || !IsRevolute(j)) continue;
+      for (Eigen::Index i = 0; i < motors_.cols() && !in_radians[j]; ++i) {
+        in_radians[j] = !ExactDegrees(motors_(j, i));
+      }
+    }
+    return in_radians;
+  }
+
+  std::string JointText(int j, double value) const {
+    if (joint_decimals_ != kFewestDigits) {
+      const double unit = IsRevolute(j) ? kDegree : kMillimetre;
+      return FormatFixed(value / unit, joint_decimals_);
+    }
+    if (!IsRevolute(j)) return FormatShifted(value, 3);
+    return FormatShifted(in_radians_[j] ? value : *ExactDegrees(value), 0);
+  }
+
+  static StatedSigmas SigmaColumns(const Dataset& data, bool with_sigmas) {
+    if (!with_sigmas) return {false, false};
+    StatedSigmas sigmas = FindStatedSigmas(data);
+    sigmas.orientations =
+        sigmas.orientations && data.Has(MeasurementKind::kPose);
+    return sigmas;
+  }
+
+  // Cells are empty where nothing was measured.
+  static void AppendLengths(const ObservationBlock& block,
+                            const LargeMatrix& numbers, Eigen::Index i,
+                            std::string* text) {
+    for (int row = 0; row < 3; ++row) {
+      *text += ",";
+      if (std::isinf(block.sigmas(row, i))) continue;
+      *text += FormatShifted(numbers(row, i), 3);
+    }
+  }
+
+  static void AppendAngles(const ObservationBlock& block,
+                           const LargeMatrix& numbers, Eigen::Index i,
+                           std::string* text) {
+    for (int row = 3; row < 6; ++row) {
+      *text += ",";
+      if (row >= numbers.rows() || std::isinf(block.sigmas(row, i))) continue;
+      *text += FormatShortest(numbers(row, i) / kDegree);
+    }
+  }
+
+  const Dataset& data_;
+  const Arm& arm_;
+  const LargeMatrix motors_;
+  const int joint_decimals_;
+  const bool has_orientations_;
+  const StatedSigmas sigmas_;
+  const bool has_targets_;
+  const std::vector<bool> in_radians_;  // by joint
+};
+
+}  // namespace
+
+std::string FormatDataset(const Dataset& dataset, const Arm& arm,
+                          int joint_decimals, bool with_sigmas,
+                          const std::vector<std::string>& comments) {
+  std::string text;
+  for (const std::string& comment : comments) {
+    text += "# " + OneLine(comment) + "\n";
+  }
+  const DatasetText rows(dataset, arm, joint_decimals, with_sigmas);
+  text += rows.Header();
+  for (const ObservationBlock& block : dataset.blocks) {
+    CHECK(HoldsPosition(block.kind));
+  }
+  for (const ObservationRef& one : InOrderOfPoses(dataset)) {
+    text += rows.Row(*one.block, one.index);
+  }
+  return text;
+}
+
+}  // namespace alidade::internal

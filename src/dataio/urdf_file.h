@@ -1,0 +1,24 @@
+#ifndef ALIDADE_SRC_DATAIO_URDF_FILE_H_
+#define ALIDADE_SRC_DATAIO_URDF_FILE_H_
+
+#include <string>
+#include <vector>
+
+#include "src/compensation/dh_conversion.h"
+
+namespace alidade::internal {
+
+/// The joints from `base_link` to `tip_link` of a URDF file, fixed ones
+/// included, for ArmFromChain: origins (xyz, rpy), axes and limits as written,
+/// in m and rad. Continuous joints have no limits.
+/// @throws InputError with the file (and the line) where it is no XML or not
+/// expanded from xacro, a link is unknown, the links are not joined upwards
+/// from the tip, a joint between them floats, is planar or mimics another, its
+/// axis is zero, its lower limit is above the upper one, or none of them moves.
+std::vector<ChainJoint> LoadUrdfChain(const std::string& path,
+                                      const std::string& base_link,
+                                      const std::string& tip_link);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_DATAIO_URDF_FILE_H_

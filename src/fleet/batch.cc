@@ -1,0 +1,349 @@
+#include "src/fleet/batch.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <exception>
+#include <filesystem>
+#include <mutex>
+#include <random>
+#include <thread>
+#include <utility>
+
+#include "alidade/error.h"
+#include "alidade/team.h"
+#include "alidade/version.h"
+#include "src/common/files.h"
+#include "src/fleet/batch_csv.h"
+#include "src/fleet/batch_places.h"
+#include "src/fleet/job_computer.h"
+#include "src/fleet/journal.h"
+#include "src/fleet/remote_jobs.h"
+#include "src/fleet/result_store.h"
+#include "src/fleet/scheduler.h"
+#include "src/job/report_page.h"
+#include "src/report/html_report.h"
+#include "src/serialization/batch_json.h"
+
+namespace alidade::internal {
+namespace {
+
+// As many as the page shows in full; what it needs of others is read again.
+constexpr std::size_t kMostItems = 2000;
+
+// Where there are fewer jobs than threads, each has several.
+int ThreadsEach(const BatchPlan& plan, const BatchOptions& options,
+                int num_members) {
+  const auto num_jobs = static_cast<std::int64_t>(plan.jobs.size());
+  const std::int64_t jobs_each = (num_jobs + num_members - 1) / num_members;
+  return static_cast<int>(std::max<std::int64_t>(
+      1, options.num_threads / std::max<std::int64_t>(jobs_each, 1)));
+}
+
+// The first error of several threads.
+class FirstFailure {
+ public:
+  void Keep(std::exception_ptr failure) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!failure_) failure_ = std::move(failure);
+  }
+  void Rethrow() const {
+    if (failure_) std::rethrow_exception(failure_);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::exception_ptr failure_;
+};
+
+// More members than that have their results wait for each other.
+constexpr int kMostCommitted = 16;
+
+class BatchRun {
+ public:
+  BatchRun(const BatchPlan& plan, const BatchOptions& options, int num_members)
+      : plan_(plan),
+        options_(options),
+        store_(options.directory),
+        computer_(plan, options, ThreadsEach(plan, options, num_members),
+                  &times_),
+        permits_(options.num_threads),
+        queue_(static_cast<std::int64_t>(plan.jobs.size())) {
+    summary_.version = Version();
+    store_.CheckSummaries();
+    BatchPlaces(plan, options.directory).RefuseArmsAndData(plan);
+    for (const PlannedJob& job : plan.jobs) {
+      store_.CheckName(job.name);
+      summary_.entries.push_back(EntryOf(job));
+    }
+    items_.resize(std::min(plan.jobs.size(), kMostItems));
+    progress_.num_jobs = static_cast<std::int64_t>(plan.jobs.size());
+  }
+
+  /// `team`: null where this process is alone.
+  BatchSummary Run(Team* team) {
+    if (team == nullptr) {
+      RunLocal();
+    } else {
+      RunWithOthers(team);
+    }
+    store_.WriteSummary("summary.csv", FormatBatchCsv(summary_));
+    store_.WriteSummary("summary.json", FormatBatchSummary(summary_));
+    store_.WriteSummary("comparison.html", CompareResults());
+    LOG(INFO) << "time of all workers: " << times_.Format();
+    return std::move(summary_);
+  }
+
+ private:
+  void RunLocal() {
+    RunWorkers(
+        options_.num_threads * kWorkersPerThread, [this] { queue_.Stop(); },
+        [this] { return Work(); });
+  }
+
+  // This thread speaks with other members, and others do what there is to do.
+  // Whatever fails, it listens until all members have left.
+  void RunWithOthers(Team* team) {
+    FirstFailure failure;
+    const auto guarded = [this, &failure](const auto& work) {
+      try {
+        work();
+      } catch (...) {
+        queue_.Stop();
+        failure.Keep(std::current_exception());
+      }
+    };
+    // As many results wait to be committed together as from as many threads.
+    const int num_committers =
+        kWorkersPerThread * std::min(team->size() - 1, kMostCommitted);
+    std::vector<std::thread> threads;
+    guarded([&] {
+      threads.emplace_back([&] { guarded([this] { RunLocal(); }); });
+      for (int i = 0; i < num_committers; ++i) {
+        threads.emplace_back([&] {
+          while (std::optional<RemoteOutcome> outcome = outcomes_.Take()) {
+            guarded([&] { Accept(*std::move(outcome)); });
+          }
+        });
+      }
+    });
+    JobDesk desk;
+    desk.take = [&] {
+      std::optional<std::int64_t> number;
+      guarded([&] { number = TakeForOther(); });
+      return number;
+    };
+    desk.finish = [&](RemoteOutcome outcome) {
+      StopWhereAsked(outcome.record.entry);
+      outcomes_.Put(std::move(outcome));
+    };
+    desk.fail = [&](const std::string& error) {
+      guarded([&] { ThrowDescribed(error); });
+    };
+    desk.add_times = [this](const WorkTimes& times) { times_.Add(times); };
+    ServeJobs(team, desk);
+    outcomes_.Close();
+    for (std::thread& thread : threads) thread.join();
+    failure.Rethrow();
+  }
+
+  // The results of all jobs beside each other, those that came to none with
+  // what stopped them.
+  std::string CompareResults() const {
+    ComparisonPage page;
+    for (std::size_t i = 0; i < summary_.entries.size(); ++i) {
+      const BatchEntry& entry = summary_.entries[i];
+      if (entry.directory.empty()) {
+        page.AddFailure(entry.name, entry.message);
+      } else if (i < items_.size() && items_[i]) {
+        page.Add(*items_[i]);
+      } else {
+        AddToComparison(options_.directory + "/" + entry.directory, entry.name,
+                        options_.directory + "/comparison.html", &page);
+      }
+    }
+    return page.Render(page.GuessKind());
+  }
+
+  // Takes a job and does it; false where none is left.
+  bool Work() {
+    std::optional<std::int64_t> number;
+    std::optional<Computed> computed;
+    {
+      const Permits::Held permit(&permits_);
+      number = queue_.Take();
+      if (!number) return false;
+      if (FinishIfDone(*number)) return true;
+      computed = computer_.Compute(plan_.jobs[*number]);
+      StopWhereAsked(computed->record.entry);
+    }
+    {
+      const Stopwatch stopwatch(&times_.writing);
+      std::string staged;
+      if (!computed->files.empty()) {
+        staged = store_.Stage(computed->files, &computed->record.files);
+      }
+      store_.Commit(computed->record, staged);
+    }
+    Keep(*number, std::move(computed->item));
+    Finish(*number, std::move(computed->record.entry), false);
+    return true;
+  }
+
+  // The next job that is not done.
+  std::optional<std::int64_t> TakeForOther() {
+    for (;;) {
+      const std::optional<std::int64_t> number = queue_.Take();
+      if (!number || !FinishIfDone(*number)) return number;
+    }
+  }
+
+  void Accept(RemoteOutcome outcome) {
+    {
+      const Stopwatch stopwatch(&times_.writing);
+      store_.Commit(outcome.record, outcome.staged);
+    }
+    Keep(outcome.number, std::move(outcome.item));
+    Finish(outcome.number, std::move(outcome.record.entry), false);
+  }
+
+  // Before the next job is taken.
+  void StopWhereAsked(const BatchEntry& entry) {
+    if (options_.fail_fast && entry.status != BatchStatus::kDone) queue_.Stop();
+  }
+
+  // True where an earlier run has done the job.
+  bool FinishIfDone(std::int64_t number) {
+    const BatchRecord* const done = FindDone(plan_.jobs[number]);
+    if (done == nullptr) return false;
+    StopWhereAsked(done->entry);
+    Finish(number, done->entry, true);
+    return true;
+  }
+
+  const BatchRecord* FindDone(const PlannedJob& job) {
+    if (job.matrix < 0) return nullptr;
+    const auto found = store_.records().find(job.name);
+    if (found == store_.records().end()) return nullptr;
+    const bool is_current =
+        IsCurrent(found->second, options_.directory,
+                  FingerprintOf(plan_, job, options_), &hashes_);
+    return is_current ? &found->second : nullptr;
+  }
+
+  // Each job has a place of its own.
+  void Keep(std::int64_t number, std::optional<ComparisonItem> item) {
+    const auto place = static_cast<std::size_t>(number);
+    if (place < items_.size()) items_[place] = std::move(item);
+  }
+
+  void Finish(std::int64_t number, BatchEntry entry, bool was_found) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    // The same file may be named otherwise now.
+    entry.job_file = plan_.jobs[number].file;
+    summary_.entries[number] = std::move(entry);
+    ++progress_.num_finished;
+    if (was_found) ++progress_.num_found;
+    progress_.last = &summary_.entries[number];
+    progress_.last_was_found = was_found;
+    if (options_.on_finished) options_.on_finished(progress_);
+  }
+
+  const BatchPlan& plan_;
+  const BatchOptions& options_;
+  WorkTimes times_;
+  ResultStore store_;
+  JobComputer computer_;
+  Permits permits_;
+  JobQueue queue_;
+  FileHashes hashes_;
+  BlockingQueue<RemoteOutcome> outcomes_;
+  std::mutex mutex_;
+  BatchSummary summary_;
+  std::vector<std::optional<ComparisonItem>> items_;
+  BatchProgress progress_;
+};
+
+// A job's number must mean the same to all.
+void RequireSamePlan(Team* team, const BatchPlan& plan) {
+  std::string all;
+  for (const PlannedJob& job : plan.jobs) all += job.name + "\n" + job.error;
+  for (const JobMatrix& matrix : plan.matrices) {
+    for (const std::string& file : matrix.files()) all += Sha256OfFile(file);
+  }
+  const std::vector<std::string> hashes = team->Gather(Sha256(all));
+  for (const std::string& hash : hashes) {
+    if (hash == hashes.front()) continue;
+    throw InputError(
+        {},
+        "the processes see different job files: put them where all "
+        "machines see the same");
+  }
+}
+
+// Tells this batch from an earlier one, of which processes may still be ending.
+std::string NewMark() {
+  std::random_device device;
+  return std::to_string(device()) + std::to_string(device());
+}
+
+BatchSummary RunAsFirst(const BatchPlan& plan, const BatchOptions& options,
+                        Team* team) {
+  BatchRun run(plan, options, team->size());
+  team->Broadcast(NewMark());
+  team->Sum(0);  // all see the directory
+  try {
+    BatchSummary summary = run.Run(team);
+    DismissMembers(team);
+    return summary;
+  } catch (...) {
+    DismissMembers(team);
+    throw;
+  }
+}
+
+void RunAsOther(const BatchPlan& plan, const BatchOptions& options,
+                Team* team) {
+  const std::string mark = team->Broadcast("");
+  StagingArea staging(options.directory,
+                      mark + "-" + std::to_string(team->rank()));
+  if (!std::filesystem::exists(staging.path())) {
+    throw InputError({staging.path(), 0, 0, ""},
+                     "is not there for one of the processes: choose an --out "
+                     "that all machines see");
+  }
+  team->Sum(0);
+  WorkTimes times;
+  const JobComputer computer(plan, options,
+                             ThreadsEach(plan, options, team->size()), &times);
+  WorkForFirst(team, plan, computer, options.num_threads, &staging, &times);
+}
+
+}  // namespace
+
+std::vector<bool> FindDone(const BatchPlan& plan, const BatchOptions& options) {
+  const JournalRecords records =
+      ReadJournal(options.directory + "/.batch/journal.jsonl");
+  FileHashes hashes;
+  std::vector<bool> done;
+  for (const PlannedJob& job : plan.jobs) {
+    const auto found = records.find(job.name);
+    done.push_back(job.matrix >= 0 && found != records.end() &&
+                   IsCurrent(found->second, options.directory,
+                             FingerprintOf(plan, job, options), &hashes));
+  }
+  return done;
+}
+
+BatchSummary RunBatch(const BatchPlan& plan, const BatchOptions& options,
+                      Team* team) {
+  if (team == nullptr || team->size() == 1) {
+    return BatchRun(plan, options, 1).Run(nullptr);
+  }
+  RequireSamePlan(team, plan);
+  if (team->is_first()) return RunAsFirst(plan, options, team);
+  RunAsOther(plan, options, team);
+  return {};
+}
+
+}  // namespace alidade::internal

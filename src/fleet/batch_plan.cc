@@ -1,0 +1,121 @@
+#include <algorithm>
+#include <filesystem>
+#include <sstream>
+#include <system_error>
+#include <unordered_map>
+
+#include "alidade/error.h"
+#include "src/common/files.h"
+#include "src/fleet/batch.h"
+#include "src/serialization/job_file.h"
+
+namespace alidade::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool MayBeJob(const fs::path& path) {
+  const std::string name = path.filename().string();
+  const std::string ending = path.extension().string();
+  return (ending == ".yaml" || ending == ".yml") && name.front() != '_' &&
+         name.front() != '.';
+}
+
+// A file that cannot be told is kept: its error is to be seen.
+bool IsOtherFormat(const std::string& path) {
+  try {
+    return DetectFormat(path) != FileFormat::kJob;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+std::vector<std::string> JobsOfFolder(const std::string& folder) {
+  std::vector<std::string> jobs;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (!MayBeJob(entry.path()) || entry.is_directory()) continue;
+    const std::string path = entry.path().string();
+    if (!IsOtherFormat(path)) jobs.push_back(path);
+  }
+  if (error) {
+    throw InputError({folder, 0, 0, ""}, "cannot be read: " + error.message());
+  }
+  if (jobs.empty()) {
+    throw InputError({folder, 0, 0, ""},
+                     "no job in this folder, expected files of the format "
+                     "alidade-job-1 that end in .yaml");
+  }
+  std::sort(jobs.begin(), jobs.end());
+  return jobs;
+}
+
+void AddFile(const std::string& path, BatchPlan* plan) {
+  try {
+    plan->matrices.emplace_back(path);
+  } catch (const InputError& error) {
+    plan->jobs.push_back(
+        {JobMatrix::NameOfFile(path), path, -1, 0, error.what()});
+    return;
+  }
+  const JobMatrix& matrix = plan->matrices.back();
+  const int number = static_cast<int>(plan->matrices.size()) - 1;
+  for (std::int64_t job = 0; job < matrix.size(); ++job) {
+    plan->jobs.push_back({matrix.NameOf(job), path, number, job, ""});
+  }
+}
+
+// Names are directories: none may be another's, or below it.
+void CheckNames(const BatchPlan& plan) {
+  std::unordered_map<std::string, const PlannedJob*> jobs;
+  for (const PlannedJob& job : plan.jobs) {
+    const auto [other, is_new] = jobs.emplace(job.name, &job);
+    if (is_new) continue;
+    throw InputError({job.file, 0, 0, ""},
+                     "a second job is called " + job.name +
+                         ", the first is of " + other->second->file +
+                         ": rename one of the files, or run them with "
+                         "different --out");
+  }
+  for (const PlannedJob& job : plan.jobs) {
+    const auto other = jobs.find(job.name.substr(0, job.name.find('/')));
+    if (other == jobs.end() || other->second == &job) continue;
+    throw InputError({job.file, 0, 0, ""},
+                     "its jobs would be written below that of " +
+                         other->second->file + ": rename one of the files");
+  }
+}
+
+}  // namespace
+
+BatchPlan PlanBatch(const std::vector<std::string>& paths) {
+  BatchPlan plan;
+  for (const std::string& path : paths) {
+    if (!fs::is_directory(path)) {
+      AddFile(path, &plan);
+      continue;
+    }
+    for (const std::string& job : JobsOfFolder(path)) AddFile(job, &plan);
+  }
+  CheckNames(plan);
+  return plan;
+}
+
+std::vector<std::string> ReadJobList(const std::string& path) {
+  std::istringstream lines(ReadFile(path));
+  std::vector<std::string> paths;
+  std::string line;
+  while (std::getline(lines, line)) {
+    const std::size_t first = line.find_first_not_of(" \t\r");
+    if (first == std::string::npos || line[first] == '#') continue;
+    const std::size_t last = line.find_last_not_of(" \t\r");
+    paths.push_back(ResolvePath(path, line.substr(first, last - first + 1)));
+  }
+  if (paths.empty()) {
+    throw InputError({path, 0, 0, ""},
+                     "the list is empty, expected a job file or folder a line");
+  }
+  return paths;
+}
+
+}  // namespace alidade::internal

@@ -1,0 +1,177 @@
+#include "src/fleet/job_computer.h"
+
+#include <algorithm>
+#include <exception>
+#include <memory>
+#include <new>
+
+#include "alidade/error.h"
+#include "alidade/version.h"
+#include "src/common/files.h"
+#include "src/common/format.h"
+#include "src/job/result_directory.h"
+#include "src/simulation/simulation.h"
+
+namespace alidade::internal {
+namespace {
+
+// What job files say of the job is in its fingerprint; what they say of others,
+// and comments, do not matter.
+std::vector<InputFile> WithoutJobFiles(std::vector<InputFile> inputs,
+                                       const JobMatrix& matrix) {
+  const std::vector<std::string>& files = matrix.files();
+  const auto is_job_file = [&files](const InputFile& input) {
+    return std::find(files.begin(), files.end(), input.path) != files.end();
+  };
+  inputs.erase(std::remove_if(inputs.begin(), inputs.end(), is_job_file),
+               inputs.end());
+  return inputs;
+}
+
+BatchStatus StatusOf(JobStatus status) {
+  if (status == JobStatus::kDone) return BatchStatus::kDone;
+  return status == JobStatus::kMissedLimits ? BatchStatus::kMissedLimits
+                                            : BatchStatus::kFailed;
+}
+
+void Describe(const JobOutcome& outcome, BatchEntry* entry) {
+  const JobResult& result = outcome.result;
+  entry->status = StatusOf(outcome.status);
+  entry->message = outcome.message;
+  entry->title = result.title;
+  entry->arm = result.arm;
+  entry->data = result.train.name;
+  entry->train_before = result.train.before;
+  entry->train_after = result.train.after;
+  if (result.heldout) {
+    entry->heldout_before = result.heldout->before;
+    entry->heldout_after = result.heldout->after;
+  }
+  entry->num_free = result.identifiability.num_free;
+  if (!result.runs.empty()) {
+    const SolverSummary& summary = result.runs.front().summary;
+    entry->solver_status = ToString(summary.status);
+    if (!summary.iterations.empty()) {
+      entry->iterations = summary.iterations.back().iteration;
+    }
+  }
+  if (result.estimated_sigma > 0.0) entry->sigma = result.estimated_sigma;
+  entry->reduced_chi_square = result.reduced_chi_square;
+  entry->num_outliers = static_cast<std::int64_t>(result.outliers.size());
+  entry->warnings = result.warnings;
+}
+
+bool HasResult(const BatchEntry& entry) {
+  return entry.status == BatchStatus::kDone ||
+         entry.status == BatchStatus::kMissedLimits;
+}
+
+}  // namespace
+
+std::string FingerprintOf(const BatchPlan& plan, const PlannedJob& job,
+                          const BatchOptions& options) {
+  std::string fingerprint = plan.matrices[job.matrix].FingerprintOf(job.number);
+  if (options.outputs) {
+    fingerprint += *options.outputs == JobOutputs::kFull ? "+full" : "+minimal";
+  }
+  return fingerprint;
+}
+
+BatchEntry EntryOf(const PlannedJob& job) {
+  BatchEntry entry;
+  entry.name = job.name;
+  entry.job_file = job.file;
+  return entry;
+}
+
+void WorkTimes::Add(const WorkTimes& more) {
+  reading += more.reading;
+  calibrating += more.calibrating;
+  writing += more.writing;
+}
+
+std::string WorkTimes::Format() const {
+  const auto seconds = [](std::int64_t nanoseconds) {
+    return FormatSignificant(1e-9 * static_cast<double>(nanoseconds), 3) + " s";
+  };
+  return "reading " + seconds(reading) + ", calibrating " +
+         seconds(calibrating) + ", writing " + seconds(writing);
+}
+
+JobComputer::JobComputer(const BatchPlan& plan, const BatchOptions& options,
+                         int threads_each, WorkTimes* times)
+    : plan_(plan),
+      options_(options),
+      times_(*times),
+      places_(plan, options.directory) {
+  reading_.num_threads = threads_each;
+}
+
+Computed JobComputer::Compute(const PlannedJob& job) const {
+  Computed computed;
+  BatchRecord& record = computed.record;
+  record.entry = EntryOf(job);
+  record.version = Version();
+  try {
+    if (job.matrix < 0) {
+      record.entry.status = BatchStatus::kBadInput;
+      record.entry.message = job.error;
+    } else {
+      Run(job, &computed);
+    }
+  } catch (const OutputConflict&) {
+    throw;
+  } catch (const InputError& error) {
+    record.entry.status = BatchStatus::kBadInput;
+    record.entry.message = error.what();
+  } catch (const std::bad_alloc&) {
+    record.entry.status = BatchStatus::kFailed;
+    record.entry.message = "out of memory";
+  } catch (const std::exception& error) {
+    record.entry.status = BatchStatus::kFailed;
+    record.entry.message = std::string("internal error: ") + error.what();
+  }
+  if (!HasResult(record.entry)) {
+    computed.files.clear();
+    computed.outcome.reset();
+    computed.item.reset();
+  }
+  return computed;
+}
+
+JobConfig JobComputer::Read(const PlannedJob& job, BatchRecord* record) const {
+  const Stopwatch stopwatch(&times_.reading);
+  record->fingerprint = FingerprintOf(plan_, job, options_);
+  JobConfig config = plan_.matrices[job.matrix].Load(job.number, reading_);
+  for (const std::string& input : config.input_files) places_.Refuse(input);
+  if (options_.outputs) config.outputs = *options_.outputs;
+  return config;
+}
+
+JobOutcome JobComputer::Calibrate(const JobConfig& config,
+                                  const PlannedJob& job) const {
+  const Stopwatch stopwatch(&times_.calibrating);
+  return RunJob(config, "alidade batch " + job.file, reading_.num_threads,
+                &cache_);
+}
+
+void JobComputer::Run(const PlannedJob& job, Computed* computed) const {
+  BatchRecord& record = computed->record;
+  const JobConfig config = Read(job, &record);
+  computed->outcome =
+      std::make_unique<const JobOutcome>(Calibrate(config, job));
+  const JobOutcome& outcome = *computed->outcome;
+  const Stopwatch stopwatch(&times_.writing);
+  record.inputs =
+      WithoutJobFiles(outcome.result.inputs, plan_.matrices[job.matrix]);
+  Describe(outcome, &record.entry);
+  if (!HasResult(record.entry)) return;
+  computed->files = RenderResult(outcome, config.outputs);
+  record.entry.directory = job.name;
+  computed->item = DescribeForComparison(job.name, outcome.result, "");
+  for (const ReportFile& file : computed->files) {
+    if (file.name == "result.json") record.result_sha256 = Sha256(file.Text());
+  }
+}
+
+}  // namespace alidade::internal

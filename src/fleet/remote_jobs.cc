@@ -1,0 +1,287 @@
+#include "src/fleet/remote_jobs.h"
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "alidade/bytes.h"
+#include "src/fleet/scheduler.h"
+#include "src/serialization/batch_json.h"
+
+namespace alidade::internal {
+namespace {
+
+enum class Topic {
+  kAsk,      ///< to member 0: a job is wanted
+  kOutcome,  ///< to member 0: RemoteOutcome
+  kFailure,  ///< to member 0: an error
+  kLeave,    ///< to member 0: times; the last message
+};
+
+// To others; numbers of jobs are above.
+constexpr std::int64_t kNoMore = -1;
+constexpr std::int64_t kDismissed = -2;
+
+// MPI can only be asked whether a message is there. Soon again while jobs come
+// and go, and rarely where each takes long, so that asking takes no part of a
+// processor worth the name and no job waits for a part of its length worth it.
+class Pause {
+ public:
+  void Reset() { last_ = Clock::now(); }
+  void Wait() const {
+    std::this_thread::sleep_for(std::clamp<Clock::duration>(
+        (Clock::now() - last_) / 64, kLeast, kMost));
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::microseconds kLeast{300};
+  static constexpr std::chrono::milliseconds kMost{10};
+
+  Clock::time_point last_ = Clock::now();
+};
+
+// A worker that waits for an answer has its processor to itself.
+constexpr std::chrono::microseconds kUntilAnswer{100};
+
+std::string NumberMessage(std::int64_t number) {
+  ByteWriter writer;
+  writer.Put(number);
+  return writer.Take();
+}
+
+std::string AskMessage() {
+  ByteWriter writer;
+  writer.Put(Topic::kAsk);
+  return writer.Take();
+}
+
+std::string OutcomeMessage(std::int64_t number, const Computed& computed,
+                           const std::string& staged) {
+  ByteWriter writer;
+  writer.Put(Topic::kOutcome);
+  writer.Put(number);
+  writer.PutText(FormatBatchRecord(computed.record));
+  writer.PutText(staged);
+  writer.Put(computed.item.has_value());
+  if (computed.item) {
+    const auto& [version, data, layout, head, tail] = *computed.item;
+    writer.PutTexts({version, data, layout, head, tail});
+  }
+  return writer.Take();
+}
+
+std::string FailureMessage(const std::exception& error) {
+  ByteWriter writer;
+  writer.Put(Topic::kFailure);
+  writer.PutText(DescribeError(error));
+  return writer.Take();
+}
+
+std::string LeaveMessage(const WorkTimes& times) {
+  ByteWriter writer;
+  writer.Put(Topic::kLeave);
+  for (const std::int64_t part :
+       {times.reading.load(), times.calibrating.load(), times.writing.load()}) {
+    writer.Put(part);
+  }
+  return writer.Take();
+}
+
+RemoteOutcome ReadOutcome(ByteReader* reader) {
+  RemoteOutcome outcome;
+  outcome.number = reader->Get<std::int64_t>();
+  std::optional<BatchRecord> record = ParseBatchRecord(reader->GetText());
+  if (!record) throw std::logic_error("a record of another process is none");
+  outcome.record = *std::move(record);
+  outcome.staged = reader->GetText();
+  if (!reader->Get<bool>()) return outcome;
+  std::vector<std::string> texts = reader->GetTexts();
+  outcome.item = {std::move(texts.at(0)), std::move(texts.at(1)),
+                  std::move(texts.at(2)), std::move(texts.at(3)),
+                  std::move(texts.at(4))};
+  return outcome;
+}
+
+// One member's workers and the thread that speaks for them.
+class Crew {
+ public:
+  Crew(Team* team, const BatchPlan& plan, const JobComputer& computer,
+       int num_threads, StagingArea* staging, WorkTimes* times)
+      : team_(team),
+        plan_(plan),
+        computer_(computer),
+        num_workers_(num_threads * kWorkersPerThread),
+        permits_(num_threads),
+        staging_(staging),
+        times_(times) {}
+
+  void Run() {
+    std::thread workers([this] { RunAll(); });
+    Speak();
+    workers.join();
+    team_->Send(0, LeaveMessage(*times_));
+    AwaitDismissal();
+  }
+
+ private:
+  void RunAll() {
+    try {
+      RunWorkers(
+          num_workers_, [] {}, [this] { return Work(); });
+    } catch (const std::exception& error) {
+      Put(FailureMessage(error));
+    }
+    const std::lock_guard<std::mutex> lock(mutex_);
+    are_done_ = true;
+    to_say_.notify_one();
+  }
+
+  // Asks for a job and does it; false where there are no more.
+  bool Work() {
+    try {
+      std::int64_t number = kNoMore;
+      Computed computed;
+      {
+        const Permits::Held permit(&permits_);
+        number = Ask();
+        if (number < 0) return false;
+        computed = computer_.Compute(plan_.jobs[number]);
+        // Before the next one is asked for: it may be the last.
+        if (computed.files.empty()) {
+          Put(OutcomeMessage(number, computed, ""));
+          return true;
+        }
+      }
+      const Stopwatch stopwatch(&times_->writing);
+      const std::string staged =
+          staging_->Stage(computed.files, &computed.record.files);
+      Put(OutcomeMessage(number, computed, staged));
+      return true;
+    } catch (const std::exception& error) {
+      Put(FailureMessage(error));
+      return false;
+    }
+  }
+
+  std::int64_t Ask() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    said_.push_back(AskMessage());
+    ++num_asked_;
+    to_say_.notify_one();
+    answered_.wait(lock, [this] { return !answers_.empty(); });
+    const std::int64_t answer = answers_.front();
+    answers_.pop_front();
+    return answer;
+  }
+
+  void Put(std::string message) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    said_.push_back(std::move(message));
+    to_say_.notify_one();
+  }
+
+  // Until the workers have ended and all that they said is sent. Nothing comes
+  // but answers.
+  void Speak() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    while (!are_done_ || !said_.empty()) {
+      const auto has_to_say = [this] { return !said_.empty() || are_done_; };
+      if (num_asked_ == 0) {
+        to_say_.wait(lock, has_to_say);
+      } else {
+        to_say_.wait_for(lock, kUntilAnswer, has_to_say);
+      }
+      const std::vector<std::string> going = std::exchange(said_, {});
+      lock.unlock();
+      for (const std::string& message : going) team_->Send(0, message);
+      const std::optional<Team::Message> answer = team_->Receive();
+      lock.lock();
+      if (!answer) continue;
+      answers_.push_back(ByteReader(answer->bytes).Get<std::int64_t>());
+      --num_asked_;
+      answered_.notify_one();
+    }
+  }
+
+  void AwaitDismissal() {
+    const Pause pause;
+    while (!team_->Receive()) pause.Wait();
+  }
+
+  Team* const team_;
+  const BatchPlan& plan_;
+  const JobComputer& computer_;
+  const int num_workers_;
+  Permits permits_;
+  StagingArea* const staging_;
+  WorkTimes* const times_;
+
+  std::mutex mutex_;
+  std::condition_variable to_say_;
+  std::condition_variable answered_;
+  std::vector<std::string> said_;
+  std::deque<std::int64_t> answers_;
+  int num_asked_ = 0;
+  bool are_done_ = false;
+};
+
+}  // namespace
+
+void ServeJobs(Team* team, const JobDesk& desk) {
+  int num_present = team->size() - 1;
+  Pause pause;
+  while (num_present > 0) {
+    const std::optional<Team::Message> message = team->Receive();
+    if (!message) {
+      pause.Wait();
+      continue;
+    }
+    pause.Reset();
+    ByteReader reader(message->bytes);
+    switch (reader.Get<Topic>()) {
+      case Topic::kAsk:
+        team->Send(message->from, NumberMessage(desk.take().value_or(kNoMore)));
+        break;
+      case Topic::kOutcome:
+        try {
+          desk.finish(ReadOutcome(&reader));
+        } catch (const std::exception& error) {
+          desk.fail(DescribeError(error));
+        }
+        break;
+      case Topic::kFailure:
+        desk.fail(reader.GetText());
+        break;
+      case Topic::kLeave: {
+        WorkTimes times;
+        times.reading = reader.Get<std::int64_t>();
+        times.calibrating = reader.Get<std::int64_t>();
+        times.writing = reader.Get<std::int64_t>();
+        desk.add_times(times);
+        --num_present;
+        break;
+      }
+    }
+  }
+}
+
+void DismissMembers(Team* team) {
+  for (int to = 1; to < team->size(); ++to) {
+    team->Send(to, NumberMessage(kDismissed));
+  }
+}
+
+void WorkForFirst(Team* team, const BatchPlan& plan,
+                  const JobComputer& computer, int num_threads,
+                  StagingArea* staging, WorkTimes* times) {
+  Crew(team, plan, computer, num_threads, staging, times).Run();
+}
+
+}  // namespace alidade::internal

@@ -1,0 +1,141 @@
+#include "src/job/calibrated_arm.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <filesystem>
+#include <vector>
+
+#include "alidade/arm_file.h"
+#include "alidade/error.h"
+#include "src/kernel/measurement_model.h"
+#include "src/model/joint_draw.h"
+#include "src/serialization/result_json.h"
+#include "src/uncertainty/prediction.h"
+
+namespace alidade::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Positions known as exactly as they can be: no noise but that of the
+// calibration.
+constexpr double kExact = 1e-9;
+
+std::string JsonOf(const std::string& path) {
+  return fs::is_directory(path) ? (fs::path(path) / "result.json").string()
+                                : path;
+}
+
+// A file may hold anything: square, one row a parameter, no negative variance.
+void RequireCovariance(const std::string& path,
+                       const UncertaintyResult& uncertainty) {
+  const auto p = static_cast<Eigen::Index>(uncertainty.parameters.size());
+  const Eigen::MatrixXd& matrix = uncertainty.covariance;
+  if (matrix.rows() == p && matrix.cols() == p &&
+      !(matrix.diagonal().array() < 0.0).any()) {
+    return;
+  }
+  throw InputError({path, 0, 0, "uncertainty.covariance"},
+                   "expected a covariance of the " + std::to_string(p) +
+                       " parameters, found " + std::to_string(matrix.rows()) +
+                       " x " + std::to_string(matrix.cols()) +
+                       " numbers, or a negative variance");
+}
+
+// The covariance of the parameters that `arm` has; a root of it by its
+// eigenvalues, those below zero by rounding being none.
+ParameterCovariance CovarianceOf(const UncertaintyResult& uncertainty,
+                                 const ParameterLayout& layout) {
+  ParameterCovariance covariance;
+  covariance.degrees_of_freedom = uncertainty.degrees_of_freedom;
+  std::vector<int> kept;
+  std::vector<int> untold;
+  for (std::size_t k = 0; k < uncertainty.parameters.size(); ++k) {
+    const auto column = layout.Find(uncertainty.parameters[k].name);
+    if (!column) continue;
+    covariance.columns.push_back(*column);
+    kept.push_back(static_cast<int>(k));
+    if (!std::isfinite(uncertainty.parameters[k].std)) {
+      untold.push_back(static_cast<int>(kept.size()) - 1);
+    }
+  }
+  Eigen::MatrixXd matrix = uncertainty.covariance(kept, kept);
+  const auto p = static_cast<Eigen::Index>(kept.size());
+  covariance.untold =
+      Eigen::MatrixXd::Zero(p, static_cast<Eigen::Index>(untold.size()));
+  for (std::size_t k = 0; k < untold.size(); ++k) {
+    matrix.row(untold[k]).setZero();
+    matrix.col(untold[k]).setZero();
+    covariance.untold(untold[k], static_cast<Eigen::Index>(k)) = 1.0;
+  }
+  covariance.untold_parameters = untold;
+  // Scaled to correlations, so that radians and metres do not mix.
+  const Eigen::VectorXd scale = matrix.diagonal().cwiseSqrt();
+  const Eigen::VectorXd inverse =
+      scale.unaryExpr([](double s) { return s > 0.0 ? 1.0 / s : 0.0; });
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      inverse.asDiagonal() * matrix * inverse.asDiagonal());
+  covariance.root = scale.asDiagonal() * solver.eigenvectors() *
+                    solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  return covariance;
+}
+
+}  // namespace
+
+bool IsResult(const std::string& path) {
+  return fs::is_directory(path) || fs::path(path).extension() == ".json";
+}
+
+std::optional<CalibratedArm> LoadCalibratedArm(const std::string& path) {
+  const std::string json = JsonOf(path);
+  const JobResult result = LoadResultJson(json);
+  if (!result.uncertainty) return std::nullopt;
+  RequireCovariance(json, *result.uncertainty);
+  CalibratedArm calibrated;
+  calibrated.arm =
+      LoadArm((fs::path(json).parent_path() / "arm.yaml").string());
+  calibrated.covariance = CovarianceOf(
+      *result.uncertainty, MeasurementModel(calibrated.arm).layout());
+  calibrated.confidence = result.uncertainty->confidence;
+  calibrated.sigma = result.sigma;
+  for (const InputFile& input : result.inputs) {
+    const bool is_heldout = result.heldout &&
+                            result.heldout->name == input.path &&
+                            result.heldout->name != result.train.name;
+    if (!is_heldout) calibrated.inputs.push_back(input);
+  }
+  return calibrated;
+}
+
+PredictionCheck CheckAgainst(const CalibratedArm& calibrated,
+                             const Dataset& data, int num_threads) {
+  const MeasurementModel model(calibrated.arm, num_threads);
+  return CheckPrediction(model, model.NominalValues(), calibrated.covariance,
+                         data, calibrated.confidence);
+}
+
+PredictedMap MapOf(const CalibratedArm& calibrated, int count,
+                   std::uint64_t seed) {
+  const MeasurementModel model(calibrated.arm);
+  return MapPrediction(model, model.NominalValues(), calibrated.covariance,
+                       count, seed, {});
+}
+
+ArmCheck CheckAgainst(const CalibratedArm& calibrated, const Arm& truth,
+                      int count, std::uint64_t seed) {
+  ArmCheck result;
+  result.map = MapOf(calibrated, count, seed);
+  const MeasurementModel model(truth);
+  const Eigen::Matrix3Xd positions =
+      model.Predict(model.NominalValues(), result.map.joint_values);
+  result.map.true_error = (positions - result.map.positions).colwise().norm();
+  result.map.true_summary = SummarizeErrors(result.map.true_error);
+  result.check =
+      CheckAgainst(calibrated,
+                   MakePositions(result.map.joint_values, positions,
+                                 Eigen::Matrix3Xd::Constant(3, count, kExact)),
+                   1);
+  return result;
+}
+
+}  // namespace alidade::internal

@@ -1,0 +1,181 @@
+#include "src/job/result_directory.h"
+
+#include <filesystem>
+#include <set>
+#include <system_error>
+
+#include "alidade/arm_file.h"
+#include "alidade/error.h"
+#include "src/common/files.h"
+#include "src/job/written_files.h"
+#include "src/serialization/result_json.h"
+
+namespace alidade::internal {
+namespace {
+
+std::string ArmComment(const JobResult& result) {
+  return "Calibrated by alidade " + result.version + ": " + result.title;
+}
+
+void Append(std::vector<ReportFile> more, std::vector<ReportFile>* files) {
+  for (ReportFile& file : more) files->push_back(std::move(file));
+}
+
+constexpr char kPage[] = "report.html";
+
+// What each command may write.
+std::set<std::string> NamesOf(OutputKind kind) {
+  switch (kind) {
+    case OutputKind::kCalibration:
+      return {"arm.yaml",          "report.txt",
+              "residuals.csv",     "heldout.csv",
+              "iterations.csv",    "error_before.svg",
+              "error_after.svg",   "convergence.svg",
+              "influence.csv",     "validation_before.svg",
+              "relations.svg",     "validation_after.svg",
+              "predicted_map.csv", "singular_values.svg",
+              "predicted_map.svg", "residual_histogram.svg",
+              "report.html",       "heldout_z_scores.svg",
+              "result.json"};
+    case OutputKind::kComparison:
+      return {
+          "residuals.csv",         "heldout.csv",          "iterations.csv",
+          "error_before.svg",      "error_after.svg",      "convergence.svg",
+          "validation_before.svg", "validation_after.svg", "noise_study.csv",
+          "noise_study.svg",       "comparison.txt"};
+    case OutputKind::kMonteCarlo:
+      return {"montecarlo.csv", "trials.csv", "coverage.svg",
+              "workspace_error.svg", "montecarlo.txt"};
+    case OutputKind::kPlan:
+      return {"poses.csv", "plan.txt", "accuracy.svg", "curve.csv",
+              "plan.json"};
+    case OutputKind::kPredictions:
+      return {"predicted_map.csv", "predicted_map.svg", "z_scores.svg"};
+  }
+  return {};
+}
+
+// Names that a run writes or, as those of an earlier one, removes.
+std::set<std::string> WithListed(std::set<std::string> names,
+                                 const WrittenFiles& written) {
+  for (const auto& file : written) names.insert(file.first);
+  if (!written.empty()) names.insert(kPage);
+  return names;
+}
+
+bool IsSameFile(const std::string& a, const std::string& b) {
+  std::error_code error;
+  return std::filesystem::equivalent(a, b, error) && !error;
+}
+
+void Remove(const std::string& directory, const std::string& name) {
+  const std::filesystem::path path = std::filesystem::path(directory) / name;
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return;
+  if (!std::filesystem::remove(path, error)) {
+    throw InputError(
+        {path.string(), 0, 0, ""},
+        "is of an earlier result and cannot be removed: " + error.message());
+  }
+}
+
+std::string DirectoryOf(const std::filesystem::path& file) {
+  const std::filesystem::path directory = file.parent_path();
+  return directory.empty() ? "." : directory.string();
+}
+
+ReportFile RenderArm(const JobOutcome& outcome) {
+  return {"arm.yaml",
+          FormatArm(outcome.calibrated, ArmComment(outcome.result))};
+}
+
+}  // namespace
+
+std::vector<ReportFile> RenderResult(const JobOutcome& outcome) {
+  const JobResult& result = outcome.result;
+  std::vector<ReportFile> files;
+  files.push_back(RenderArm(outcome));
+  files.emplace_back("report.txt", FormatReport(result));
+  Append(MakeCsvFiles(result), &files);
+  Append(MakeFigures(result), &files);
+  Append(MakeUncertaintyFiles(result), &files);
+  Append(MakeIdentifiabilityFigures(result.identifiability), &files);
+  files.emplace_back("result.json", FormatResultJson(result));
+  return files;
+}
+
+std::vector<ReportFile> RenderResult(const JobOutcome& outcome,
+                                     JobOutputs outputs) {
+  if (outputs == JobOutputs::kFull) return RenderResult(outcome);
+  return {RenderArm(outcome),
+          {"result.json", FormatResultJson(outcome.result)}};
+}
+
+void CheckOutputFile(const std::string& path,
+                     const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) {
+    if (!IsSameFile(path, input)) continue;
+    throw InputError(
+        {path, 0, 0, ""},
+        "is read by this run, which would replace or remove it: choose "
+        "another --out");
+  }
+}
+
+void CheckResultDirectory(const std::string& directory, OutputKind kind,
+                          const std::vector<std::string>& inputs) {
+  const WrittenFiles written = ReadWrittenFiles(directory);
+  const std::set<std::string> names = WithListed(NamesOf(kind), written);
+  for (const std::string& name : names) {
+    CheckOutputFile((std::filesystem::path(directory) / name).string(), inputs);
+  }
+  RefuseForeign(directory, names, written);
+}
+
+std::vector<std::string> WriteResultDirectory(
+    const std::string& directory, const std::vector<ReportFile>& files) {
+  MakeDirectories(directory);
+  std::set<std::string> names;
+  for (const ReportFile& file : files) names.insert(file.name);
+  const WrittenFiles earlier = ReadWrittenFiles(directory);
+  const std::set<std::string> both = WithListed(names, earlier);
+  RefuseForeign(directory, both, earlier);
+  // Whatever happens below, the next run knows all that may be there.
+  WrittenFiles unfinished;
+  for (const std::string& name : both) unfinished[name] = std::nullopt;
+  NoteWrittenFiles(directory, unfinished);
+  if (!files.empty()) Remove(directory, files.back().name);
+  for (const std::string& name : both) {
+    if (names.count(name) == 0) Remove(directory, name);
+  }
+  std::vector<std::string> paths;
+  for (const ReportFile& file : files) {
+    paths.push_back(directory + "/" + file.name);
+    WriteFileAtomically(paths.back(), file.content);
+  }
+  NoteAllWritten(directory, {names.begin(), names.end()});
+  return paths;
+}
+
+void CheckReportPage(const std::string& path) {
+  const std::filesystem::path page = path;
+  const std::string directory = DirectoryOf(page);
+  const WrittenFiles written = ReadWrittenFiles(directory);
+  const std::string name = page.filename().string();
+  if (written.count(name) > 0 || !IsOwnPage(path)) {
+    RefuseForeign(directory, {name}, written);
+  }
+}
+
+void NoteReportPage(const std::string& path) {
+  const std::filesystem::path page = path;
+  const std::string directory = DirectoryOf(page);
+  WrittenFiles written = ReadWrittenFiles(directory);
+  const std::string name = page.filename().string();
+  // What compares several results is none of the files of one.
+  if (written.empty() || (name != kPage && written.count(name) == 0)) return;
+  written[name] = MarkOf(path);
+  NoteWrittenFiles(directory, written);
+}
+
+}  // namespace alidade::internal

@@ -1,0 +1,220 @@
+#include "src/kernel/compression.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <limits>
+
+#include "src/kernel/lane_factor.h"
+#include "src/kernel/parted_data.h"
+
+namespace alidade::internal {
+namespace {
+
+// The largest condition that products are good enough for.
+constexpr double kGramCondition = 1e4;
+
+// Of fewer observations a sample would cost as much as it saves.
+constexpr Eigen::Index kFewestForSample = 1000;
+
+// |S| |S^-1| in Frobenius' norm, S being an upper triangle with its columns
+// made of norm 1; no less than the condition of S.
+class ScaledCondition {
+ public:
+  // p^3 / 6 multiply-adds.
+  double operator()(const Eigen::MatrixXd& factor) {
+    const Eigen::Index p = factor.cols();
+    norms_ = factor.colwise().squaredNorm();
+    double squares = 0.0;
+    for (Eigen::Index j = 0; j < p; ++j) {
+      SolveForUnit(factor, j);
+      squares += column_.head(j + 1).cwiseAbs2().dot(norms_.head(j + 1));
+    }
+    const double condition = std::sqrt(static_cast<double>(p) * squares);
+    return std::isfinite(condition) ? condition
+                                    : std::numeric_limits<double>::infinity();
+  }
+
+ private:
+  // column <- column j of the inverse, down to the diagonal.
+  void SolveForUnit(const Eigen::MatrixXd& factor, Eigen::Index j) {
+    column_.setZero(factor.cols());
+    column_[j] = 1.0;
+    for (Eigen::Index i = j; i >= 0; --i) {
+      column_[i] /= factor(i, i);
+      column_.head(i) -= column_[i] * factor.col(i).head(i);
+    }
+  }
+
+  Eigen::VectorXd norms_;
+  Eigen::VectorXd column_;
+};
+
+}  // namespace
+
+std::string VectorInstructions() { return kernel::TargetName(); }
+
+double RobustChiSquare(const LargeVector& errors, const Dataset& data,
+                       const std::vector<RobustLoss>& losses) {
+  const LargeVector squared = SquaredNorms(errors, data);
+  if (losses.empty()) return squared.sum();
+  const Eigen::VectorXi dimensions = Dimensions(data);
+  double cost = 0.0;
+  for (Eigen::Index i = 0; i < squared.size(); ++i) {
+    if (dimensions[i] == 0) continue;
+    double rho[3];
+    losses[dimensions[i] - 1].Evaluate(squared[i], rho);
+    cost += rho[0];
+  }
+  return cost;
+}
+
+Eigen::MatrixXd JacobianFactor(const MeasurementModel& model,
+                               const Eigen::VectorXd& values,
+                               const Dataset& data,
+                               const std::vector<int>& columns) {
+  PartedData parted(model, data, static_cast<int>(columns.size()), 0);
+  const kernel::Columns wanted(model.layout(), columns);
+  parted.ForEachTile(values, wanted,
+                     [](Part* part, TileRows* rows) { part->AddRows(rows); });
+  Eigen::MatrixXd factor;
+  parted.MergeTriangles(&factor);
+  return factor;
+}
+
+class Compressor::Implementation {
+ public:
+  Implementation(const MeasurementModel& model, const Dataset& data,
+                 const std::vector<int>& columns,
+                 const std::vector<RobustLoss>& losses,
+                 const CompressorOptions& options)
+      : parted_(model, data, static_cast<int>(columns.size()) + 1,
+                options.cache_bytes),
+        columns_(model.layout(), columns),
+        no_columns_(model.layout(), {}),
+        losses_(losses),
+        factorization_(options.factorization),
+        may_use_gram_(options.factorization != Factorization::kOrthogonal),
+        is_large_(data.all_observations() >= kFewestForSample) {}
+
+  void Compress(const Eigen::VectorXd& values, CompressedProblem* problem) {
+    used_gram_ = may_use_gram_ && SampleIsGood(values, problem) &&
+                 CompressByProducts(values, problem);
+    if (!used_gram_) CompressByReflections(values, problem);
+    Remember(values);
+    problem->cost = summary_.cost;
+    // Products that were kept have shown it already.
+    if (factorization_ == Factorization::kAutomatic && !used_gram_) {
+      may_use_gram_ = HasGoodCondition(problem->factor);
+    }
+  }
+
+  const ResidualSummary& Summarize(const Eigen::VectorXd& values) {
+    if (values.size() != summarized_.size() || values != summarized_) {
+      parted_.ForEachTile(values, no_columns_,
+                          [this](Part* part, TileRows* rows) {
+                            part->AddCost(losses_, false, rows);
+                          });
+      parted_.MergeSums();
+      Remember(values);
+    }
+    return summary_;
+  }
+
+  bool used_gram() const { return used_gram_; }
+
+ private:
+  void Remember(const Eigen::VectorXd& values) {
+    summary_ = parted_.summary();
+    summarized_ = values;
+  }
+
+  bool HasGoodCondition(const Eigen::MatrixXd& factor) {
+    return condition_(factor) <= kGramCondition;
+  }
+
+  void CompressByReflections(const Eigen::VectorXd& values,
+                             CompressedProblem* problem) {
+    parted_.ForEachTile(values, columns_, [this](Part* part, TileRows* rows) {
+      part->AddCost(losses_, true, rows);
+      part->AddRows(rows);
+    });
+    parted_.MergeTriangles(&triangle_);
+    const Eigen::Index p = triangle_.cols() - 1;
+    problem->factor = triangle_.topLeftCorner(p, p);
+    problem->projected = triangle_.topRightCorner(p, 1);
+  }
+
+  // Before anything is known of the columns: whether a few tiles of many let
+  // expect that products will do, lest a whole pass be made in vain.
+  bool SampleIsGood(const Eigen::VectorXd& values, CompressedProblem* problem) {
+    const bool is_first = summarized_.size() == 0;
+    return !is_first || !is_large_ || factorization_ == Factorization::kGram ||
+           CompressByProducts(values, problem, PartedData::Extent::kSample);
+  }
+
+  // False where the products have no Cholesky factor, or one that shows that
+  // they are not good enough.
+  bool CompressByProducts(
+      const Eigen::VectorXd& values, CompressedProblem* problem,
+      PartedData::Extent extent = PartedData::Extent::kAll) {
+    const auto add = [this](Part* part, TileRows* rows) {
+      part->AddCost(losses_, true, rows);
+      part->AddProducts(rows);
+    };
+    parted_.ForEachTile(values, columns_, add, extent);
+    parted_.SumProducts(&triangle_);
+    const Eigen::Index p = triangle_.cols() - 1;
+    cholesky_.compute(
+        triangle_.topLeftCorner(p, p).selfadjointView<Eigen::Upper>());
+    if (cholesky_.info() != Eigen::Success) return false;
+    problem->factor = cholesky_.matrixU();
+    if (factorization_ != Factorization::kGram &&
+        !HasGoodCondition(problem->factor)) {
+      return false;
+    }
+    // R^T projected = J^T r.
+    problem->projected = triangle_.topRightCorner(p, 1);
+    for (Eigen::Index k = 0; k < p; ++k) {
+      const auto above = problem->factor.col(k).head(k);
+      problem->projected[k] -= above.dot(problem->projected.head(k));
+      problem->projected[k] /= problem->factor(k, k);
+    }
+    return true;
+  }
+
+  PartedData parted_;
+  const kernel::Columns columns_;
+  const kernel::Columns no_columns_;
+  const std::vector<RobustLoss> losses_;
+  const Factorization factorization_;
+  bool may_use_gram_;
+  const bool is_large_;
+  bool used_gram_ = false;
+  Eigen::MatrixXd triangle_;
+  ScaledCondition condition_;
+  Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> cholesky_;
+  Eigen::VectorXd summarized_;
+  ResidualSummary summary_;
+};
+
+Compressor::Compressor(const MeasurementModel& model, const Dataset& data,
+                       const std::vector<int>& columns,
+                       const std::vector<RobustLoss>& losses,
+                       const CompressorOptions& options)
+    : implementation_(std::make_unique<Implementation>(model, data, columns,
+                                                       losses, options)) {}
+
+Compressor::~Compressor() = default;
+
+void Compressor::Compress(const Eigen::VectorXd& values,
+                          CompressedProblem* problem) {
+  implementation_->Compress(values, problem);
+}
+
+const ResidualSummary& Compressor::Summarize(const Eigen::VectorXd& values) {
+  return implementation_->Summarize(values);
+}
+
+bool Compressor::used_gram() const { return implementation_->used_gram(); }
+
+}  // namespace alidade::internal

@@ -1,0 +1,215 @@
+#include "src/kernel/measurement_model.h"
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+#include "src/common/parallel.h"
+#include "src/kernel/kernel.h"
+#include "src/kernel/observation_residual.h"
+#include "src/kernel/observation_rows.h"
+#include "src/kernel/tile_rows.h"
+#include "src/kernel/tiles.h"
+
+namespace alidade::internal {
+namespace {
+
+// Small enough to balance threads, large enough that memory for a tile's rows
+// does not show.
+constexpr std::int64_t kTilesPerBlock = 32;
+
+// The row of the stacked residual at which each observation begins.
+std::vector<Eigen::Index> FirstRowOfEach(const Dataset& data) {
+  std::vector<Eigen::Index> rows;
+  rows.reserve(data.num_observations());
+  Eigen::Index row = 0;
+  for (const ObservationBlock& block : data.blocks) {
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      rows.push_back(row);
+      row += block.rows_each();
+    }
+  }
+  return rows;
+}
+
+LayoutShape ShapeOf(const Arm& arm, const References& references) {
+  return {arm.num_joints(), arm.num_targets(), references.num_points(),
+          references.num_planes()};
+}
+
+// Calls visit(block, i, first row) for every observation.
+template <typename Visit>
+void ForEachObservation(const Dataset& data, const Visit& visit) {
+  Eigen::Index row = 0;
+  for (const ObservationBlock& block : data.blocks) {
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      visit(block, i, row);
+      row += block.rows_each();
+    }
+  }
+}
+
+}  // namespace
+
+MeasurementModel::MeasurementModel(Arm nominal, References references,
+                                   int num_threads)
+    : nominal_(std::move(nominal)),
+      references_(std::move(references)),
+      layout_(ShapeOf(nominal_, references_)),
+      num_threads_(num_threads) {}
+
+Eigen::VectorXd MeasurementModel::NominalValues() const {
+  Eigen::VectorXd values = layout_.Values(nominal_);
+  for (int k = 0; k < references_.num_points(); ++k) {
+    values.segment<3>(layout_.Column(ParameterKind::kPoint, 0, k)) =
+        references_.points[k].position;
+  }
+  for (int k = 0; k < references_.num_planes(); ++k) {
+    values[layout_.Column(ParameterKind::kPlaneOffset, 0, k)] =
+        references_.planes[k].offset;
+  }
+  return values;
+}
+
+References MeasurementModel::ReferencesAt(const Eigen::VectorXd& values) const {
+  References references = references_;
+  for (int k = 0; k < references.num_points(); ++k) {
+    references.points[k].position =
+        values.segment<3>(layout_.Column(ParameterKind::kPoint, 0, k));
+  }
+  for (int k = 0; k < references.num_planes(); ++k) {
+    ReferencePlane& plane = references.planes[k];
+    const int tilt = layout_.Column(ParameterKind::kPlaneTilt, 0, k);
+    plane.normal = TiltedNormal<double>(plane.normal, &values[tilt]);
+    plane.offset = values[layout_.Column(ParameterKind::kPlaneOffset, 0, k)];
+  }
+  return references;
+}
+
+Eigen::Matrix3Xd MeasurementModel::Predict(const Eigen::VectorXd& values,
+                                           const LargeMatrix& joint_values,
+                                           int target) const {
+  // Errors of what was measured at the origin.
+  const Eigen::Index poses = joint_values.cols();
+  Dataset at_origin = MakePositions(
+      joint_values, LargeMatrix::Repeated(Eigen::Vector3d::Zero(), poses),
+      LargeMatrix::Repeated(Eigen::Vector3d::Ones(), poses));
+  if (target != 0) at_origin.blocks.front().targets.assign(poses, target);
+  return Errors(values, at_origin).reshaped(3, poses);
+}
+
+LargeVector MeasurementModel::Errors(const Eigen::VectorXd& values,
+                                     const Dataset& data) const {
+  Tiles tiles(nominal_, data, 0, RowScale::kUnit);
+  const kernel::Columns no_columns(layout_, {});
+  kernel::Constants constants;
+  kernel::ComputeConstants(*this, values, &constants);
+  std::vector<Eigen::Index> first_rows;
+  Eigen::Index num_rows = 0;
+  for (const ObservationBlock& block : data.blocks) {
+    first_rows.push_back(num_rows);
+    num_rows += block.size() * block.rows_each();
+  }
+  LargeVector errors(num_rows);
+  double* const first_error = errors.edit().data();
+  const auto work = [&](std::int64_t begin, std::int64_t end) {
+    TileRows rows(&tiles, layout_.num_joints(), 0);
+    for (std::int64_t tile = begin; tile < end; ++tile) {
+      rows.Evaluate(constants, no_columns, tile);
+      const int height = rows.height();
+      for (int lane = 0; lane < rows.tile().count; ++lane) {
+        double* const to = first_error + first_rows[rows.tile().block] +
+                           tiles.Observation(tile, lane) * height;
+        for (int row = 0; row < height; ++row) {
+          to[row] = rows.residual()[std::ptrdiff_t{row} * kTile + lane];
+        }
+      }
+    }
+  };
+  ParallelFor(num_threads_, tiles.size(), kTilesPerBlock, work);
+  return errors;
+}
+
+void MeasurementModel::Linearize(const Eigen::VectorXd& values,
+                                 const Dataset& data,
+                                 const std::vector<int>& columns,
+                                 Linearization* out) const {
+  const auto p = static_cast<int>(columns.size());
+  out->residuals.resize(data.num_rows());
+  out->jacobian.resize(data.num_rows(), p);
+  const std::vector<Eigen::Index> first_rows = FirstRowOfEach(data);
+  ForEachObservation(*this, values, data, columns,
+                     [&](int, Eigen::Index observation,
+                         const Eigen::Ref<const Eigen::MatrixXd>& rows) {
+                       const Eigen::Index first = first_rows[observation];
+                       out->jacobian.middleRows(first, rows.rows()) =
+                           rows.leftCols(p);
+                       out->residuals.segment(first, rows.rows()) = rows.col(p);
+                     });
+}
+
+double MeasurementModel::RoundingError() const {
+  return std::numeric_limits<double>::epsilon() * Reach(nominal_);
+}
+
+LargeVector SquaredNorms(const LargeVector& errors, const Dataset& data) {
+  LargeVector norms(data.num_observations());
+  double* norm = norms.edit().data();
+  ForEachObservation(data, [&](const ObservationBlock& block, Eigen::Index i,
+                               Eigen::Index first) {
+    Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> rows =
+        errors.segment(first, block.rows_each());
+    Whiten(block, i, 1, rows);
+    *norm++ = rows.squaredNorm();
+  });
+  return norms;
+}
+
+double ChiSquare(const LargeVector& errors, const Dataset& data) {
+  return SquaredNorms(errors, data).sum();
+}
+
+LargeVector LengthErrors(const LargeVector& errors, const Dataset& data) {
+  LargeVector norms(data.num_observations());
+  double* norm = norms.edit().data();
+  ForEachObservation(data, [&](const ObservationBlock& block, Eigen::Index,
+                               Eigen::Index first) {
+    const int height = std::min(3, block.rows_each());
+    *norm++ = errors.segment(first, height).norm();
+  });
+  return norms;
+}
+
+LargeVector RotationErrors(const LargeVector& errors, const Dataset& data) {
+  const auto is_measured = [](const ObservationBlock& block, Eigen::Index i) {
+    return block.kind == MeasurementKind::kPose &&
+           block.sigmas.col(i).tail<3>().array().isFinite().any();
+  };
+  Eigen::Index count = 0;
+  ForEachObservation(
+      data, [&](const ObservationBlock& block, Eigen::Index i, Eigen::Index) {
+        if (is_measured(block, i)) ++count;
+      });
+  LargeVector norms(count);
+  double* norm = norms.edit().data();
+  ForEachObservation(data, [&](const ObservationBlock& block, Eigen::Index i,
+                               Eigen::Index first) {
+    if (!is_measured(block, i)) return;
+    *norm++ = errors.segment<3>(first + 3).norm();
+  });
+  return norms;
+}
+
+Eigen::VectorXi Dimensions(const Dataset& data) {
+  Eigen::VectorXi dimensions(data.num_observations());
+  Eigen::Index count = 0;
+  ForEachObservation(
+      data, [&](const ObservationBlock& block, Eigen::Index i, Eigen::Index) {
+        dimensions[count++] = block.Dimension(i);
+      });
+  return dimensions;
+}
+
+}  // namespace alidade::internal

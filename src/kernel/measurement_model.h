@@ -1,0 +1,95 @@
+#ifndef ALIDADE_SRC_KERNEL_MEASUREMENT_MODEL_H_
+#define ALIDADE_SRC_KERNEL_MEASUREMENT_MODEL_H_
+
+#include <Eigen/Core>
+#include <utility>
+#include <vector>
+
+#include "alidade/arm.h"
+#include "alidade/dataset.h"
+#include "alidade/parameter_layout.h"
+#include "alidade/references.h"
+
+namespace alidade::internal {
+
+/// Whitened residuals and their derivatives, stacked as Dataset says:
+///
+///   residuals = (predicted - measured) / sigma          (rows)
+///   jacobian  = d residuals / d parameters              (rows x columns)
+///
+/// The sum of squared residuals is chi-square.
+struct Linearization {
+  Eigen::VectorXd residuals;
+  Eigen::MatrixXd jacobian;
+};
+
+/// An arm, and what it is measured against, whose parameters vary: what it
+/// predicts of every kind of measurement (dataset.h). Residuals come from the
+/// forward kinematics that the autodiff residual of one observation
+/// (observation_cost.h) uses too, Jacobians from the batched kernel
+/// (docs/kernel.md).
+///
+/// `values` have one entry per column of the layout. Results do not depend on
+/// the number of threads. Const methods may be called from several threads.
+class MeasurementModel {
+ public:
+  /// @pre nominal has a joint and a target; num_threads >= 1.
+  explicit MeasurementModel(Arm nominal, int num_threads = 1)
+      : MeasurementModel(std::move(nominal), References(), num_threads) {}
+  MeasurementModel(Arm nominal, References references, int num_threads);
+
+  const Arm& nominal() const { return nominal_; }
+  const References& references() const { return references_; }
+  const ParameterLayout& layout() const { return layout_; }
+  int num_threads() const { return num_threads_; }
+
+  /// Values of the nominal arm and references.
+  Eigen::VectorXd NominalValues() const;
+  /// The references with these values.
+  References ReferencesAt(const Eigen::VectorXd& values) const;
+
+  /// Predicted positions of a target (3 x N, m) at joint values (n x N).
+  Eigen::Matrix3Xd Predict(const Eigen::VectorXd& values,
+                           const LargeMatrix& joint_values,
+                           int target = 0) const;
+
+  /// Predicted minus measured, stacked, not whitened (m, rad). Zero in rows
+  /// that were not measured.
+  LargeVector Errors(const Eigen::VectorXd& values, const Dataset& data) const;
+
+  /// Residuals, and the Jacobian's columns `columns` in that order, without
+  /// repeats. O(N n) time.
+  void Linearize(const Eigen::VectorXd& values, const Dataset& data,
+                 const std::vector<int>& columns, Linearization* out) const;
+
+  /// The size of a predicted coordinate's rounding error (m): the unit in the
+  /// last place of the arm's reach. Single coordinates may be off by twice it.
+  double RoundingError() const;
+
+ private:
+  Arm nominal_;
+  References references_;
+  ParameterLayout layout_;
+  int num_threads_;
+};
+
+/// Squared norm of each observation's whitened residual, from the stacked
+/// errors of a model.
+LargeVector SquaredNorms(const LargeVector& errors, const Dataset& data);
+
+/// Chi-square of stacked errors: the sum of squared whitened residuals.
+double ChiSquare(const LargeVector& errors, const Dataset& data);
+
+/// Norm of each observation's error in lengths (m): of the position rows.
+LargeVector LengthErrors(const LargeVector& errors, const Dataset& data);
+
+/// Norm of the rotation vector of each measured orientation (rad), in the
+/// order of observations; none for data sets without poses.
+LargeVector RotationErrors(const LargeVector& errors, const Dataset& data);
+
+/// Degrees of freedom of each observation: the rows that were measured.
+Eigen::VectorXi Dimensions(const Dataset& data);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_KERNEL_MEASUREMENT_MODEL_H_

@@ -1,0 +1,103 @@
+#ifndef ALIDADE_SRC_KERNEL_ROBUST_FIT_H_
+#define ALIDADE_SRC_KERNEL_ROBUST_FIT_H_
+
+#include <Eigen/Core>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+namespace alidade::internal {
+
+/// Robust nonlinear least squares with few unknowns. A Model is a value that
+/// can be copied, with
+///
+///   static constexpr int kBlockSize      residuals of one observation
+///   static constexpr int kTargetColumn   first column of the targets
+///   Eigen::Matrix3Xd targets             held near 0 by a weak prior
+///   void Linearize(FitRows* rows) const  residuals r and dr / d(step)
+///   void Move(const Eigen::VectorXd& step)
+struct FitRows {
+  Eigen::VectorXd residuals;  ///< kBlockSize per observation (m)
+  Eigen::MatrixXd jacobian;   ///< as many rows
+};
+
+/// Of a start: less is asked of it than of a loss in a solve (robust_loss.h).
+enum class FitWeighting { kHuber, kTukey };
+
+/// The norms of consecutive blocks.
+Eigen::VectorXd BlockNorms(const Eigen::VectorXd& residuals, int block_size);
+
+/// The median of the norms, larger where the unknowns use up the equations,
+/// and at least 1e-6 m.
+double RobustScale(const Eigen::VectorXd& norms, const FitRows& rows);
+
+/// The norm, in scales, from which an observation has no weight (Tukey).
+constexpr double kTukeyCut = 6.0;
+
+/// The observations' weights, in [0, 1].
+Eigen::VectorXd RobustWeights(const Eigen::VectorXd& norms, double scale,
+                              FitWeighting weighting);
+
+/// Multiplies the rows by the square roots of their observations' weights, and
+/// appends those of the targets' prior.
+void WeighRows(const Eigen::VectorXd& weights, double scale,
+               const Eigen::Matrix3Xd& targets, int target_column,
+               FitRows* rows);
+
+/// The damped Gauss-Newton step of minimum norm.
+Eigen::VectorXd FitStep(const FitRows& rows, double damping);
+
+/// Improves the model until steps vanish.
+template <typename Model>
+void Refine(FitWeighting weighting, int max_iterations, Model* model) {
+  double damping = 1e-4;
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+    FitRows rows;
+    model->Linearize(&rows);
+    const Eigen::VectorXd norms = BlockNorms(rows.residuals, Model::kBlockSize);
+    const double scale = RobustScale(norms, rows);
+    const Eigen::VectorXd weights = RobustWeights(norms, scale, weighting);
+    WeighRows(weights, scale, model->targets, Model::kTargetColumn, &rows);
+    const Eigen::VectorXd step = FitStep(rows, damping);
+    if (!step.allFinite()) return;
+    Model moved = *model;
+    moved.Move(step);
+    FitRows moved_rows;
+    moved.Linearize(&moved_rows);
+    // With the weights of before: what lowers this sum lowers that of losses.
+    WeighRows(weights, scale, moved.targets, Model::kTargetColumn, &moved_rows);
+    if (moved_rows.residuals.squaredNorm() <= rows.residuals.squaredNorm()) {
+      *model = moved;
+      damping = damping < 1e-8 ? 0.0 : 0.1 * damping;
+    } else {
+      damping = damping > 0.0 ? 10.0 * damping : 1e-8;
+    }
+    if (step.norm() < 1e-12 || damping > 1e6) return;
+  }
+}
+
+/// Refines every start and then the best of them; nothing where none has
+/// finite residuals. The sum of norms decides, which few outliers do not rule;
+/// of starts that end alike, the first.
+template <typename Model>
+std::optional<Model> FitFromStarts(const std::vector<Model>& starts) {
+  std::optional<Model> best;
+  double best_sum = std::numeric_limits<double>::infinity();
+  for (Model model : starts) {
+    Refine(FitWeighting::kHuber, 40, &model);
+    FitRows rows;
+    model.Linearize(&rows);
+    const Eigen::VectorXd norms = BlockNorms(rows.residuals, Model::kBlockSize);
+    const double alike = 1e-3 * norms.sum() + 1e-9 * double(norms.size());
+    if (!std::isfinite(alike) || norms.sum() + alike >= best_sum) continue;
+    best_sum = norms.sum();
+    best = model;
+  }
+  if (best) Refine(FitWeighting::kTukey, 60, &*best);
+  return best;
+}
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_KERNEL_ROBUST_FIT_H_

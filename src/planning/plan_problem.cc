@@ -1,0 +1,198 @@
+#include "src/planning/plan_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "alidade/error.h"
+#include "src/calibration/frame_fit.h"
+#include "src/calibration/preparation.h"
+#include "src/data/merge.h"
+#include "src/identifiability/analysis.h"
+#include "src/identifiability/factor.h"
+#include "src/identifiability/rules.h"
+#include "src/kernel/compression.h"
+#include "src/planning/candidates.h"
+
+namespace alidade::internal {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+constexpr int kRegionPoses = 10000;
+constexpr int kCoarseRegionPoses = 2000;
+constexpr int kRandomPoses = 5000;
+
+// Candidates, region and random poses are drawn from seeds of their own.
+constexpr std::uint64_t kRegionSeed = 0x9e3779b97f4a7c15;
+constexpr std::uint64_t kRandomSeed = 0xd1b54a32d192ed03;
+
+Eigen::MatrixXd FindCandidates(const PlanConfig& config, const Arm& arm,
+                               std::int64_t* looked_at) {
+  Eigen::MatrixXd found;
+  if (config.given_candidates) {
+    *looked_at = config.given_candidates->cols();
+    found = SelectColumns(
+        *config.given_candidates,
+        AllowedPoses(arm, config.constraints, *config.given_candidates));
+  } else {
+    CandidateOptions options = config.candidates;
+    options.seed = config.seed;
+    Candidates candidates = DrawCandidates(arm, config.constraints, options);
+    *looked_at = candidates.draws;
+    found = std::move(candidates.joint_values);
+  }
+  if (found.cols() == 0) {
+    throw InputError({config.path, 0, 0, "candidates"},
+                     "none of " + std::to_string(*looked_at) +
+                         " poses satisfies boxes, floor, walls and "
+                         "visibility: loosen some of them");
+  }
+  return found;
+}
+
+Arm RegionArm(const PlanConfig& config, Arm arm) {
+  for (std::size_t j = 0; j < config.region.joint_limits.size(); ++j) {
+    arm.joints[j].lower = config.region.joint_limits[j].first;
+    arm.joints[j].upper = config.region.joint_limits[j].second;
+  }
+  return arm;
+}
+
+Eigen::MatrixXd DrawRegion(const PlanConfig& config, const Arm& arm) {
+  PoseConstraints constraints;
+  constraints.boxes = config.region.boxes;
+  CandidateOptions options = config.candidates;
+  options.seed = config.seed ^ kRegionSeed;
+  options.count = kRegionPoses;
+  options.limit_faces = true;
+  Candidates drawn =
+      DrawCandidates(RegionArm(config, arm), constraints, options);
+  if (drawn.joint_values.cols() == 0) {
+    throw InputError({config.path, 0, 0, "region"},
+                     "no pose within these joint limits has its target in one "
+                     "of the boxes: enlarge them");
+  }
+  return std::move(drawn.joint_values);
+}
+
+// Positions of the first target in m.
+PoseMeasurement PositionInMetres() {
+  PoseMeasurement measurement;
+  measurement.sigma = 1.0;
+  return measurement;
+}
+
+PoseRows FirstPoses(const PoseRows& rows, int count) {
+  PoseRows first;
+  first.rows_each = rows.rows_each;
+  first.transposed = rows.transposed.leftCols(Eigen::Index{rows.rows_each} *
+                                              std::min(count, rows.size()));
+  return first;
+}
+
+class ProblemMaker {
+ public:
+  ProblemMaker(const PlanConfig& config, const MeasurementModel& model)
+      : config_(config), model_(model), values_(model.NominalValues()) {}
+
+  PlanProblem Make() {
+    DesignProblem& design = problem_.design;
+    design.joint_values =
+        FindCandidates(config_, model_.nominal(), &problem_.num_looked_at);
+    const Dataset planned =
+        MakePlannedData(model_, design.joint_values, config_.measurement);
+    const Dataset& measured = config_.job.data;
+    problem_.identifiability = AnalyzeIdentifiability(
+        model_,
+        measured.num_poses() > 0 ? MergeDatasets({planned, measured}) : planned,
+        config_.job.identifiability);
+    if (problem_.identifiability.exceeds_rank) return std::move(problem_);
+    problem_.columns = FreeColumns(problem_.identifiability);
+    design.candidates =
+        MakePoseRows(model_, values_, planned, problem_.columns);
+    design.minimum_motion = config_.minimum_motion;
+    SetKnown();
+    SetPositions();
+    return std::move(problem_);
+  }
+
+ private:
+  PoseRows RowsOf(const Eigen::MatrixXd& joint_values,
+                  const PoseMeasurement& measurement) const {
+    return MakePoseRows(model_, values_,
+                        MakePlannedData(model_, joint_values, measurement),
+                        problem_.columns);
+  }
+
+  // M0: priors, and the poses that were measured already.
+  void SetKnown() {
+    const auto p = static_cast<Eigen::Index>(problem_.columns.size());
+    const Eigen::VectorXd priors = PriorsOf(problem_.identifiability);
+    problem_.prior_stds.setConstant(p, kInfinity);
+    problem_.scales.resize(p);
+    for (Eigen::Index i = 0; i < p; ++i) {
+      const int column = problem_.columns[i];
+      problem_.scales[i] = ColumnScale(model_, column);
+      if (priors.size() > 0) problem_.prior_stds[i] = priors[column];
+    }
+    Eigen::MatrixXd& known = problem_.design.known;
+    known = problem_.prior_stds.cwiseProduct(problem_.scales)
+                .array()
+                .square()
+                .inverse()
+                .matrix()
+                .asDiagonal();
+    if (config_.job.data.num_poses() == 0) return;
+    const Eigen::MatrixXd factor = ScaleColumns(
+        model_, problem_.columns,
+        JacobianFactor(model_, values_, config_.job.data, problem_.columns));
+    known += factor.transpose() * factor;
+  }
+
+  void SetPositions() {
+    const PoseMeasurement metres = PositionInMetres();
+    const Arm& arm = model_.nominal();
+    problem_.candidate_positions = RowsOf(problem_.design.joint_values, metres);
+    problem_.region = RowsOf(DrawRegion(config_, arm), metres);
+    problem_.coarse_region = FirstPoses(problem_.region, kCoarseRegionPoses);
+    if (NeedsRegion(config_.design.criterion)) {
+      problem_.design.region =
+          FirstPoses(problem_.region, config_.region.count);
+    }
+    if (config_.given_candidates) {
+      problem_.random = problem_.design.candidates;
+      return;
+    }
+    CandidateOptions options = config_.candidates;
+    options.seed = config_.seed ^ kRandomSeed;
+    options.count = kRandomPoses;
+    options.limit_faces = false;
+    problem_.random =
+        RowsOf(DrawCandidates(arm, config_.constraints, options).joint_values,
+               config_.measurement);
+  }
+
+  const PlanConfig& config_;
+  const MeasurementModel& model_;
+  const Eigen::VectorXd values_;
+  PlanProblem problem_;
+};
+
+}  // namespace
+
+JobConfig PrepareMeasured(const PlanConfig& config, int num_threads) {
+  JobConfig job = config.job;
+  if (job.data.num_poses() == 0) return job;
+  FitFrames(&job, num_threads);
+  if (job.estimate_sigma) EstimateSigmas(&job, num_threads);
+  return job;
+}
+
+PlanProblem MakePlanProblem(const PlanConfig& config,
+                            const MeasurementModel& model) {
+  return ProblemMaker(config, model).Make();
+}
+
+}  // namespace alidade::internal

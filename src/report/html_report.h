@@ -1,0 +1,120 @@
+#ifndef ALIDADE_SRC_REPORT_HTML_REPORT_H_
+#define ALIDADE_SRC_REPORT_HTML_REPORT_H_
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "alidade/calibration_result.h"
+#include "src/common/text_pieces.h"
+
+namespace alidade::internal {
+
+/// HTML pages that people look at (docs/report.md). A page is one file: style,
+/// script and data are inside, nothing is loaded from anywhere. The data are
+/// JSON in <script id="alidade-data">, from which the script in the page draws
+/// tables and figures. No text of a result can become markup: in the data every
+/// '<' is escaped, and the script makes text nodes of text only.
+
+/// A table as a result directory holds it, or some of its rows; cells as text.
+struct ResultTable {
+  std::vector<std::string> columns;
+  std::vector<std::vector<std::string>> rows;  ///< a cell per column
+  std::vector<std::size_t> index;  ///< which of the file's these are, from 0
+  std::size_t total = 0;           ///< rows of the file
+
+  /// -1 where there is no such column.
+  int Column(const std::string& name) const;
+  /// NaN where the cell holds no number.
+  double Number(std::size_t row, int column) const;
+};
+
+/// Reads a CSV that Alidade wrote, the header first, twice. Of more rows than
+/// `most_rows` so many are kept, spread evenly, and those of the largest
+/// errors. Short rows are filled with empty cells, long ones cut. O(size) time,
+/// a few numbers for each row in memory.
+ResultTable ReadResultTable(const TextSource& csv, std::size_t most_rows);
+
+/// The arm as a chain of links at some of the poses of `residuals.csv`, in the
+/// instrument's frame (m).
+struct ArmPicture {
+  Eigen::Matrix<double, 3, 4> instrument_from_base;  ///< [R | t]
+  std::vector<int> poses;  ///< as that file counts them, from 1
+  /// One entry per pose: the corners from the base to the target.
+  std::vector<Eigen::Matrix3Xd> lines;
+};
+
+/// One result as its directory holds it. Files that are missing are empty (no
+/// text, no source); the
+/// page then leaves out what they would show.
+struct ReportSource {
+  std::string label;  ///< what the directory is called
+  std::string title;
+  std::string result_json;  ///< valid: LoadResultJson read it
+  std::string report_text;  ///< for readers without scripts
+  TextSource residuals_csv;
+  TextSource heldout_csv;
+  TextSource predicted_map_csv;
+  TextSource influence_csv;
+  std::optional<ArmPicture> picture;
+};
+
+/// report.html of one result. At most 4000 rows of a table are in it, spread
+/// evenly, and the worst; a result.json of more than 500 kB with seven digits.
+std::string RenderResultPage(const ReportSource& source);
+
+/// How several results are read first; the reader of the page may change it.
+enum class ComparisonKind {
+  kFleet,  ///< one result an arm: which is unlike the others
+  kTime,   ///< one arm, in the order of the results: what moved
+  kWays,   ///< the same measurements, calibrated in several ways
+};
+
+/// What a comparison page needs of a result: text, no numbers to compute with.
+struct ComparisonItem {
+  std::string version;
+  std::string data;    ///< what it was measured on
+  std::string layout;  ///< JSON of names, units and nominals
+  std::string head;    ///< JSON before the layout's number
+  std::string tail;    ///< JSON behind it
+};
+
+/// `link` leads from the page to the result's own; empty = there is none.
+ComparisonItem DescribeForComparison(const std::string& label,
+                                     const JobResult& result,
+                                     const std::string& link);
+
+/// One page of several results. 1 to 2 kB of page a result; it holds what it
+/// needs of each, not the results.
+class ComparisonPage {
+ public:
+  void Add(const ComparisonItem& item);
+  /// As DescribeForComparison.
+  void Add(const std::string& label, const JobResult& result,
+           const std::string& link) {
+    Add(DescribeForComparison(label, result, link));
+  }
+  /// A job that came to no result, and why.
+  void AddFailure(const std::string& label, const std::string& message);
+
+  /// Ways where all results are of the same data files and the same arm, else a
+  /// fleet: what cannot be told apart from an arm over time.
+  ComparisonKind GuessKind() const;
+
+  /// The first 2000 results in full, and how many more there are.
+  std::string Render(ComparisonKind kind) const;
+
+ private:
+  std::vector<std::string> layouts_;  ///< JSON of names, units and nominals
+  std::vector<std::string> results_;
+  std::vector<std::string> failures_;
+  std::vector<std::string> data_;  ///< what each result was measured on
+  std::string version_;
+  std::size_t left_out_ = 0;
+};
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_REPORT_HTML_REPORT_H_

@@ -1,0 +1,89 @@
+#ifndef ALIDADE_SRC_REPORT_REPORT_H_
+#define ALIDADE_SRC_REPORT_REPORT_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "alidade/calibration_result.h"
+#include "alidade/monte_carlo_result.h"
+#include "src/common/text_pieces.h"
+#include "src/simulation/noise_study_result.h"
+
+namespace alidade::internal {
+
+/// A file of a result directory. Tables with a row for each observation are
+/// longer than all else that a result holds: they are made while they are
+/// written, piece by piece, from the result that they were asked for of, which
+/// must therefore stay where it is, unchanged, as long as the file is used.
+/// Which files do is said where they are made.
+struct ReportFile {
+  /// Of a text that is there.
+  ReportFile(std::string file_name, std::string text);
+  /// Of a text that is made each time it is asked for.
+  ReportFile(std::string file_name, TextSource source);
+
+  /// The whole content as one text.
+  std::string Text() const;
+
+  std::string name;
+  TextSource content;  ///< gives the whole content, piece by piece
+};
+
+/// Text for people, each ending in a newline, at most 100 columns wide (a path
+/// or a hash is never broken). Lengths in mm, angles in deg; the study's tables
+/// and what compares with them in mm and rad.
+std::string FormatIdentifiability(const IdentifiabilityResult& result);
+std::string FormatParameters(const JobResult& result);
+std::string FormatAccuracyTable(const JobResult& result);
+/// Published against obtained; empty without a study.
+std::string FormatStudyTable(const JobResult& result);
+/// Every solver side by side: outcome, cost and error per iteration, time,
+/// and where the values differ.
+std::string FormatComparison(const JobResult& result);
+/// What noise does to each way of calibrating: a table, and in words what it
+/// shows.
+std::string FormatNoiseStudy(const NoiseStudyResult& study);
+/// noise_study.svg: the error over the workspace by trial, sorted, of every
+/// method; noise_study.csv: both errors of every trial.
+std::vector<ReportFile> MakeNoiseFiles(const NoiseStudyResult& study);
+/// How predictions compare with what was observed at `where`, in words.
+std::string FormatPredictionCheck(const std::string& where,
+                                  const PredictionCheck& check);
+std::string FormatPredictedMap(const PredictedMap& map);
+/// predicted_map.csv and .svg, with a check z_scores.svg. `joints`: what each
+/// joint value measures.
+std::vector<ReportFile> MakePredictionFiles(
+    const std::vector<Dimension>& joints, const PredictedMap& map,
+    const std::optional<PredictionCheck>& check);
+/// influence.csv (leverage and Cook's distance by pose), predicted_map.csv and
+/// .svg, residual_histogram.svg, heldout_z_scores.svg; those that there is
+/// something for. influence.csv is made of `result` when it is written:
+/// ReportFile.
+std::vector<ReportFile> MakeUncertaintyFiles(const JobResult& result);
+std::vector<ReportFile> MakeUncertaintyFiles(const JobResult&&) = delete;
+/// What simulated calibrations showed: a table of the parameters, and in words
+/// what is left over the workspace.
+std::string FormatMonteCarlo(const MonteCarloResult& result);
+/// montecarlo.csv (parameters, SI units), trials.csv, coverage.svg,
+/// workspace_error.svg, montecarlo.txt.
+std::vector<ReportFile> MakeMonteCarloFiles(const MonteCarloResult& result);
+/// singular_values.svg and, where there are relations, relations.svg: what
+/// stands for each parameter that is left out.
+std::vector<ReportFile> MakeIdentifiabilityFigures(
+    const IdentifiabilityResult& result);
+/// The whole report.txt.
+std::string FormatReport(const JobResult& result);
+
+/// residuals.csv (training poses), heldout.csv (with validation poses),
+/// iterations.csv. Numbers read back to the same bits of the unit shown.
+/// The first two are made of `result` when they are written: ReportFile.
+std::vector<ReportFile> MakeCsvFiles(const JobResult& result);
+std::vector<ReportFile> MakeCsvFiles(const JobResult&&) = delete;
+/// error_before.svg, error_after.svg, convergence.svg, and, with validation
+/// poses, validation_before.svg, validation_after.svg.
+std::vector<ReportFile> MakeFigures(const JobResult& result);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_REPORT_REPORT_H_

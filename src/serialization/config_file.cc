@@ -1,0 +1,191 @@
+#include "src/serialization/config_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <utility>
+
+#include "alidade/arm_file.h"
+#include "alidade/parameter_layout.h"
+#include "src/common/names.h"
+#include "src/dataio/file_pattern.h"
+#include "src/serialization/result_keys.h"
+
+namespace alidade::internal {
+namespace {
+
+constexpr std::array<std::pair<FileFormat, const char*>, 5> kFormats = {{
+    {FileFormat::kArm, "alidade-arm-1"},
+    {FileFormat::kDeviations, "alidade-deviations-1"},
+    {FileFormat::kJob, "alidade-job-1"},
+    {FileFormat::kSimulation, "alidade-simulation-1"},
+    {FileFormat::kPlan, "alidade-plan-1"},
+}};
+
+std::vector<std::string> FormatNames() {
+  std::vector<std::string> names;
+  for (const auto& [format, name] : kFormats) names.emplace_back(name);
+  return names;
+}
+
+std::string FormatName(FileFormat wanted) {
+  for (const auto& [format, name] : kFormats) {
+    if (format == wanted) return name;
+  }
+  return "";
+}
+
+YamlValue FormatEntry(const YamlValue& root) {
+  const std::optional<YamlValue> entry = root.Find("format");
+  if (!entry) {
+    root.Fail("expected a map with the key \"format\", one of " +
+              JoinNames(FormatNames()));
+  }
+  return *entry;
+}
+
+// What reads a file that is none of the kind asked for.
+std::string ReaderOf(FileFormat format) {
+  switch (format) {
+    case FileFormat::kArm:
+      return "";
+    case FileFormat::kDeviations:
+      return ": deviations are named by jobs (`truth`) and simulations";
+    case FileFormat::kJob:
+      return ": `alidade calibrate` takes jobs";
+    case FileFormat::kSimulation:
+      return ": `alidade simulate` takes simulations";
+    case FileFormat::kPlan:
+      return ": `alidade plan` takes plans";
+  }
+  return "";
+}
+
+FileFormat ReadFormat(const YamlValue& root) {
+  const YamlValue entry = FormatEntry(root);
+  if (entry.Text() == kResultFormat) {
+    entry.Fail(
+        "is the result of a job, expected a file that is written by hand: "
+        "`alidade show`, `validate` and `report` take results");
+  }
+  if (entry.Text() == kPlanResultFormat) {
+    entry.Fail(kPlanResultIsForMachines);
+  }
+  const std::string text = entry.Choice("format", FormatNames());
+  for (const auto& [format, name] : kFormats) {
+    if (text == name) return format;
+  }
+  return FileFormat::kArm;
+}
+
+std::string PlaceName(const SourceLocation& location) {
+  return location.file + ":" + std::to_string(location.line) + ": " +
+         location.key;
+}
+
+}  // namespace
+
+FileFormat DetectFormat(const std::string& path) {
+  return ReadFormat(ReadYaml(path));
+}
+
+YamlValue ReadConfigFile(const std::string& path, FileFormat expected) {
+  YamlValue root = ReadYaml(path);
+  const FileFormat format = ReadFormat(root);
+  if (format != expected) {
+    FormatEntry(root).Fail("found " + Quote(FormatName(format)) +
+                           ", expected " + Quote(FormatName(expected)) +
+                           " here" + ReaderOf(format));
+  }
+  return root;
+}
+
+double PositiveLength(const YamlValue& value, const Units& units) {
+  const double length = value.Quantity(Dimension::kLength, units);
+  if (!(length > 0.0)) {
+    value.Fail("expected a length above zero, found " + value.Text());
+  }
+  return length;
+}
+
+double PositiveAngle(const YamlValue& value, const Units& units) {
+  const double angle = value.Quantity(Dimension::kAngle, units);
+  if (!(angle > 0.0)) {
+    value.Fail("expected an angle above zero, found " + value.Text());
+  }
+  return angle;
+}
+
+Eigen::VectorXd ReadDeviations(const YamlValue& value, const Units& units,
+                               const Arm& arm) {
+  const ParameterLayout layout(arm);
+  std::vector<std::string> names;
+  for (const Parameter& parameter : layout.parameters()) {
+    names.push_back(parameter.name);
+  }
+  Eigen::VectorXd deviations = Eigen::VectorXd::Zero(layout.size());
+  const YamlMap map = value.Map(names);
+  for (const auto& [name, deviation] : map.entries()) {
+    const int column = layout.Find(name).value();
+    const Dimension dimension = layout.parameter(column).dimension;
+    deviations[column] = deviation.Quantity(dimension, units);
+  }
+  return deviations;
+}
+
+Arm NamedFiles::ReadArm(const YamlValue& value) {
+  std::vector<std::string> named;
+  Arm arm = Read(
+      value, [&](const std::string& path) { return LoadArm(path, &named); });
+  for (const std::string& path : named) Remember(path);
+  arm_path_ = Resolve(value);
+  return arm;
+}
+
+void NamedFiles::Remember(const std::string& path) {
+  if (std::find(paths_.begin(), paths_.end(), path) != paths_.end()) return;
+  paths_.push_back(path);
+}
+
+std::vector<std::string> NamedFiles::Expand(const YamlValue& value) {
+  const std::string path = Resolve(value);
+  if (!IsPattern(path)) return {path};
+  std::vector<std::string> found = MatchingFiles(path);
+  if (found.empty()) {
+    value.Fail("no file matches " + path +
+               ", expected one or more; '*' stands for any characters of a "
+               "file's name, not of a folder's");
+  }
+  return found;
+}
+
+std::string NamedFiles::ExpandVariable(const YamlValue& value) {
+  const std::string text = value.Text();
+  if (text.rfind("${", 0) != 0) return text;
+  const std::size_t end = text.find('}');
+  if (end == std::string::npos) {
+    value.Fail("\"${\" without \"}\", expected ${NAME}/path");
+  }
+  const std::string name = text.substr(2, end - 2);
+  const char* const expansion = std::getenv(name.c_str());
+  if (expansion == nullptr) {
+    value.Fail("the environment variable " + Quote(name) +
+               " is not set, expected it to hold a directory");
+  }
+  return expansion + text.substr(end + 1);
+}
+
+// A file that cannot be read at all is wrong at the key that names it; an error
+// inside it stays where it is.
+InputError NamedFiles::Explain(const InputError& error,
+                               const YamlValue& value) const {
+  const SourceLocation named_at = value.location();
+  if (error.location().line == 0) {
+    return InputError(named_at, error.location().file + ": " + error.message());
+  }
+  std::string message = error.message() + " (named in " + PlaceName(named_at);
+  if (!arm_path_.empty()) message += ", for the arm of " + arm_path_;
+  return InputError(error.location(), message + ")");
+}
+
+}  // namespace alidade::internal

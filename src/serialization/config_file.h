@@ -1,0 +1,97 @@
+#ifndef ALIDADE_SRC_SERIALIZATION_CONFIG_FILE_H_
+#define ALIDADE_SRC_SERIALIZATION_CONFIG_FILE_H_
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "alidade/arm.h"
+#include "alidade/error.h"
+#include "src/common/files.h"
+#include "src/serialization/job_file.h"
+#include "src/serialization/yaml_reader.h"
+
+namespace alidade::internal {
+
+/// The root of a YAML file whose `format` is the expected one.
+/// @throws InputError.
+YamlValue ReadConfigFile(const std::string& path, FileFormat expected);
+
+/// A length (m) or an angle (rad) above zero. @throws InputError.
+double PositiveLength(const YamlValue& value, const Units& units);
+double PositiveAngle(const YamlValue& value, const Units& units);
+
+/// A map from parameter names to deviations: one entry per column of the layout
+/// of the arm alone, zero where the map names none. @throws InputError.
+Eigen::VectorXd ReadDeviations(const YamlValue& value, const Units& units,
+                               const Arm& arm);
+
+/// Reads the files that a config file names, and remembers them. Errors in them
+/// say which key named them, and which arm they are read for.
+class NamedFiles {
+ public:
+  explicit NamedFiles(const std::string& config_path) : paths_{config_path} {}
+  /// Of a config file that is put together from several.
+  explicit NamedFiles(const YamlDocument& config) : paths_(config.files) {}
+
+  /// The path that `value` names, relative to the file that it stands in.
+  /// "${NAME}" at its beginning stands for an environment variable, for data
+  /// that are not kept with their job. @throws InputError where the variable is
+  /// not set.
+  static std::string Resolve(const YamlValue& value) {
+    return ResolvePath(value.location().file, ExpandVariable(value));
+  }
+
+  /// load(path) of the path that `value` names. @throws InputError.
+  template <typename Load>
+  auto Read(const YamlValue& value, const Load& load) {
+    const std::string path = Resolve(value);
+    Remember(path);
+    try {
+      return load(path);
+    } catch (const InputError& error) {
+      throw Explain(error, value);
+    }
+  }
+
+  /// The paths of all files that `value` names, as ReadEach takes them.
+  /// @throws InputError where there is none.
+  std::vector<std::string> PathsOf(const YamlValue& value) const {
+    return Expand(value);
+  }
+
+  /// load(path) of every file that `value` names: one, or all that the '*' in
+  /// its name stands for, in the order of their names. @throws InputError, also
+  /// where there is none.
+  template <typename Load>
+  void ReadEach(const YamlValue& value, const Load& load) {
+    for (const std::string& path : Expand(value)) {
+      Remember(path);
+      try {
+        load(path);
+      } catch (const InputError& error) {
+        throw Explain(error, value);
+      }
+    }
+  }
+
+  /// The arm that `value` names, and the files that it names. @throws
+  /// InputError.
+  Arm ReadArm(const YamlValue& value);
+
+  /// Every file read so far, the config file first, each once.
+  const std::vector<std::string>& paths() const { return paths_; }
+
+ private:
+  void Remember(const std::string& path);
+  static std::vector<std::string> Expand(const YamlValue& value);
+  static std::string ExpandVariable(const YamlValue& value);
+  InputError Explain(const InputError& error, const YamlValue& value) const;
+
+  std::string arm_path_;
+  std::vector<std::string> paths_;
+};
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_SERIALIZATION_CONFIG_FILE_H_

@@ -1,0 +1,35 @@
+#ifndef ALIDADE_SRC_SERIALIZATION_JOB_CONTEXT_H_
+#define ALIDADE_SRC_SERIALIZATION_JOB_CONTEXT_H_
+
+#include <map>
+#include <string>
+
+#include "alidade/team.h"
+#include "src/serialization/config_file.h"
+#include "src/serialization/job_file.h"
+#include "src/serialization/yaml_reader.h"
+
+namespace alidade::internal {
+
+/// What every part of a job file needs to be read.
+struct JobContext {
+  YamlMap file;
+  Units units;
+  NamedFiles files;
+  int num_threads = 1;  ///< to read data sets with
+  /// Members that read a share of the data each; null: all is read here.
+  Team* team = nullptr;
+  /// The member that reads each data set's file.
+  std::map<std::string, int> readers = {};
+};
+
+/// @throws InputError at the map where the options are not valid.
+template <typename Options>
+void CheckOptions(const Options& options, const YamlMap& map) {
+  std::string error;
+  if (!options.IsValid(&error)) map.Fail(error);
+}
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_SERIALIZATION_JOB_CONTEXT_H_

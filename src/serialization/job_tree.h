@@ -1,0 +1,32 @@
+#ifndef ALIDADE_SRC_SERIALIZATION_JOB_TREE_H_
+#define ALIDADE_SRC_SERIALIZATION_JOB_TREE_H_
+
+#include <string>
+#include <vector>
+
+#include "src/serialization/job_file.h"
+#include "src/serialization/yaml_tree.h"
+
+namespace alidade::internal {
+
+/// The keys of a job, in the order of docs/files.md.
+const std::vector<std::string>& JobKeys();
+
+/// Reads a job file and those that it inherits from: `extends: BASE.yaml` lays
+/// the file on BASE, map by map, lists and single values replaced (Overlay of
+/// yaml_merge.h). Every value keeps its file, line and column, and paths stay
+/// relative to the file that states them. The key `extends` is gone from the
+/// result; `matrix` is left to who reads it.
+///
+/// A file that states other `units` than its base is refused: they would change
+/// what the base's numbers mean.
+/// @throws InputError, also where files extend each other in a circle.
+YamlDocument ReadJobTree(const std::string& path);
+
+/// The job that a tree describes, its files loaded. @pre no `matrix` in it.
+/// @throws InputError.
+JobConfig LoadJobTree(YamlDocument tree, const JobReading& reading);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_SERIALIZATION_JOB_TREE_H_

@@ -1,0 +1,16 @@
+#ifndef ALIDADE_SRC_SERIALIZATION_PLAN_FILE_H_
+#define ALIDADE_SRC_SERIALIZATION_PLAN_FILE_H_
+
+#include <string>
+
+#include "src/planning/plan_config.h"
+
+namespace alidade::internal {
+
+/// Reads a plan file and every file it names; paths are relative to it.
+/// @throws InputError with file, line, column and key.
+PlanConfig LoadPlan(const std::string& path, int num_threads = 1);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_SERIALIZATION_PLAN_FILE_H_

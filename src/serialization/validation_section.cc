@@ -1,0 +1,250 @@
+#include "src/serialization/validation_section.h"
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "src/common/names.h"
+#include "src/kernel/holdout.h"
+#include "src/kernel/share.h"
+#include "src/serialization/shared_data.h"
+
+namespace alidade::internal {
+namespace {
+
+constexpr int kMaxFolds = 1000;
+
+void Take(HoldOut split, JobConfig* job) {
+  job->data = std::move(split.train);
+  job->validation = std::move(split.heldout);
+}
+
+void ReadFraction(const YamlMap& map, JobConfig* job) {
+  HoldOutConfig config;
+  const YamlValue fraction = map.Required("fraction");
+  config.fraction = fraction.Number();
+  if (!(config.fraction > 0.0 && config.fraction < 1.0)) {
+    fraction.Fail("expected a fraction between 0 and 1, found " +
+                  fraction.Text());
+  }
+  map.ReadSeed("seed", &config.seed);
+  HoldOut split = HoldOutFraction(job->data, config.fraction, config.seed);
+  if (split.train.all_poses() == 0 || split.heldout.all_poses() == 0) {
+    fraction.Fail(
+        "leaves no configuration on one side: the data set has too few "
+        "different ones for it");
+  }
+  Take(std::move(split), job);
+  job->holdout = config;
+}
+
+void ReadFolds(const YamlMap& map, JobConfig* job) {
+  FoldsConfig config;
+  const YamlValue folds = map.Required("folds");
+  config.folds = static_cast<int>(folds.Integer(2, kMaxFolds));
+  map.ReadSeed("seed", &config.seed);
+  const std::vector<int> groups = GroupByConfiguration(job->data);
+  const int count = 1 + *std::max_element(groups.begin(), groups.end());
+  if (config.folds > count) {
+    folds.Fail("the data set has " + std::to_string(count) +
+               " different configurations, expected as many folds at most");
+  }
+  job->folds = config;
+}
+
+// A difference of a pose that is held out and one that is not belongs to
+// neither side.
+void RejectStraddling(const std::vector<bool>& is_heldout, JobConfig* job) {
+  const Dataset& data = job->data;
+  std::vector<RejectedRow> rejected;
+  for (const ObservationBlock& block : data.blocks) {
+    if (block.kind != MeasurementKind::kDifference) continue;
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      const int pose = block.pose(i);
+      if (is_heldout[pose] == is_heldout[block.seconds[i]]) continue;
+      const PoseSource source = data.sources[pose];
+      rejected.push_back(
+          {data.files[source.file], source.line,
+           "a difference between a pose that is held out and one that is not"});
+    }
+  }
+  if (data.share.team != nullptr) {
+    rejected = OfAllMembers(data.share.team, rejected);
+  }
+  job->rejected.insert(job->rejected.end(), rejected.begin(), rejected.end());
+}
+
+// Holds out the poses, unless that leaves nothing to fit.
+void HoldOutChosen(const std::vector<bool>& is_heldout, const YamlValue& key,
+                   JobConfig* job) {
+  if (OnAllMembers(job->data, std::all_of(is_heldout.begin(), is_heldout.end(),
+                                          [](bool held) { return held; }))) {
+    key.Fail("holds out all poses, expected some to be left for the fit");
+  }
+  RejectStraddling(is_heldout, job);
+  Take(HoldOutPoses(job->data, is_heldout), job);
+}
+
+// In the order that they first come in.
+std::vector<std::string> NamesOfSets(const std::vector<std::string>& sets,
+                                     Team* team) {
+  std::vector<std::string> names;
+  const auto add = [&](const std::string& set) {
+    if (set.empty()) return;
+    if (std::find(names.begin(), names.end(), set) == names.end()) {
+      names.push_back(set);
+    }
+  };
+  for (const std::string& set : sets) add(set);
+  if (team == nullptr) return names;
+  ByteWriter writer;
+  writer.PutTexts(names);
+  names.clear();
+  for (const std::string& bytes : team->Gather(writer.Take())) {
+    for (const std::string& set : ByteReader(bytes).GetTexts()) add(set);
+  }
+  return names;
+}
+
+void ReadSets(const YamlValue& value, const std::vector<std::string>& sets,
+              JobConfig* job) {
+  if (OnAllMembers(job->data, sets.empty())) {
+    value.Fail("no data set has a column \"set\", expected one");
+  }
+  const std::vector<std::string> names =
+      NamesOfSets(sets, job->data.share.team);
+  std::vector<bool> is_heldout(sets.size(), false);
+  std::vector<YamlValue> items = {value};
+  if (value.IsList()) items = value.List();
+  if (items.empty()) value.Fail("the list is empty, expected names of sets");
+  for (const YamlValue& item : items) {
+    const std::string name = item.Choice("set", names);
+    for (std::size_t i = 0; i < sets.size(); ++i) {
+      if (sets[i] == name) is_heldout[i] = true;
+    }
+  }
+  HoldOutChosen(is_heldout, value, job);
+}
+
+std::optional<int> ParseIndex(const std::string& text) {
+  int index = 0;
+  const char* const end = text.data() + text.size();
+  const auto result = std::from_chars(text.data(), end, index);
+  if (result.ec != std::errc() || result.ptr != end) return std::nullopt;
+  return index;
+}
+
+// Whether the text names the job's data file number i (from 0): by its place in
+// the list, its path, or its name without folders.
+bool NamesFile(const std::string& text, const std::string& resolved,
+               const Dataset& data, int i) {
+  const std::optional<int> index = ParseIndex(text);
+  if (index) return *index == i + 1;
+  const std::string& path = data.files[i];
+  return path == resolved ||
+         std::filesystem::path(path).filename().string() == text;
+}
+
+void ReadFile(const YamlValue& value, const JobContext& context,
+              JobConfig* job) {
+  const Dataset& data = job->data;
+  const std::string text = value.Text();
+  const std::string resolved = context.files.Resolve(value);
+  std::vector<bool> is_heldout;
+  is_heldout.reserve(data.sources.size());
+  for (std::size_t pose = 0; pose < data.sources.size(); ++pose) {
+    is_heldout.push_back(
+        NamesFile(text, resolved, data, data.sources[pose].file));
+  }
+  if (OnAllMembers(data, std::none_of(is_heldout.begin(), is_heldout.end(),
+                                      [](bool held) { return held; }))) {
+    value.Fail(
+        "found " + Quote(text) + ", expected one of the files of " +
+        "`data` or its place in that list, from 1: " + JoinNames(data.files));
+  }
+  HoldOutChosen(is_heldout, value, job);
+}
+
+// Which points and planes observations are of; of a share, those of all.
+struct Mentioned {
+  std::vector<bool> points;
+  std::vector<bool> planes;
+};
+
+void Mention(const Dataset& data, Mentioned* mentioned) {
+  for (const ObservationBlock& block : data.blocks) {
+    if (block.kind == MeasurementKind::kPointDistance) continue;
+    std::vector<bool>& list = block.kind == MeasurementKind::kPlane
+                                  ? mentioned->planes
+                                  : mentioned->points;
+    for (const int i : block.references) list[i] = true;
+  }
+  for (std::vector<bool>* list : {&mentioned->points, &mentioned->planes}) {
+    for (std::size_t i = 0; i < list->size(); ++i) {
+      (*list)[i] = !OnAllMembers(data, !(*list)[i]);
+    }
+  }
+}
+
+// What the fit does not identify tells nothing of held-out poses.
+void CheckReferences(const YamlValue& value, const JobConfig& job) {
+  const References& references = job.references;
+  const auto fail = [&](const std::string& name) {
+    value.Fail(Quote(name) +
+               " is measured against at held-out poses alone, expected it "
+               "among the poses of the fit too, or known in `references`");
+  };
+  Mentioned heldout{std::vector<bool>(references.points.size()),
+                    std::vector<bool>(references.planes.size())};
+  Mentioned fitted = heldout;
+  Mention(job.data, &fitted);
+  Mention(*job.validation, &heldout);
+  for (std::size_t i = 0; i < references.points.size(); ++i) {
+    const ReferencePoint& point = references.points[i];
+    if (!heldout.points[i] || fitted.points[i] || point.is_known) continue;
+    fail(point.name);
+  }
+  for (std::size_t i = 0; i < references.planes.size(); ++i) {
+    const ReferencePlane& plane = references.planes[i];
+    if (!heldout.planes[i] || fitted.planes[i] || plane.is_known) continue;
+    fail(plane.name);
+  }
+}
+
+}  // namespace
+
+void ReadValidation(const MeasurementSigmas& sigmas,
+                    const std::vector<std::string>& sets, JobContext* context,
+                    JobConfig* job) {
+  const std::optional<YamlValue> value = context->file.Optional("validation");
+  if (!value) return;
+  const YamlMap map =
+      value->Map({"data", "fraction", "folds", "set", "file", "seed"});
+  int ways = 0;
+  for (const char* key : {"data", "fraction", "folds", "set", "file"}) {
+    if (map.Optional(key)) ++ways;
+  }
+  const bool has_seed = map.Optional("seed").has_value();
+  const bool draws = map.Optional("fraction") || map.Optional("folds");
+  if (ways > 1 || (ways == 1 && has_seed && !draws)) {
+    map.Fail(
+        "expected `data`, or `fraction` and `seed`, or `folds` and `seed`, or "
+        "`set`, or `file`, not both");
+  }
+  if (const auto data = map.Optional("data")) {
+    job->validation = ReadData(*data, sigmas, context, job).data;
+  } else if (map.Optional("folds")) {
+    ReadFolds(map, job);
+  } else if (const auto set = map.Optional("set")) {
+    ReadSets(*set, sets, job);
+  } else if (const auto file = map.Optional("file")) {
+    ReadFile(*file, *context, job);
+  } else {
+    ReadFraction(map, job);
+  }
+  if (job->validation) CheckReferences(*value, *job);
+}
+
+}  // namespace alidade::internal

@@ -1,0 +1,238 @@
+#include "src/serialization/yaml_tree.h"
+
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/exceptions.h>
+#include <yaml-cpp/parser.h>
+
+#include <algorithm>
+#include <sstream>
+#include <string_view>
+
+#include "alidade/error.h"
+#include "src/common/names.h"
+
+namespace alidade::internal {
+namespace {
+
+using Kind = YamlNode::Kind;
+
+// Far more than any file needs, and within what yaml-cpp takes (500).
+constexpr std::size_t kMaxDepth = 100;
+
+YamlPlace PlaceOf(const YAML::Mark& mark) {
+  return {mark.line + 1, mark.column + 1};
+}
+
+SourceLocation LocationOf(const std::string& file, const YAML::Mark& mark) {
+  SourceLocation location;
+  location.file = file;
+  if (!mark.is_null()) {
+    location.line = PlaceOf(mark).line;
+    location.column = PlaceOf(mark).column;
+  }
+  return location;
+}
+
+// yaml-cpp puts an empty value where the next token is, but one that says null
+// where it stands.
+bool SaysNull(const std::string& text, const YAML::Mark& mark) {
+  std::istringstream lines(text);
+  std::string line;
+  for (int number = 0; number <= mark.line; ++number) std::getline(lines, line);
+  const std::size_t column = static_cast<std::size_t>(mark.column);
+  if (column >= line.size()) return false;
+  const std::string_view rest = std::string_view(line).substr(column);
+  const std::string_view word = rest.substr(0, rest.find_first_of(" \t\r,]}#"));
+  return word == "~" || word == "null" || word == "Null" || word == "NULL";
+}
+
+// The dash of an empty item is the first one that begins a line above.
+YamlPlace PlaceOfEmptyItem(const std::string& text, const YAML::Mark& mark) {
+  YamlPlace place = PlaceOf(mark);
+  std::istringstream lines(text);
+  std::string line;
+  for (int number = 1; number < mark.line + 1; ++number) {
+    std::getline(lines, line);
+    const std::size_t first = line.find_first_not_of(' ');
+    if (first != std::string::npos && line[first] == '-') {
+      place = {number, static_cast<int>(first) + 1};
+    }
+  }
+  return place;
+}
+
+// yaml-cpp overlooks a missing closing quote where the text ends in a line
+// break; a comment behind it brings the error out.
+std::string WithEndMark(const std::string& text) {
+  const std::size_t last = text.find_last_not_of(" \t");
+  if (last == std::string::npos || text[last] != '\n') return text;
+  return text.substr(0, last + 1) + "#";
+}
+
+// Builds the tree. A value is built in its parent's place, so pointers in
+// `open_` stay valid: only the innermost open node grows.
+class TreeBuilder : public YAML::EventHandler {
+ public:
+  TreeBuilder(const std::string& text, YamlDocument* document)
+      : text_(text), document_(*document) {}
+
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    if (started_) {
+      Fail(mark, "a second document begins here, expected one per file");
+    }
+    started_ = true;
+  }
+  void OnDocumentEnd() override {}
+
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t) override {
+    if (ExpectsKey()) Fail(mark, "expected a key before \":\", found nothing");
+    YamlNode* const node = Add(mark, Kind::kEmpty);
+    node->says_null = SaysNull(text_, mark);
+    if (open_.empty()) return;
+    if (open_.back()->kind == Kind::kMap) {
+      node->place = key_place_;
+    } else if (!node->says_null) {
+      node->place = PlaceOfEmptyItem(text_, mark);
+    }
+  }
+
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
+    Fail(mark, "aliases (*name) are not read here: write the value out");
+  }
+
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
+                const std::string& value) override {
+    RefuseTag(mark, tag);
+    if (ExpectsKey()) {
+      AddKey(mark, value);
+      return;
+    }
+    YamlNode* const node = Add(mark, Kind::kScalar);
+    node->text = value;
+    node->quoted = tag == "!";
+  }
+
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag,
+                       YAML::anchor_t, YAML::EmitterStyle::value) override {
+    RefuseTag(mark, tag);
+    if (ExpectsKey()) Fail(mark, "expected a key that is text, found a list");
+    Open(mark, Kind::kList);
+  }
+  void OnSequenceEnd() override { open_.pop_back(); }
+
+  void OnMapStart(const YAML::Mark& mark, const std::string& tag,
+                  YAML::anchor_t, YAML::EmitterStyle::value) override {
+    RefuseTag(mark, tag);
+    if (ExpectsKey()) Fail(mark, "expected a key that is text, found a map");
+    Open(mark, Kind::kMap);
+  }
+  void OnMapEnd() override { open_.pop_back(); }
+
+ private:
+  [[noreturn]] void Fail(const YAML::Mark& mark,
+                         const std::string& message) const {
+    throw InputError(LocationOf(document_.files.front(), mark), message);
+  }
+
+  void RefuseTag(const YAML::Mark& mark, const std::string& tag) const {
+    // yaml-cpp marks plain values "?" and quoted ones "!".
+    if (tag.empty() || tag == "?" || tag == "!") return;
+    Fail(mark, "tags (" + tag + ") are not read here: leave it out");
+  }
+
+  bool ExpectsKey() const {
+    return !open_.empty() && open_.back()->kind == Kind::kMap &&
+           open_.back()->keys.size() == open_.back()->items.size();
+  }
+
+  void AddKey(const YAML::Mark& mark, const std::string& key) {
+    YamlNode* const map = open_.back();
+    const auto first = std::find(map->keys.begin(), map->keys.end(), key);
+    if (first != map->keys.end()) {
+      const YamlNode& item = map->items[first - map->keys.begin()];
+      Fail(mark, "key " + Quote(key) +
+                     " is repeated, expected once (it is in line " +
+                     std::to_string(item.key_place.line) + " already)");
+    }
+    map->keys.push_back(key);
+    key_place_ = PlaceOf(mark);
+  }
+
+  void Open(const YAML::Mark& mark, Kind kind) {
+    if (open_.size() >= kMaxDepth) {
+      Fail(mark, "nested deeper than " + std::to_string(kMaxDepth) +
+                     " levels, expected fewer");
+    }
+    open_.push_back(Add(mark, kind));
+  }
+
+  YamlNode* Add(const YAML::Mark& mark, Kind kind) {
+    YamlNode* node = &document_.root;
+    const bool in_map = !open_.empty() && open_.back()->kind == Kind::kMap;
+    if (!open_.empty()) node = &open_.back()->items.emplace_back();
+    node->kind = kind;
+    node->place = PlaceOf(mark);
+    if (in_map) node->key_place = key_place_;
+    return node;
+  }
+
+  const std::string& text_;
+  YamlDocument& document_;
+  bool started_ = false;
+  YamlPlace key_place_;
+  std::vector<YamlNode*> open_;
+};
+
+// yaml-cpp ends a file silently at a byte 4 and reads other control characters
+// as text.
+void RefuseBinary(const std::string& text, const std::string& file) {
+  SourceLocation location;
+  location.file = file;
+  location.line = 1;
+  location.column = 1;
+  for (const char c : text) {
+    const unsigned char byte = static_cast<unsigned char>(c);
+    if ((byte < 0x20 && c != '\n' && c != '\r' && c != '\t') || byte == 0x7f) {
+      throw InputError(location, "not a text file: found a byte of value " +
+                                     std::to_string(byte) +
+                                     ", expected YAML in UTF-8");
+    }
+    ++location.column;
+    if (c == '\n') {
+      ++location.line;
+      location.column = 1;
+    }
+  }
+}
+
+void BuildTree(const std::string& text, YamlDocument* document) {
+  TreeBuilder builder(text, document);
+  try {
+    std::istringstream stream(WithEndMark(text));
+    YAML::Parser parser(stream);
+    while (parser.HandleNextDocument(builder)) {
+    }
+  } catch (const YAML::Exception& e) {
+    throw InputError(LocationOf(document->files.front(), e.mark),
+                     "not valid YAML: " + e.msg);
+  }
+}
+
+}  // namespace
+
+YamlDocument ParseYamlDocument(const std::string& text,
+                               const std::string& file) {
+  YamlDocument document;
+  document.files = {file};
+  RefuseBinary(text, file);
+  BuildTree(text, &document);
+  if (document.root.kind == Kind::kEmpty) {
+    SourceLocation location;
+    location.file = file;
+    throw InputError(location,
+                     "the file is empty, expected keys and values in YAML");
+  }
+  return document;
+}
+
+}  // namespace alidade::internal

@@ -1,0 +1,545 @@
+#include "src/simulation/monte_carlo.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "alidade/error.h"
+#include "alidade/random.h"
+#include "src/calibration/fit_uncertainty.h"
+#include "src/calibration/frame_fit.h"
+#include "src/calibration/job.h"
+#include "src/calibration/preparation.h"
+#include "src/common/distributions.h"
+#include "src/common/parallel.h"
+#include "src/identifiability/analysis.h"
+#include "src/kernel/compression.h"
+#include "src/model/joint_draw.h"
+#include "src/simulation/repeated_calibration.h"
+#include "src/simulation/simulated_data.h"
+#include "src/uncertainty/nonlinearity.h"
+#include "src/uncertainty/prediction.h"
+
+namespace alidade::internal {
+namespace {
+
+constexpr double kConfidenceOfRates = 0.95;
+
+// Trials between two looks at the precision; a fixed number, so that where a
+// run stops does not depend on threads.
+constexpr int kTrialsPerRound = 256;
+constexpr int kFewestTrials = 100;
+
+// What one trial adds to all.
+struct Trial {
+  SimulatedTrial kept;
+  Eigen::VectorXd errors;      // estimate - truth of the free parameters
+  Eigen::VectorXd deviations;  // as told
+  std::vector<char> is_held;
+  std::int64_t axes_held = 0;
+  std::int64_t ellipsoids_held = 0;
+  // Of the configurations whose position is told: how many, and the mean of
+  // their predicted variances.
+  std::int64_t told = 0;
+  double predicted_square = 0.0;
+  double nominal_square = 0.0;  // mean squared error of the nominal arm
+};
+
+const char* NameOf(SimulatedTruth truth) {
+  switch (truth) {
+    case SimulatedTruth::kGiven:
+      return "given";
+    case SimulatedTruth::kIdentified:
+      return "identified";
+    case SimulatedTruth::kPriors:
+      return "priors";
+  }
+  return "";
+}
+
+void RequireNoContacts(const Dataset& data) {
+  for (const ObservationBlock& block : data.blocks) {
+    if (block.kind != MeasurementKind::kFixedPoint &&
+        block.kind != MeasurementKind::kPlane) {
+      continue;
+    }
+    SourceLocation location;
+    location.file = data.name;
+    throw InputError(location,
+                     "contacts with points and planes cannot be simulated: "
+                     "another arm would touch them at other joint values. "
+                     "Expected positions, poses, distances or differences");
+  }
+}
+
+// The job with its frames where they are, its sigmas as they are.
+JobConfig Prepare(const JobConfig& config, int num_threads) {
+  RequireNoContacts(config.data);
+  if (config.estimate_sigma && config.loss != LossKind::kNone) {
+    throw InputError(
+        {config.path, 0, 0, "measurement.sigma"},
+        "trials with a robust loss cannot estimate sigma: expected a sigma "
+        "(`calibrate` tells the one that the data have)");
+  }
+  JobConfig prepared = config;
+  FitFrames(&prepared, num_threads);
+  if (prepared.estimate_sigma) EstimateSigmas(&prepared, num_threads);
+  prepared.solver_options.on_iteration = {};
+  prepared.solver_options.num_threads = 1;
+  return prepared;
+}
+
+RepeatedCalibration::Options OptionsOf(const JobConfig& config) {
+  RepeatedCalibration::Options options;
+  options.loss = config.loss;
+  options.estimate_sigma = config.estimate_sigma;
+  options.solver = config.solver_options;
+  return options;
+}
+
+class MonteCarlo {
+ public:
+  MonteCarlo(const JobConfig& config, int num_threads,
+             const TrialProgress& progress)
+      : config_(Prepare(config, num_threads)),
+        study_(config_.montecarlo),
+        num_threads_(num_threads),
+        progress_(progress),
+        model_(config_.arm, config_.references, 1),
+        pass_(AnalyzeIdentifiability(model_, config_.data,
+                                     config_.identifiability)),
+        calibration_(model_, pass_, OptionsOf(config_)),
+        workspace_(DrawJointValues(config_.arm, study_.workspace_poses,
+                                   study_.seed + 1)),
+        reach_(Reach(config_.arm)) {}
+
+  MonteCarloResult Run() {
+    const auto start = std::chrono::steady_clock::now();
+    FindTruth();
+    ChooseProfiles();
+    Describe();
+    for (int first = 0; first < study_.trials && !result_.stopped_early;
+         first += kTrialsPerRound) {
+      RunRound(first, std::min(first + kTrialsPerRound, study_.trials));
+      if (progress_) {
+        progress_(static_cast<int>(result_.trials.size()), study_.trials);
+      }
+      result_.stopped_early =
+          IsPreciseEnough() &&
+          static_cast<int>(result_.trials.size()) < study_.trials;
+    }
+    SumUp();
+    result_.time_s =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
+            .count();
+    return std::move(result_);
+  }
+
+ private:
+  Eigen::Index num_free() const {
+    return static_cast<Eigen::Index>(calibration_.free_columns().size());
+  }
+
+  void FindTruth() {
+    truth_ = model_.NominalValues();
+    if (study_.truth == SimulatedTruth::kGiven) truth_ = *config_.truth;
+    if (study_.truth == SimulatedTruth::kIdentified) {
+      const RepeatedCalibration::Outcome outcome =
+          calibration_.Run(config_.data);
+      if (!outcome.is_usable) {
+        SourceLocation location;
+        location.file = config_.path;
+        throw InputError(location,
+                         "the job finds no usable solution that could be the "
+                         "truth of a simulation; `alidade calibrate` tells "
+                         "why");
+      }
+      truth_ = outcome.values;
+    }
+    exact_ = config_.data;
+    MeasureExactly(model_, truth_, exact_.joint_values, &exact_);
+    equivalent_ = Equivalent();
+  }
+
+  // What exact measurements would give free parameters that stand for frozen
+  // ones too; priors left out, which would draw it to nominal.
+  Eigen::VectorXd Equivalent() const {
+    Eigen::VectorXd values = model_.NominalValues();
+    bool is_only_free = true;
+    for (Eigen::Index column = 0; column < values.size(); ++column) {
+      if (truth_[column] == values[column]) continue;
+      is_only_free = is_only_free &&
+                     std::binary_search(calibration_.free_columns().begin(),
+                                        calibration_.free_columns().end(),
+                                        static_cast<int>(column));
+    }
+    if (is_only_free) return truth_;
+    CalibrationProblem problem = calibration_.ProblemOf(exact_);
+    problem.priors.resize(0);
+    problem.losses.clear();
+    values = model_.NominalValues();
+    const SolverSummary summary =
+        SolveLevenbergMarquardt(problem, config_.solver_options, &values);
+    return summary.IsSolutionUsable() ? values : truth_;
+  }
+
+  FinishedProblem AtTruth() const {
+    return {model_,
+            exact_,
+            calibration_.free_columns(),
+            calibration_.priors(),
+            calibration_.losses(),
+            equivalent_};
+  }
+
+  void ChooseProfiles() {
+    is_profile_.assign(num_free(), 0);
+    const UncertaintyOptions& options = config_.uncertainty;
+    if (options.intervals == IntervalMethod::kLinear) return;
+    FinishedProblem fit = AtTruth();
+    const Eigen::VectorXd nonlinearity = MeasureNonlinearity(
+        fit, InverseInformation(
+                 JacobianFactor(model_, equivalent_, exact_, fit.free_columns),
+                 fit.free_columns, FreePriors(fit)));
+    for (Eigen::Index k = 0; k < num_free(); ++k) {
+      is_profile_[k] = options.intervals == IntervalMethod::kProfile ||
+                       nonlinearity[k] > options.nonlinearity_limit;
+    }
+  }
+
+  void Describe() {
+    result_.title = config_.title;
+    result_.truth = NameOf(study_.truth);
+    result_.seed = study_.seed;
+    result_.trials_wanted = study_.trials;
+    result_.confidence = config_.uncertainty.confidence;
+    result_.sigma_estimated = config_.estimate_sigma;
+    result_.workspace_poses = study_.workspace_poses;
+    nominal_positions_ = model_.Predict(model_.NominalValues(), workspace_);
+    sums_.resize(num_free());
+  }
+
+  void RunRound(int first, int last) {
+    std::vector<Trial> trials(last - first);
+    ParallelFor(num_threads_, last - first, 1,
+                [&](std::int64_t begin, std::int64_t end) {
+                  for (std::int64_t k = begin; k < end; ++k) {
+                    trials[k] = RunTrial(first + static_cast<int>(k));
+                  }
+                });
+    for (Trial& trial : trials) Add(&trial);
+  }
+
+  // The arm of this trial: drawn from the priors of its joints, those that are
+  // frozen because others stand for them too, or the same.
+  Eigen::VectorXd TruthOf(Random* random) const {
+    Eigen::VectorXd truth = truth_;
+    if (study_.truth != SimulatedTruth::kPriors) return truth;
+    for (int column = 0; column < model_.layout().size(); ++column) {
+      const ParameterKind kind = model_.layout().parameter(column).kind;
+      if (!ParameterLayout::IsJointKind(kind) || !IsCandidate(column)) continue;
+      truth[column] +=
+          config_.identifiability.priors.Of(kind) * random->Normal();
+    }
+    return truth;
+  }
+
+  bool IsCandidate(int column) const {
+    const ParameterDecision& decision = pass_.decisions[column];
+    return decision.state == ParameterState::kFree ||
+           (decision.state == ParameterState::kFrozen &&
+            decision.rule != "fixed_by_user");
+  }
+
+  // What free parameters stand for where frozen ones are not at nominal, to
+  // first order.
+  Eigen::VectorXd StandIns(const Eigen::VectorXd& truth) const {
+    const Eigen::VectorXd nominal = model_.NominalValues();
+    Eigen::VectorXd values = truth;
+    for (const Relation& relation : pass_.relations) {
+      const int frozen = *model_.layout().Find(relation.parameter);
+      if (pass_.decisions[frozen].state != ParameterState::kFrozen) continue;
+      values[frozen] = nominal[frozen];
+      for (const auto& [name, coefficient] : relation.terms) {
+        values[*model_.layout().Find(name)] +=
+            coefficient * (truth[frozen] - nominal[frozen]);
+      }
+    }
+    return values;
+  }
+
+  // What exact measurements of such an arm give the free parameters: the fit to
+  // them that is nearest to the stand-ins, in units of the priors. Nothing
+  // where it fails: an error against values that are none would count as the
+  // trial's.
+  std::optional<Eigen::VectorXd> FitExactly(
+      const Eigen::VectorXd& truth) const {
+    Eigen::VectorXd values = StandIns(truth);
+    const MeasurementModel around(
+        model_.layout().WithValues(model_.nominal(), values),
+        model_.ReferencesAt(values), 1);
+    Dataset exact = exact_;
+    MeasureExactly(model_, truth, exact.joint_values, &exact);
+    values = around.NominalValues();
+    CalibrationProblem problem{around, exact, calibration_.free_columns()};
+    problem.priors = calibration_.priors();
+    const SolverSummary summary =
+        SolveLevenbergMarquardt(problem, config_.solver_options, &values);
+    if (!summary.IsSolutionUsable()) return std::nullopt;
+    return values;
+  }
+
+  Trial RunTrial(int number) const {
+    Random random(study_.seed, static_cast<std::uint64_t>(number));
+    const Eigen::VectorXd truth = TruthOf(&random);
+    Dataset data = exact_;
+    const bool misses =
+        study_.joint_angle_sigma > 0.0 || study_.joint_length_sigma > 0.0;
+    if (misses || study_.truth == SimulatedTruth::kPriors) {
+      LargeMatrix joint_values = data.joint_values;
+      if (misses) {
+        joint_values =
+            MissedJointValues(study_, config_.arm, joint_values, &random);
+      }
+      MeasureExactly(model_, truth, joint_values, &data);
+    }
+    AddNoise(study_, reach_, &random, &data);
+    const RepeatedCalibration::Outcome outcome = calibration_.Run(data);
+    Trial trial;
+    const std::optional<Eigen::VectorXd> sought =
+        study_.truth == SimulatedTruth::kPriors
+            ? FitExactly(truth)
+            : std::optional<Eigen::VectorXd>(equivalent_);
+    trial.kept.usable = outcome.is_usable && sought.has_value();
+    if (!trial.kept.usable) return trial;
+    trial.kept.reduced_chi_square = outcome.reduced_chi_square;
+    LookAtParameters(*sought, data, outcome, &trial);
+    LookAtWorkspace(truth, outcome, &trial);
+    return trial;
+  }
+
+  void LookAtParameters(const Eigen::VectorXd& truth, const Dataset& data,
+                        const RepeatedCalibration::Outcome& outcome,
+                        Trial* trial) const {
+    const std::vector<int>& columns = calibration_.free_columns();
+    trial->kept.estimates = outcome.values(columns);
+    trial->errors = trial->kept.estimates - truth(columns);
+    trial->deviations = outcome.covariance.Deviations();
+    trial->is_held.resize(columns.size());
+    const double quantile = StudentTQuantile(
+        0.5 + 0.5 * result_.confidence, outcome.covariance.degrees_of_freedom);
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      trial->is_held[k] =
+          is_profile_[k] != 0
+              ? IsInProfile(columns[k], truth, quantile, data, outcome)
+              : std::abs(trial->errors[k]) <= quantile * trial->deviations[k];
+    }
+  }
+
+  // The interval holds the truth where the cost there, minimised over all
+  // other parameters, is not above its limit: one solve instead of a search for
+  // both bounds.
+  bool IsInProfile(int column, const Eigen::VectorXd& truth, double quantile,
+                   const Dataset& data,
+                   const RepeatedCalibration::Outcome& outcome) const {
+    Dataset scaled = data;
+    for (ObservationBlock& block : scaled.blocks) {
+      block.sigmas.edit() *= outcome.sigma_factor;
+      for (Eigen::MatrixXd& w : block.whiteners) w /= outcome.sigma_factor;
+    }
+    const CalibrationProblem problem = calibration_.ProblemOf(scaled);
+    const Resolve resolve = ResolveByCeres(problem, config_.solver_options);
+    Eigen::VectorXd values = outcome.values;
+    const std::optional<double> least = resolve(-1, &values);
+    values = outcome.values;
+    values[column] = truth[column];
+    const std::optional<double> cost = resolve(column, &values);
+    return least && cost && *cost - *least <= quantile * quantile;
+  }
+
+  void LookAtWorkspace(const Eigen::VectorXd& truth,
+                       const RepeatedCalibration::Outcome& outcome,
+                       Trial* trial) const {
+    const Eigen::Matrix3Xd true_positions = model_.Predict(truth, workspace_);
+    const Eigen::Matrix3Xd errors =
+        model_.Predict(outcome.values, workspace_) - true_positions;
+    trial->nominal_square =
+        (nominal_positions_ - true_positions).colwise().squaredNorm().mean();
+    trial->kept.workspace_rms =
+        std::sqrt(errors.colwise().squaredNorm().mean());
+    const double dof = outcome.covariance.degrees_of_freedom;
+    const double bound = StudentTQuantile(0.5 + 0.5 * result_.confidence, dof);
+    const double ellipsoid = 3.0 * FisherQuantile(result_.confidence, 3.0, dof);
+    const std::vector<PoseCovariance> predicted = PredictCovariances(
+        model_, outcome.values, outcome.covariance, workspace_);
+    for (Eigen::Index i = 0; i < errors.cols(); ++i) {
+      const Eigen::Matrix3d& covariance = predicted[i].position;
+      if (!covariance.allFinite()) continue;
+      ++trial->told;
+      trial->predicted_square += covariance.trace();
+      for (int axis = 0; axis < 3; ++axis) {
+        trial->axes_held += std::abs(errors(axis, i)) <=
+                            bound * std::sqrt(covariance(axis, axis));
+      }
+      trial->ellipsoids_held += IsWithin(covariance, errors.col(i), ellipsoid);
+    }
+    if (trial->told > 0) {
+      trial->predicted_square /= static_cast<double>(trial->told);
+    }
+  }
+
+  // Along axes of (nearly) no uncertainty there must be no error.
+  static bool IsWithin(const Eigen::Matrix3d& covariance,
+                       const Eigen::Vector3d& error, double limit) {
+    constexpr double kNothing = 1e-12;
+    const Eigen::Matrix3d kept = covariance + Eigen::Matrix3d::Identity() *
+                                                  kNothing * covariance.trace();
+    return error.dot(kept.inverse() * error) <= limit;
+  }
+
+  void Add(Trial* trial) {
+    result_.trials.push_back(std::move(trial->kept));
+    if (!result_.trials.back().usable) {
+      ++result_.failed;
+      return;
+    }
+    ++usable_;
+    for (Eigen::Index k = 0; k < num_free(); ++k) {
+      Sum& sum = sums_[k];
+      const double delta = trial->errors[k] - sum.mean;
+      sum.mean += delta / static_cast<double>(usable_);
+      sum.squares += delta * (trial->errors[k] - sum.mean);
+      sum.variances += trial->deviations[k] * trial->deviations[k];
+      sum.held += trial->is_held[k];
+    }
+    told_ += trial->told;
+    nominal_square_ += trial->nominal_square;
+    axes_held_ += trial->axes_held;
+    ellipsoids_held_ += trial->ellipsoids_held;
+    predicted_square_ += trial->predicted_square;
+    const double delta = result_.trials.back().workspace_rms - rms_mean_;
+    rms_mean_ += delta / static_cast<double>(usable_);
+    rms_squares_ += delta * (result_.trials.back().workspace_rms - rms_mean_);
+  }
+
+  bool IsPreciseEnough() const {
+    if (study_.precision <= 0.0 || usable_ < kFewestTrials) return false;
+    const auto n = static_cast<double>(usable_);
+    const double error = std::sqrt(rms_squares_ / (n - 1.0) / n);
+    return NormalQuantile(0.975) * error <= study_.precision * rms_mean_;
+  }
+
+  Coverage MakeCoverage(std::int64_t held, std::int64_t n,
+                        std::int64_t independent) const {
+    Coverage coverage;
+    coverage.held = held;
+    coverage.n = n;
+    // Positions of one trial share its errors: as many independent looks as
+    // there are trials.
+    const double rate = coverage.rate();
+    std::tie(coverage.lower, coverage.upper) =
+        RateInterval(std::llround(rate * static_cast<double>(independent)),
+                     independent, kConfidenceOfRates);
+    return coverage;
+  }
+
+  void SumUp() {
+    if (usable_ == 0) return;
+    ListParameters();
+    if (told_ > 0) {
+      result_.axes = MakeCoverage(axes_held_, 3 * told_, usable_);
+      result_.ellipsoids = MakeCoverage(ellipsoids_held_, told_, usable_);
+    }
+    result_.workspace_before =
+        std::sqrt(nominal_square_ / static_cast<double>(usable_));
+    result_.workspace_predicted =
+        std::sqrt(predicted_square_ / static_cast<double>(usable_));
+    std::vector<double> errors;
+    for (const SimulatedTrial& trial : result_.trials) {
+      if (trial.usable) errors.push_back(trial.workspace_rms);
+    }
+    result_.workspace = SummarizeErrors(Eigen::Map<const Eigen::VectorXd>(
+        errors.data(), static_cast<Eigen::Index>(errors.size())));
+  }
+
+  void ListParameters() {
+    const FinishedProblem fit = AtTruth();
+    const Eigen::VectorXd bounds =
+        InverseInformation(
+            JacobianFactor(model_, equivalent_, exact_, fit.free_columns),
+            fit.free_columns, FreePriors(fit))
+            .Deviations();
+    const auto n = static_cast<double>(usable_);
+    double squares = 0.0;
+    for (Eigen::Index k = 0; k < num_free(); ++k) {
+      const int column = calibration_.free_columns()[k];
+      const Parameter& parameter = model_.layout().parameter(column);
+      const Sum& sum = sums_[k];
+      SimulatedParameter one;
+      one.name = parameter.name;
+      one.dimension = parameter.dimension;
+      if (study_.truth != SimulatedTruth::kPriors) {
+        one.truth = equivalent_[column];
+      }
+      one.bias = sum.mean;
+      one.spread = usable_ > 1 ? std::sqrt(sum.squares / (n - 1.0)) : 0.0;
+      one.bias_error = one.spread / std::sqrt(n);
+      one.predicted_std = std::sqrt(sum.variances / n);
+      one.bound = bounds[k];
+      one.coverage = MakeCoverage(sum.held, usable_, usable_);
+      one.is_profile = is_profile_[k] != 0;
+      squares += std::pow(one.spread / one.bound, 2);
+      result_.parameters.push_back(std::move(one));
+    }
+    result_.inefficiency =
+        std::sqrt(squares / std::max(1.0, static_cast<double>(num_free())));
+  }
+
+  // Of one parameter, by Welford's recurrence.
+  struct Sum {
+    double mean = 0.0;
+    double squares = 0.0;
+    double variances = 0.0;
+    std::int64_t held = 0;
+  };
+
+  const JobConfig config_;
+  const MonteCarloConfig& study_;
+  const int num_threads_;
+  const TrialProgress& progress_;
+  const MeasurementModel model_;
+  const IdentifiabilityResult pass_;
+  const RepeatedCalibration calibration_;
+  const Eigen::MatrixXd workspace_;
+  Eigen::Matrix3Xd nominal_positions_;
+  const double reach_;
+  Eigen::VectorXd truth_;
+  Eigen::VectorXd equivalent_;  // as far as the free columns can tell
+  Dataset exact_;
+  std::vector<char> is_profile_;
+
+  std::int64_t usable_ = 0;
+  std::vector<Sum> sums_;
+  std::int64_t told_ = 0;
+  double nominal_square_ = 0.0;
+  std::int64_t axes_held_ = 0;
+  std::int64_t ellipsoids_held_ = 0;
+  double predicted_square_ = 0.0;
+  double rms_mean_ = 0.0;
+  double rms_squares_ = 0.0;
+  MonteCarloResult result_;
+};
+
+}  // namespace
+
+MonteCarloResult RunMonteCarlo(const JobConfig& config, int num_threads,
+                               const TrialProgress& progress) {
+  return MonteCarlo(config, num_threads, progress).Run();
+}
+
+}  // namespace alidade::internal

@@ -1,0 +1,39 @@
+#ifndef ALIDADE_SRC_UNCERTAINTY_ASSESSMENT_H_
+#define ALIDADE_SRC_UNCERTAINTY_ASSESSMENT_H_
+
+#include <optional>
+
+#include "alidade/uncertainty_options.h"
+#include "alidade/uncertainty_result.h"
+#include "src/uncertainty/covariance.h"
+#include "src/uncertainty/nonlinearity.h"
+
+namespace alidade::internal {
+
+/// What an assessment knows besides the fit.
+struct AssessmentInput {
+  FinishedProblem fit;
+  UncertaintyOptions options;
+  /// Sigma was estimated from the residuals of this fit (the data's sigmas are
+  /// the estimate already): intervals become Student's.
+  bool sigma_estimated = false;
+  /// The cost of the fit as `resolve` counts it, and how to fit with one
+  /// parameter held, for profiles; linear intervals where empty.
+  double fit_cost = 0.0;
+  Resolve resolve = {};
+  /// Poses that the fit has not seen; null where there are none.
+  const Dataset* heldout = nullptr;
+  /// Values of the real arm, where it is known; else empty.
+  Eigen::VectorXd true_values = {};
+};
+
+/// Everything that can be told of how far to trust a fit: covariance,
+/// intervals (profile-likelihood ones where the model bends), correlations,
+/// residual diagnostics, the predicted map, and predictions against held-out
+/// poses; with warnings where these speak against each other. O(N p^2), and
+/// about ten solves for every profile.
+UncertaintyResult AssessUncertainty(const AssessmentInput& input);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_UNCERTAINTY_ASSESSMENT_H_

@@ -1,0 +1,170 @@
+// Slips of the input that are named, and results that are doubted.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "alidade/error.h"
+#include "alidade/units.h"
+#include "src/calibration/job.h"
+#include "src/model/joint_draw.h"
+#include "tests/calibration/kinds_util.h"
+
+namespace alidade::internal {
+namespace {
+
+// What people do wrong to a data set, and what the refusal has to say.
+struct Slip {
+  const char* name;
+  const char* says;
+  void (*spoil)(Dataset* data);
+};
+
+class SlipTest : public ::testing::TestWithParam<Slip> {};
+
+TEST_P(SlipTest, IsNamed) {
+  const Arm real = RealArm();
+  const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
+  JobConfig job;
+  job.arm = NominalArm();
+  job.data = Bench(real, q).Positions(0).data();
+  job.identifiability.candidates = {true, true, true};
+  GetParam().spoil(&job.data);
+  try {
+    RunJob(job, "test", 1);
+    FAIL() << "expected an error";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find(GetParam().says),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Slips, SlipTest,
+    ::testing::Values(
+        Slip{"degrees", "in degrees but read as radians",
+             [](Dataset* data) { data->joint_values.edit() /= kDegree; }},
+        Slip{"radians", "in radians but read as degrees",
+             [](Dataset* data) { data->joint_values.edit() *= kDegree; }},
+        Slip{"millimetres", "in mm but read as m",
+             [](Dataset* data) { data->positions().edit() *= 1e3; }},
+        Slip{"metres", "in m but read as mm",
+             [](Dataset* data) { data->positions().edit() /= 1e3; }},
+        Slip{"centimetres", "cm read as mm",
+             [](Dataset* data) { data->positions().edit() *= 0.1; }},
+        Slip{"inches", "in inches but read as mm",
+             [](Dataset* data) { data->positions().edit() /= 25.4; }},
+        Slip{"zero", "zero of joint 2 is elsewhere: add 90 deg",
+             [](Dataset* data) {
+               data->joint_values.edit().row(1).array() -= 90.0 * kDegree;
+             }},
+        Slip{"joints", "q2 and q3 are swapped",
+             [](Dataset* data) {
+               auto q = data->joint_values.edit();
+               q.row(1).swap(q.row(2));
+             }},
+        Slip{"axes", "mirror image",
+             [](Dataset* data) {
+               auto p = data->positions().edit();
+               p.row(0).swap(p.row(2));
+             }},
+        Slip{"sign", "joint 2 counts the other way",
+             [](Dataset* data) { data->joint_values.edit().row(1) *= -1.0; }},
+        Slip{"late", "one row late",
+             [](Dataset* data) {
+               auto p = data->positions().edit();
+               p.rightCols(59) = p.leftCols(59).eval();
+             }}),
+    [](const ::testing::TestParamInfo<Slip>& slip) {
+      return std::string(slip.param.name);
+    });
+
+TEST(DoubtTest, DataThatNoSlipExplainsAreWarnedOf) {
+  const Arm real = RealArm();
+  const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
+  JobConfig job;
+  job.arm = NominalArm();
+  job.data = Bench(real, q).Positions(0).data();
+  job.identifiability.candidates = {true, true, true};
+  auto p = job.data.positions().edit();
+  p = p.rowwise().reverse().eval();
+  const JobOutcome outcome = RunJob(job, "test", 1);
+  ASSERT_FALSE(outcome.result.warnings.empty());
+  EXPECT_NE(outcome.result.warnings.front().find("No single slip"),
+            std::string::npos)
+      << outcome.result.warnings.front();
+}
+
+// An arm whose joints hardly moved would fit to a small cloud of positions.
+TEST(DoubtTest, ASmallCloudExplainsNothing) {
+  const Arm real = RealArm();
+  const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
+  JobConfig job;
+  job.arm = NominalArm();
+  job.data = Bench(real, q).Positions(0).data();
+  job.identifiability.candidates = {true, true, true};
+  job.data.positions().edit() /= 300.0;  // no unit
+  job.data.positions().edit().colwise() += Eigen::Vector3d(0.4, 0.1, 0.3);
+  const JobOutcome outcome = RunJob(job, "test", 1);
+  EXPECT_NE(outcome.result.warnings.front().find("No single slip"),
+            std::string::npos);
+}
+
+bool IsWarnedOf(const JobOutcome& outcome, const std::string& what) {
+  const std::vector<std::string>& warnings = outcome.result.warnings;
+  return std::any_of(warnings.begin(), warnings.end(),
+                     [&](const std::string& warning) {
+                       return warning.find(what) != std::string::npos;
+                     });
+}
+
+TEST(DoubtTest, LostTargetsAndTheWorstMeasurementAreNamed) {
+  const Arm real = RealArm();
+  const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
+  JobConfig job = JobOf(Bench(real, q).Positions(0).data());
+  job.data.files = {"tracker.csv"};
+  job.data.sources.Append({0, 2}, 42);
+  const JobOutcome clean = RunJob(job, "test", 1);
+  EXPECT_FALSE(IsWarnedOf(clean, "0, 0, 0"));
+  EXPECT_FALSE(IsWarnedOf(clean, "fits worst"));
+  job.data.positions().edit().col(3).setZero();
+  const JobOutcome spoilt = RunJob(job, "test", 1);
+  EXPECT_TRUE(IsWarnedOf(
+      spoilt, "tracker.csv:5: 1 position is exactly 0, 0, 0, which"));
+  EXPECT_TRUE(
+      IsWarnedOf(spoilt, "tracker.csv:5: the measurement that fits worst is"));
+}
+
+// One wrong position in 42: the solver wanders until it is stopped, and what it
+// ends with is further off elsewhere.
+TEST(DoubtTest, StoppedAndWorseThanBeforeIsAFailure) {
+  const Arm real = RealArm();
+  const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
+  JobConfig job = JobOf(Bench(real, q).Positions(0).data());
+  EXPECT_EQ(RunJob(job, "test", 1).status, JobStatus::kDone);
+  job.data.positions().edit().col(3).setZero();
+  const JobOutcome outcome = RunJob(job, "test", 1);
+  EXPECT_EQ(outcome.result.runs[0].summary.status,
+            SolverStatus::kIterationLimit);
+  EXPECT_EQ(outcome.status, JobStatus::kFailed);
+  EXPECT_NE(outcome.message.find("further off than before"), std::string::npos)
+      << outcome.message;
+}
+
+TEST(DoubtTest, OrientationsInAnotherConventionAreRefused) {
+  const Arm real = RealArm();
+  const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
+  JobConfig job = JobOf(Bench(real, q).Poses().data());
+  for (auto column : job.data.blocks[0].measured.edit().colwise()) {
+    // The inverse rotation: what reads target and instrument the wrong way.
+    column.tail<3>() *= -1.0;
+  }
+  EXPECT_THROW(RunJob(job, "test", 1), InputError);
+}
+
+}  // namespace
+}  // namespace alidade::internal

@@ -1,0 +1,59 @@
+#include "src/common/mapped_file.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <fstream>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "tests/support/io_test_util.h"
+
+namespace alidade::internal {
+namespace {
+
+TEST(MappedFileTest, HasTheBytesOfAFile) {
+  const TestDirectory directory;
+  const std::string text("a\0b\n", 4);
+  const MappedFile file(directory.Write("file", text));
+  EXPECT_EQ(file.text(), text);
+  EXPECT_EQ(file.path(), directory.Path("file"));
+}
+
+TEST(MappedFileTest, EmptyFilesAndGivenTextsAreNotMapped) {
+  const TestDirectory directory;
+  EXPECT_EQ(MappedFile(directory.Write("empty", "")).text(), "");
+  EXPECT_EQ(MappedFile("nowhere", "text").text(), "text");
+}
+
+TEST(MappedFileTest, MovesWithItsBytes) {
+  const TestDirectory directory;
+  MappedFile file(directory.Write("file", "mapped"));
+  MappedFile text("nowhere", "short");
+  const MappedFile moved_file(std::move(file));
+  const MappedFile moved_text(std::move(text));
+  EXPECT_EQ(moved_file.text(), "mapped");
+  EXPECT_EQ(moved_text.text(), "short");
+}
+
+TEST(MappedFileTest, PipesAreReadOnce) {
+  const TestDirectory directory;
+  const std::string path = directory.Path("pipe");
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  std::thread writer([&] { std::ofstream(path) << "from a pipe"; });
+  const MappedFile file(path);
+  writer.join();
+  EXPECT_EQ(file.text(), "from a pipe");
+}
+
+TEST(MappedFileTest, SaysWhyAFileCannotBeRead) {
+  const TestDirectory directory;
+  ExpectInputError([&] { MappedFile{directory.Path("none")}; },
+                   {0, 0, "", "No such file"});
+  ExpectInputError([&] { MappedFile{directory.Path(".")}; },
+                   {0, 0, "", "directory"});
+}
+
+}  // namespace
+}  // namespace alidade::internal

@@ -1,0 +1,383 @@
+// The fast path of CSV files against the reader that goes row by row: the same
+// bits, or the same message.
+
+#include "src/dataio/plain_csv.h"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "alidade/random.h"
+#include "alidade/units.h"
+#include "src/common/numbers.h"
+#include "src/common/plain_number.h"
+#include "src/dataio/dataset_reader.h"
+#include "src/dataio/load_data.h"
+#include "tests/dataio/loaded_data_util.h"
+#include "tests/support/io_test_util.h"
+
+namespace alidade::internal {
+namespace {
+
+int Draw(Random* random, int count) {
+  return static_cast<int>(random->Uniform(0.0, count));
+}
+
+bool Chance(Random* random, double probability) {
+  return random->Uniform(0.0, 1.0) < probability;
+}
+
+std::string Digits(Random* random, int count) {
+  std::string digits;
+  for (int i = 0; i < count; ++i) {
+    digits += static_cast<char>('0' + Draw(random, 10));
+  }
+  return digits;
+}
+
+// A number above zero, written in any way that a program may choose.
+std::string PositiveText(Random* random) {
+  switch (Draw(random, 8)) {
+    case 0:
+      return std::to_string(1 + Draw(random, 2000));
+    case 1:
+      return Digits(random, 1 + Draw(random, 4)) + "." +
+             Digits(random, 1 + Draw(random, 6)) + "1";
+    case 2:  // all digits of a double
+      return FormatShortest(random->Uniform(1e-6, 400.0));
+    case 3:  // around 2^53, where integers stop being doubles
+      return "900719925474099" + Digits(random, 1) + "e-" +
+             std::to_string(10 + Draw(random, 20));
+    case 4:  // more digits than 64 bits hold
+      return "1." + Digits(random, 15 + Draw(random, 30));
+    case 5:
+      return "1" + Digits(random, Draw(random, 5)) +
+             (Draw(random, 2) ? "e" : "E") + (Draw(random, 2) ? "+" : "") +
+             std::to_string(Draw(random, 26));
+    case 6:
+      return "3.1e-" + std::to_string(Draw(random, 26));
+    default:
+      return Draw(random, 2) ? ".25" : "007.";
+  }
+}
+
+std::string NumberText(Random* random) {
+  if (Chance(random, 0.05)) return "0";
+  if (Chance(random, 0.05)) return "-0.000";
+  return (Draw(random, 2) ? "-" : "") + PositiveText(random);
+}
+
+// Turning, sliding, turning.
+Arm ThreeJoints(bool has_motor_map) {
+  Arm arm;
+  arm.name = "test";
+  arm.joints.resize(3);
+  arm.joints[1].type = JointType::kPrismatic;
+  if (!has_motor_map) return arm;
+  arm.joints_from_motors = Eigen::Matrix3d::Identity();
+  arm.joints_from_motors(2, 1) = -0.3;
+  arm.motor_offsets = Eigen::Vector3d(0.1, 0.0, -0.2);
+  return arm;
+}
+
+// What a file of random layout needs to be read, and its text.
+class RandomFile {
+ public:
+  explicit RandomFile(std::uint64_t seed)
+      : random_(seed), arm(ThreeJoints(Draw(&random_, 2) == 1)) {
+    ChooseColumns();
+    if (Draw(&random_, 3) == 0) text = "\xef\xbb\xbf";
+    end_ = Draw(&random_, 2) ? "\r\n" : "\n";
+    AddNoise();
+    for (const std::string& name : names_) {
+      text += (&name == names_.data() ? "" : ",") + name;
+    }
+    text += end_;
+    const int rows = 1 + Draw(&random_, 40);
+    for (int i = 0; i < rows; ++i) AddRow();
+    if (Draw(&random_, 3) == 0) text.erase(text.size() - end_.size());
+  }
+
+ private:
+  Random random_;
+
+ public:
+  Arm arm;
+  DataFormat format;
+  std::string text;
+
+ private:
+  void Add(const std::vector<std::string>& bases, const char* unit,
+           const char* other) {
+    for (const std::string& base : bases) {
+      names_.push_back(base + (Draw(&random_, 2) ? unit : other));
+    }
+  }
+
+  void ChooseColumns() {
+    Add({"x", "y", "z"}, "_mm", "_m");
+    Add({"q1", "q3"}, "_deg", "_rad");
+    Add({"q2"}, "_mm", "_m");
+    format.sigma = 2e-5;
+    if (Draw(&random_, 2)) Add({"std_x", "std_y", "std_z"}, "_mm", "_m");
+    const int orientation = Draw(&random_, 6);
+    if (orientation == 0) Add({"wx", "wy", "wz"}, "_deg", "_rad");
+    if (orientation == 1) Add({"qw", "qx", "qy", "qz"}, "", "");
+    if (orientation == 2) {
+      Add({"rx", "ry", "rz"}, "_deg", "_rad");
+      format.rotation = RotationConvention{false, true, {2, 1, 0}};
+    }
+    if (orientation < 3 && Draw(&random_, 2)) {
+      Add({"std_wx", "std_wy", "std_wz"}, "_deg", "_rad");
+    }
+    if (Draw(&random_, 4) == 0) {
+      arm.targets.resize(3);
+      for (int i = 0; i < 3; ++i) {
+        arm.targets[i].name = "smr" + std::to_string(i);
+      }
+      if (Draw(&random_, 3)) {
+        names_.push_back("target");
+      } else {
+        format.target = "smr2";
+      }
+    }
+    if (Draw(&random_, 4) == 0) names_.push_back("set");
+    if (Draw(&random_, 4) == 0) names_.push_back("comment");
+  }
+
+  void AddNoise() {
+    if (Chance(&random_, 0.05)) text += "# x_mm, \"quoted\", 1.5" + end_;
+    if (Chance(&random_, 0.05)) text += "  \t" + end_;
+    if (Chance(&random_, 0.05)) text += end_;
+    if (Chance(&random_, 0.05)) text += " #" + end_;
+  }
+
+  std::string Cell(const std::string& name) {
+    const auto begins = [&](const char* with) {
+      return name.rfind(with, 0) == 0;
+    };
+    if (name == "target") return "smr" + std::to_string(Draw(&random_, 3));
+    if (name == "set") return Draw(&random_, 2) ? "train" : "";
+    if (name == "comment") return Draw(&random_, 2) ? "a 'b; c" : "";
+    if (begins("qw")) return "0.6";
+    if (begins("qx")) return Draw(&random_, 2) ? "0.8" : "-0.8";
+    if (begins("qy")) return "0.0001";
+    if (begins("qz")) return "-0";
+    if (begins("std_")) return PositiveText(&random_);
+    if (begins("w") || begins("r")) {
+      return FormatShortest(random_.Uniform(-200.0, 200.0));
+    }
+    return NumberText(&random_);
+  }
+
+  void AddRow() {
+    AddNoise();
+    for (const std::string& name : names_) {
+      if (&name != names_.data()) text += ',';
+      if (Chance(&random_, 0.05)) text += " \t";
+      text += Cell(name);
+      if (Chance(&random_, 0.05)) text += ' ';
+    }
+    text += end_;
+  }
+
+  std::vector<std::string> names_;
+  std::string end_;
+};
+
+ReadOptions Options(int num_threads, int chunk_bytes) {
+  ReadOptions options;
+  options.num_threads = num_threads;
+  options.chunk_bytes = chunk_bytes;
+  return options;
+}
+
+ReadOptions Careful() {
+  ReadOptions options;
+  options.is_careful = true;
+  return options;
+}
+
+// The message where reading fails, else nothing.
+std::optional<std::string> Read(const std::string& path, const RandomFile& file,
+                                const ReadOptions& options,
+                                LoadedData* loaded) {
+  References references;
+  try {
+    *loaded = LoadDataWith({path, file.arm, file.format}, &references, options);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return std::nullopt;
+}
+
+TEST(PlainCsvTest, TakesCleanFilesAndReadsTheBitsOfTheCarefulReader) {
+  const TestDirectory directory;
+  for (int seed = 0; seed < 400; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const RandomFile file(seed);
+    const std::string path = directory.Write("data.csv", file.text);
+    References references;
+    DatasetReader careful(MappedFile(path), file.arm, file.format, &references);
+    const LoadedData expected = careful.Read(Careful());
+    for (const int chunk_bytes : {1, 50, 1000, 1 << 20}) {
+      DatasetReader reader(MappedFile(path), file.arm, file.format,
+                           &references);
+      const std::optional<PlainLayout> layout = reader.Layout();
+      ASSERT_TRUE(layout) << file.text;
+      const std::optional<LoadedData> fast = ReadPlainCsv(
+          reader.rows(), *layout, file.arm, Options(1 + seed % 3, chunk_bytes));
+      ASSERT_TRUE(fast) << file.text;
+      ExpectSameLoaded(*fast, expected);
+      if (HasFailure()) FAIL() << file.text;
+    }
+  }
+}
+
+// Something else at a random place: most of it is an error, some is not.
+std::string Damage(const std::string& text, Random* random) {
+  const std::vector<std::string> parts = {"",
+                                          ",",
+                                          "\"",
+                                          "nan",
+                                          "inf",
+                                          "x",
+                                          "-",
+                                          "+1",
+                                          "1e",
+                                          "e5",
+                                          "1,5",
+                                          "\n",
+                                          "\r",
+                                          "\"a",
+                                          "\"1\"",
+                                          "0",
+                                          "#",
+                                          " ",
+                                          "..",
+                                          "--1",
+                                          "1 2",
+                                          ";",
+                                          "0x1",
+                                          "1e999",
+                                          "\t",
+                                          "-1",
+                                          "smr9",
+                                          ",,,",
+                                          "mm",
+                                          "1_0",
+                                          std::string(1, '\0')};
+  std::string damaged = text;
+  const auto at =
+      static_cast<std::size_t>(Draw(random, static_cast<int>(damaged.size())));
+  const std::string& part = parts[static_cast<std::size_t>(
+      Draw(random, static_cast<int>(parts.size())))];
+  damaged.replace(at, static_cast<std::size_t>(Draw(random, 4)), part);
+  return damaged;
+}
+
+TEST(PlainCsvTest, DamagedFilesGiveTheCarefulReadersMessagesAndData) {
+  const TestDirectory directory;
+  Random random(3);
+  int failures = 0;
+  for (int i = 0; i < 1500; ++i) {
+    const RandomFile file(i % 50);
+    const std::string text = Damage(file.text, &random);
+    const std::string path = directory.Write("data.csv", text);
+    LoadedData fast;
+    LoadedData careful;
+    const auto expected = Read(path, file, Careful(), &careful);
+    ASSERT_EQ(Read(path, file, Options(2, 200), &fast), expected) << text;
+    failures += expected ? 1 : 0;
+    ExpectSameLoaded(fast, careful);
+    if (HasFailure()) FAIL() << text;
+  }
+  EXPECT_GT(failures, 500);
+  EXPECT_LT(failures, 1450);
+}
+
+TEST(PlainCsvTest, LeavesRowsThatAreNotMeasuredToTheCarefulReader) {
+  const TestDirectory directory;
+  const std::string path =
+      directory.Write("data.csv",
+                      "q1_deg,q2_mm,q3_deg,x_mm,y_mm,z_mm\n"
+                      "1,2,3,4,5,6\n"
+                      "1,2,3,,nan,\n"
+                      "1,2,3,4,,6\n");
+  const Arm arm = ThreeJoints(false);
+  const LoadedData loaded =
+      LoadDataWith({path, arm, DataFormat()}, nullptr, Options(1, 1 << 20));
+  EXPECT_EQ(loaded.data.num_poses(), 2);
+  ASSERT_EQ(loaded.rejected.size(), 1u);
+  EXPECT_EQ(loaded.rejected[0].line, 3);
+}
+
+TEST(PlainCsvTest, LeavesOtherLayoutsToTheCarefulReader) {
+  const TestDirectory directory;
+  const Arm arm = ThreeJoints(false);
+  for (const char* const columns :
+       {"distance_mm,point", "plane", "dx_mm,from",
+        "x_mm,y_mm,z_mm,cov_xx_mm2,cov_xy_mm2,cov_xz_mm2,cov_yy_mm2,"
+        "cov_yz_mm2,cov_zz_mm2"}) {
+    const std::string path = directory.Write(
+        "data.csv", std::string("q1_deg,q2_mm,q3_deg,") + columns + "\n");
+    References references;
+    const DataFormat format;
+    const DatasetReader reader(MappedFile(path), arm, format, &references);
+    EXPECT_FALSE(reader.Layout()) << columns;
+  }
+  const std::string path =
+      directory.Write("data.csv", "q1_deg,q2_mm,q3_deg,x_mm,set\n");
+  DataFormat chosen;
+  chosen.where = {{"set", "a"}};
+  References references;
+  const DatasetReader reader(MappedFile(path), arm, chosen, &references);
+  EXPECT_FALSE(reader.Layout());
+}
+
+TEST(ParsePlainCellTest, RoundsOnceAtTheEdgesOfTheShortWay) {
+  const Unit& mm = *FindUnit("mm");
+  const Unit& degrees = *FindUnit("deg");
+  for (const std::string text : {"9007199254740991",
+                                 "9007199254740992",
+                                 "9007199254740993",
+                                 "9007199254740993.5",
+                                 "-9007199254740995e22",
+                                 "1e22",
+                                 "1e23",
+                                 "1e25",
+                                 "1e26",
+                                 "1e-19",
+                                 "1e-22",
+                                 "1e-23",
+                                 "0.1",
+                                 "-0",
+                                 "0e99",
+                                 "5e-324",
+                                 "1.7976931348623157e308",
+                                 "2.2250738585072011e-308",
+                                 "123456789012345678",
+                                 "1234567890123456789",
+                                 "12345678901234567890",
+                                 "0000000000000000000000001.5",
+                                 "1.50000000000000000000000000",
+                                 "0.30000000000000004",
+                                 "107.7560"}) {
+    for (const Unit* unit : {&mm, &degrees}) {
+      const std::optional<double> expected = ParseQuantity(text, *unit);
+      double value = 0.0;
+      const char* const end = text.data() + text.size();
+      const char* const read = ParsePlainCell(text.data(), end, *unit, &value);
+      ASSERT_EQ(read != nullptr, expected.has_value()) << text;
+      if (!expected) continue;
+      EXPECT_EQ(read, end) << text;
+      EXPECT_EQ(value, *expected) << text;
+      EXPECT_EQ(std::signbit(value), std::signbit(*expected)) << text;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace alidade::internal

@@ -1,0 +1,264 @@
+// Shares of a data set against the whole: the same bits, whoever has what.
+
+#include "src/kernel/share.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "alidade/random.h"
+#include "alidade/robust_loss.h"
+#include "src/kernel/compression.h"
+#include "src/kernel/holdout.h"
+#include "src/kernel/measurement_model.h"
+#include "src/kernel/sigma_totals.h"
+#include "src/model/joint_draw.h"
+#include "tests/support/classic_arms.h"
+
+namespace alidade::internal {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+// Positions with noise, and to every third pose a distance from a point.
+Dataset Measure(const MeasurementModel& model, int count, std::uint64_t seed,
+                bool has_distances) {
+  Dataset data;
+  data.name = "file" + std::to_string(seed);
+  data.files = {data.name};
+  data.joint_values = DrawJointValues(model.nominal(), count, seed);
+  Random random(seed);
+  ObservationBlock positions;
+  positions.measured = model.Predict(model.NominalValues(), data.joint_values);
+  positions.sigmas = Eigen::MatrixXd::Constant(3, count, 1e-4);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      positions.measured.edit()(axis, i) += 1e-3 * random.Normal();
+    }
+    if (i % 7 == 0) {
+      positions.sigmas.edit()(1, i) = std::numeric_limits<double>::infinity();
+    }
+    data.sources.push_back({0, static_cast<int>(i) + 2});
+  }
+  ObservationBlock distances;
+  distances.kind = MeasurementKind::kDistance;
+  for (int i = 0; i < count; i += 3) {
+    distances.poses.push_back(i);
+    distances.references.push_back(i % 2);
+  }
+  const auto size = static_cast<Eigen::Index>(distances.poses.size());
+  distances.measured = Eigen::MatrixXd::Constant(1, size, 2.0);
+  distances.sigmas = Eigen::MatrixXd::Constant(1, size, 2e-4);
+  data.blocks.push_back(std::move(positions));
+  if (has_distances) data.blocks.push_back(std::move(distances));
+  return data;
+}
+
+class ShareTest : public ::testing::Test {
+ protected:
+  ShareTest() : model_(testing::Ur10(), TwoPoints(), 1) {
+    parts_.push_back(Measure(model_, 3000, 1, false));
+    parts_.push_back(Measure(model_, 40, 2, true));
+    parts_.push_back(Measure(model_, 1500, 3, true));
+    for (int column = 0; column < 20; ++column) columns_.push_back(column);
+    values_ = model_.NominalValues();
+  }
+
+  static References TwoPoints() {
+    References references;
+    references.points.resize(2);
+    references.points[1].position << 1.0, 2.0, -1.0;
+    return references;
+  }
+
+  // Consecutive parts of member `rank`, as one process would merge them; by
+  // hand, so that nothing of what is tested makes it.
+  Dataset PartsOf(int rank, int size) const {
+    Dataset all;
+    all.joint_values.resize(6, 0);
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+      if (static_cast<int>(k) * size / static_cast<int>(parts_.size()) !=
+          rank) {
+        continue;
+      }
+      AppendPart(parts_[k], &all);
+    }
+    return all;
+  }
+
+  static void AppendColumns(const LargeMatrix& more, LargeMatrix* to) {
+    const LargeMatrix before = *to;
+    to->resize(more.rows(), before.cols() + more.cols());
+    to->edit() << before, more;
+  }
+
+  static void AppendPart(const Dataset& part, Dataset* all) {
+    const auto first_pose = static_cast<int>(all->num_poses());
+    all->shards.push_back({first_pose, {}});
+    for (const MeasurementKind kind :
+         {MeasurementKind::kPosition, MeasurementKind::kDistance}) {
+      ObservationBlock* to = nullptr;
+      for (ObservationBlock& block : all->blocks) {
+        if (block.kind == kind) to = &block;
+      }
+      if (to == nullptr) {
+        all->blocks.emplace_back();
+        to = &all->blocks.back();
+        to->kind = kind;
+        to->measured.resize(RowsOf(kind), 0);
+        to->sigmas.resize(RowsOf(kind), 0);
+      }
+      all->shards.back().first_observations.push_back(to->size());
+      for (const ObservationBlock& block : part.blocks) {
+        if (block.kind != kind) continue;
+        AppendColumns(block.measured, &to->measured);
+        AppendColumns(block.sigmas, &to->sigmas);
+        for (const int pose : block.poses) {
+          to->poses.push_back(pose + first_pose);
+        }
+        for (const int reference : block.references) {
+          to->references.push_back(reference);
+        }
+      }
+    }
+    AppendColumns(part.joint_values, &all->joint_values);
+    all->files.push_back(part.name);
+    all->name += (all->name.empty() ? "" : ", ") + part.name;
+    for (std::size_t pose = 0; pose < part.sources.size(); ++pose) {
+      all->sources.push_back(
+          {static_cast<int>(all->files.size()) - 1, part.sources[pose].line});
+    }
+  }
+
+  // work(share) on every member of teams of 1 to 4.
+  void OnTeams(const std::function<void(const Dataset&)>& work) const {
+    for (const int size : {1, 2, 3, 4}) {
+      SCOPED_TRACE(size);
+      RunAsTeam(size, [&](Team* team) {
+        Dataset share = PartsOf(team->rank(), size);
+        ShareData(team, &share);
+        work(share);
+      });
+    }
+  }
+
+  const MeasurementModel model_;
+  std::vector<Dataset> parts_;
+  std::vector<int> columns_;
+  Eigen::VectorXd values_;
+};
+
+TEST_F(ShareTest, FactorsHaveTheBitsOfTheWhole) {
+  const Dataset whole = PartsOf(0, 1);
+  const Eigen::MatrixXd expected =
+      JacobianFactor(model_, values_, whole, columns_);
+  Linearization rows;
+  model_.Linearize(values_, whole, columns_, &rows);
+  const Eigen::MatrixXd squares = rows.jacobian.transpose() * rows.jacobian;
+  // Some thousand rows, each of rounding 1e-16.
+  EXPECT_LE((expected.transpose() * expected - squares).norm(),
+            1e-12 * squares.norm());
+  OnTeams([&](const Dataset& share) {
+    EXPECT_EQ(JacobianFactor(model_, values_, share, columns_), expected);
+  });
+}
+
+TEST_F(ShareTest, CompressedProblemsHaveTheBitsOfTheWhole) {
+  const Dataset whole = PartsOf(0, 1);
+  for (const LossKind kind : {LossKind::kNone, LossKind::kHuber}) {
+    const std::vector<RobustLoss> losses = TunedLosses(kind);
+    Compressor compressor(model_, whole, columns_, losses);
+    CompressedProblem first;
+    CompressedProblem second;
+    compressor.Compress(values_, &first);
+    compressor.Compress(values_, &second);
+    OnTeams([&](const Dataset& share) {
+      Compressor mine(model_, share, columns_, losses);
+      CompressedProblem problem;
+      // The second may be by products.
+      for (const CompressedProblem* expected : {&first, &second}) {
+        mine.Compress(values_, &problem);
+        EXPECT_EQ(mine.used_gram(),
+                  expected == &second && compressor.used_gram());
+        EXPECT_EQ(problem.factor, expected->factor);
+        EXPECT_EQ(problem.projected, expected->projected);
+        EXPECT_EQ(problem.cost, expected->cost);
+      }
+      EXPECT_EQ(mine.Summarize(values_).rms_error,
+                compressor.Summarize(values_).rms_error);
+      EXPECT_EQ(mine.Summarize(values_).max_error,
+                compressor.Summarize(values_).max_error);
+    });
+  }
+}
+
+TEST_F(ShareTest, NumbersComeInTheOrderOfTheWhole) {
+  const Dataset whole = PartsOf(0, 1);
+  const LargeVector expected =
+      LengthErrors(model_.Errors(values_, whole), whole);
+  const SigmaTotals totals = SumSigmas(whole, 2);
+  EXPECT_EQ(totals.equations, whole.num_equations());
+  OnTeams([&](const Dataset& share) {
+    const LargeVector mine = LengthErrors(model_.Errors(values_, share), share);
+    const LargeVector all = EntriesInOrder(share, mine);
+    EXPECT_EQ(share.all_observations(), expected.size());
+    if (KnowsAll(share)) {
+      EXPECT_EQ(all, expected);
+    }
+    const SigmaTotals sums = SumSigmas(share, 1);
+    EXPECT_EQ(sums.equations, totals.equations);
+    EXPECT_EQ(sums.length_information, totals.length_information);
+    EXPECT_EQ(share.name, "file1, file2, file3");
+    if (share.num_poses() == 0) return;
+    EXPECT_EQ(SourceOf(share, 0),
+              SourceOf(whole, static_cast<int>(share.share.first_pose)));
+  });
+}
+
+TEST_F(ShareTest, FractionsAreHeldOutAlike) {
+  const Dataset whole = PartsOf(0, 1);
+  const HoldOut expected = HoldOutFraction(whole, 0.3, 9);
+  OnTeams([&](const Dataset& share) {
+    const HoldOut split = HoldOutFraction(share, 0.3, 9);
+    EXPECT_EQ(split.train.all_poses(), expected.train.num_poses());
+    const LargeMatrix heldout =
+        PosesInOrder(split.heldout, split.heldout.joint_values);
+    if (KnowsAll(share)) {
+      EXPECT_EQ(heldout, expected.heldout.joint_values);
+    }
+    // Shards stay where they were.
+    EXPECT_EQ(JacobianFactor(model_, values_, split.train, columns_),
+              JacobianFactor(model_, values_, expected.train, columns_));
+  });
+}
+
+TEST_F(ShareTest, KindsThatOnlySomeHaveAreEmptyBlocksOfOthers) {
+  RunAsTeam(2, [&](Team* team) {
+    Dataset data = parts_[team->is_first() ? 0 : 1];
+    ShareData(team, &data);
+    ASSERT_EQ(data.blocks.size(), 2U);
+    EXPECT_EQ(data.blocks[1].kind, MeasurementKind::kDistance);
+    EXPECT_EQ(data.blocks[1].size(), team->is_first() ? 0 : 14);
+    EXPECT_TRUE(data.Has(MeasurementKind::kDistance));
+    EXPECT_FALSE(data.Has(MeasurementKind::kPlane));
+    EXPECT_EQ(ObservationInAll(data, 1, 2), 3040 + 2);
+    const std::vector<int> all =
+        InOrder<int>(data, {{team->rank()}, {10 + team->rank()}});
+    if (team->is_first()) {
+      EXPECT_THAT(all, ElementsAre(0, 1, 10, 11));
+    } else {
+      EXPECT_THAT(all, IsEmpty());
+    }
+  });
+}
+
+}  // namespace
+}  // namespace alidade::internal

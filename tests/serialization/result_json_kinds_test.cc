@@ -1,0 +1,248 @@
+// Results of other kinds than positions, their stages and their uncertainty.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "src/serialization/result_json.h"
+#include "tests/serialization/result_json_util.h"
+#include "tests/support/io_test_util.h"
+
+namespace alidade::internal {
+namespace {
+
+using testing::ExpectEqual;
+using testing::kInfinity;
+using testing::kNan;
+using testing::MakeAccuracy;
+using testing::MakeResult;
+using testing::RoundTrip;
+
+// What data of several kinds, poses of orientation and imports of foreign files
+// add to a result.
+JobResult MakeResultOfKinds() {
+  JobResult result = MakeResult();
+  result.runs[0].summary.evaluation = "compressed";
+  result.train.rotation_before = MakeAccuracy(0.1);
+  result.train.rotation_after = MakeAccuracy(0.01);
+  result.heldout->rotation_before = MakeAccuracy(0.2);
+  result.heldout->rotation_after = MakeAccuracy(0.02);
+  result.stages = {{"frames only", 12, MakeAccuracy(3.0), MakeAccuracy(4.0),
+                    MakeAccuracy(0.3), MakeAccuracy(0.4)},
+                   {"all geometry", 30, MakeAccuracy(5.0), {}, {}, {}}};
+  result.cross_validation =
+      CrossValidation{7, MakeAccuracy(6.0), MakeAccuracy(0.6)};
+  result.rejected = {{"data, \"1\".csv", 17, "not a number: \"--\""},
+                     {"b.csv", 3, "joint 2 is outside of its limits"}};
+  result.aliases = {{"point1", "A"}, {"tool2", "ball, \"left\""}};
+  result.references = {
+      {"point1", "A", true, {1.0 / 3.0, -2.0, 0.25}, kNan},
+      {"plane1", "table, \"top\"", false, {0.6, 0.0, 0.8}, -1.0 / 7.0}};
+  result.repeats = {1.0 / 3e4, 123456789012, 1.0 / 7e3, 9};
+  result.acceptance.push_back(
+      {"heldout_rotation_rms", 1e-3, 1.0 / 3e3, Dimension::kAngle});
+  result.estimated_sigma = 1.0 / 3e5;
+  result.estimated_rotation_sigma = 1.0 / 7e4;
+  result.reduced_chi_square = 1.0 / 0.9;
+  return result;
+}
+
+void ExpectEqual(const StageResult& a, const StageResult& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.num_free, b.num_free);
+  ExpectEqual(a.train, b.train);
+  ExpectEqual(a.heldout, b.heldout);
+  ExpectEqual(a.train_rotation, b.train_rotation);
+  ExpectEqual(a.heldout_rotation, b.heldout_rotation);
+}
+
+TEST(ResultJsonTest, KeepsTheEvaluationOfEachSolver) {
+  const JobResult read = RoundTrip(MakeResultOfKinds());
+  EXPECT_EQ(read.runs[0].summary.evaluation, "compressed");
+  EXPECT_EQ(read.runs[1].summary.evaluation, "");
+}
+
+TEST(ResultJsonTest, KeepsAccuraciesOfRotations) {
+  const JobResult result = MakeResultOfKinds();
+  const JobResult read = RoundTrip(result);
+  ExpectEqual(read.train.rotation_before, result.train.rotation_before);
+  ExpectEqual(read.train.rotation_after, result.train.rotation_after);
+  ASSERT_TRUE(read.heldout.has_value());
+  ExpectEqual(read.heldout->rotation_before, result.heldout->rotation_before);
+  ExpectEqual(read.heldout->rotation_after, result.heldout->rotation_after);
+  // Without orientations there are none.
+  EXPECT_EQ(RoundTrip(MakeResult()).train.rotation_after.n, 0);
+}
+
+TEST(ResultJsonTest, KeepsStagesWithTheirRotations) {
+  const JobResult result = MakeResultOfKinds();
+  const JobResult read = RoundTrip(result);
+  ASSERT_EQ(read.stages.size(), 2U);
+  ExpectEqual(read.stages[0], result.stages[0]);
+  ExpectEqual(read.stages[1], result.stages[1]);
+}
+
+TEST(ResultJsonTest, KeepsCrossValidation) {
+  JobResult result = MakeResultOfKinds();
+  const JobResult read = RoundTrip(result);
+  ASSERT_TRUE(read.cross_validation.has_value());
+  EXPECT_EQ(read.cross_validation->folds, 7);
+  ExpectEqual(read.cross_validation->position,
+              result.cross_validation->position);
+  ExpectEqual(read.cross_validation->rotation,
+              result.cross_validation->rotation);
+  result.cross_validation->rotation = {};
+  EXPECT_EQ(RoundTrip(result).cross_validation->rotation.n, 0);
+  result.cross_validation.reset();
+  EXPECT_FALSE(RoundTrip(result).cross_validation.has_value());
+}
+
+TEST(ResultJsonTest, KeepsRejectedRowsAndAliases) {
+  const JobResult result = MakeResultOfKinds();
+  const JobResult read = RoundTrip(result);
+  ASSERT_EQ(read.rejected.size(), 2U);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(read.rejected[i].file, result.rejected[i].file);
+    EXPECT_EQ(read.rejected[i].line, result.rejected[i].line);
+    EXPECT_EQ(read.rejected[i].reason, result.rejected[i].reason);
+  }
+  EXPECT_EQ(read.aliases, result.aliases);
+}
+
+TEST(ResultJsonTest, KeepsReferences) {
+  const JobResult result = MakeResultOfKinds();
+  const JobResult read = RoundTrip(result);
+  ASSERT_EQ(read.references.size(), 2U);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(read.references[i].block, result.references[i].block);
+    EXPECT_EQ(read.references[i].name, result.references[i].name);
+    EXPECT_EQ(read.references[i].is_known, result.references[i].is_known);
+    EXPECT_EQ(read.references[i].vector, result.references[i].vector);
+  }
+  EXPECT_TRUE(std::isnan(read.references[0].offset));
+  EXPECT_EQ(read.references[1].offset, -1.0 / 7.0);
+  EXPECT_TRUE(RoundTrip(MakeResult()).references.empty());
+}
+
+TEST(ResultJsonTest, KeepsRepeatsAndTheFit) {
+  const JobResult result = MakeResultOfKinds();
+  const JobResult read = RoundTrip(result);
+  EXPECT_EQ(read.repeats.length, result.repeats.length);
+  EXPECT_EQ(read.repeats.length_freedom, 123456789012);
+  EXPECT_EQ(read.repeats.rotation, result.repeats.rotation);
+  EXPECT_EQ(read.repeats.rotation_freedom, 9);
+  EXPECT_EQ(read.estimated_sigma, result.estimated_sigma);
+  EXPECT_EQ(read.estimated_rotation_sigma, result.estimated_rotation_sigma);
+  EXPECT_EQ(read.reduced_chi_square, result.reduced_chi_square);
+}
+
+UncertaintyResult MakeUncertainty() {
+  UncertaintyResult uncertainty;
+  uncertainty.confidence = 0.9;
+  uncertainty.degrees_of_freedom = 1.0 / 3e-2;
+  uncertainty.estimator = "sandwich";
+  uncertainty.parameters = {
+      {"beta1", 1e-5 / 3.0, {-1.0 / 7.0, 0.25, true}, 0.125, 1.0 / 9.0},
+      {"r1", kInfinity, {-kInfinity, kInfinity, false}, kInfinity, 0.0}};
+  uncertainty.covariance.resize(2, 2);
+  uncertainty.covariance << 1.0 / 3.0, 2.0, 2.0, 5.0;
+  uncertainty.correlated = {{"beta1", "r1", -0.99 / 3.0}};
+  ResidualDiagnostics& residuals = uncertainty.residuals;
+  residuals.chi_square = 151.0 / 3.0;
+  residuals.degrees_of_freedom = 150.5;
+  residuals.reduced_chi_square = 1.0 / 3.0;
+  residuals.normality = {0.3 / 7.0, 0.6 / 7.0};
+  residuals.whiteness = {31.0 / 7.0, kNan};
+  residuals.lags = 10;
+  residuals.histogram.counts = {1, 2, 3};
+  PredictedMap map;
+  map.summary = MakeAccuracy(1e-4);
+  map.true_summary = MakeAccuracy(2e-4);
+  uncertainty.workspace = map;
+  PredictionCheck check;
+  check.confidence = 0.9;
+  check.axes = {90, 100, 0.8 / 3.0, 0.95};
+  check.ellipsoids = {31, 33, 0.75, 0.99};
+  check.rms_z = 1.0 / 0.9;
+  check.verdict = "agree";
+  check.histogram.counts = {4, 5};
+  uncertainty.heldout = check;
+  uncertainty.warnings = {"it bends"};
+  return uncertainty;
+}
+
+TEST(ResultJsonTest, KeepsTheUncertainty) {
+  JobResult result = MakeResult();
+  result.uncertainty = MakeUncertainty();
+  result.sigma = 2e-5 / 3.0;
+  const JobResult read = RoundTrip(result);
+  EXPECT_EQ(read.sigma, result.sigma);
+  ASSERT_TRUE(read.uncertainty);
+  const UncertaintyResult& a = *result.uncertainty;
+  const UncertaintyResult& b = *read.uncertainty;
+  EXPECT_EQ(a.confidence, b.confidence);
+  EXPECT_EQ(a.degrees_of_freedom, b.degrees_of_freedom);
+  EXPECT_EQ(a.estimator, b.estimator);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(a.parameters[k].name, b.parameters[k].name);
+    EXPECT_EQ(a.parameters[k].std, b.parameters[k].std);
+    EXPECT_EQ(a.parameters[k].interval.lower, b.parameters[k].interval.lower);
+    EXPECT_EQ(a.parameters[k].interval.upper, b.parameters[k].interval.upper);
+    EXPECT_EQ(a.parameters[k].interval.is_profile,
+              b.parameters[k].interval.is_profile);
+    EXPECT_EQ(a.parameters[k].nonlinearity, b.parameters[k].nonlinearity);
+    EXPECT_EQ(a.parameters[k].prior_share, b.parameters[k].prior_share);
+  }
+  EXPECT_EQ(a.covariance, b.covariance);
+  EXPECT_EQ(a.correlated[0].second, b.correlated[0].second);
+  EXPECT_EQ(a.correlated[0].correlation, b.correlated[0].correlation);
+  EXPECT_EQ(a.residuals.chi_square, b.residuals.chi_square);
+  EXPECT_EQ(a.residuals.normality.p_value, b.residuals.normality.p_value);
+  EXPECT_TRUE(std::isnan(b.residuals.whiteness.p_value));
+  EXPECT_EQ(a.residuals.histogram.counts, b.residuals.histogram.counts);
+  ExpectEqual(a.workspace->summary, b.workspace->summary);
+  ExpectEqual(a.workspace->true_summary, b.workspace->true_summary);
+  EXPECT_EQ(a.heldout->axes.held, b.heldout->axes.held);
+  EXPECT_EQ(a.heldout->ellipsoids.n, b.heldout->ellipsoids.n);
+  EXPECT_EQ(a.heldout->rms_z, b.heldout->rms_z);
+  EXPECT_EQ(a.heldout->verdict, b.heldout->verdict);
+  EXPECT_EQ(a.heldout->histogram.counts, b.heldout->histogram.counts);
+  EXPECT_EQ(a.warnings, b.warnings);
+}
+
+TEST(ResultJsonTest, KeepsTheUnitOfEachAcceptanceLimit) {
+  const JobResult read = RoundTrip(MakeResultOfKinds());
+  ASSERT_EQ(read.acceptance.size(), 3U);
+  EXPECT_EQ(read.acceptance[0].dimension, Dimension::kLength);
+  EXPECT_EQ(read.acceptance[2].dimension, Dimension::kAngle);
+  EXPECT_EQ(read.acceptance[2].limit, 1e-3);
+  EXPECT_EQ(read.acceptance[2].obtained, 1.0 / 3e3);
+  EXPECT_TRUE(read.acceptance[2].met());
+}
+
+TEST(FormatResultJsonTest, HasTheKeysOfKinds) {
+  const auto json =
+      nlohmann::json::parse(FormatResultJson(MakeResultOfKinds()));
+  EXPECT_EQ(json["solver"]["evaluation"], "compressed");
+  EXPECT_EQ(json["accuracy"]["train"]["rotation_after"]["n"], 56);
+  EXPECT_EQ(json["stages"][0]["heldout_rotation"]["max"], 0.4 / 23.0);
+  EXPECT_FALSE(json["stages"][1].contains("heldout_rotation"));
+  EXPECT_EQ(json["cross_validation"]["folds"], 7);
+  EXPECT_EQ(json["rejected_rows"][1]["line"], 3);
+  EXPECT_EQ(json["aliases"][0]["block"], "point1");
+  EXPECT_EQ(json["aliases"][0]["name"], "A");
+  EXPECT_EQ(json["references"][0]["position"][1], -2.0);
+  EXPECT_EQ(json["references"][0]["known"], true);
+  EXPECT_EQ(json["references"][1]["normal"][2], 0.8);
+  EXPECT_EQ(json["references"][1]["offset"], -1.0 / 7.0);
+  EXPECT_FALSE(json["references"][0].contains("offset"));
+  EXPECT_EQ(json["repeats"]["rotation_freedom"], 9);
+  EXPECT_EQ(json["acceptance"][0]["unit"], "m");
+  EXPECT_EQ(json["acceptance"][2]["unit"], "rad");
+}
+
+}  // namespace
+}  // namespace alidade::internal
