@@ -94,7 +94,7 @@ struct Means {
   double max = 0.0;
   double rotation = 0.0;
 
-  void Add(const JobResult& result) {
+  void Add(const CalibrationResult& result) {
     const EvaluatedSet& heldout = *result.heldout;
     ++done;
     rank = result.identifiability.num_free;

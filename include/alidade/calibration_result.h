@@ -196,7 +196,7 @@ struct StudyResult {
 };
 
 /// Everything a calibration found out; what io writes and report prints.
-struct JobResult {
+struct CalibrationResult {
   std::string version;
   std::string command;
   std::string title;

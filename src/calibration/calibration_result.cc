@@ -18,7 +18,7 @@ double StudyParameter::ErrorPercent(double deviation) const {
   return 100.0 * std::abs(deviation - assumed) / std::abs(assumed);
 }
 
-bool JobResult::accepted() const {
+bool CalibrationResult::accepted() const {
   return std::all_of(acceptance.begin(), acceptance.end(),
                      [](const AcceptanceCheck& check) { return check.met(); });
 }

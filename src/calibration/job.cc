@@ -63,7 +63,7 @@ struct HeldOutErrors {
   Accuracy rotations;
 };
 
-HeldOutErrors HeldOutErrorsOf(const JobResult& result) {
+HeldOutErrors HeldOutErrorsOf(const CalibrationResult& result) {
   if (result.heldout) {
     return {result.heldout->after, result.heldout->rotation_after};
   }
@@ -75,7 +75,7 @@ HeldOutErrors HeldOutErrorsOf(const JobResult& result) {
 }
 
 std::vector<AcceptanceCheck> CheckAcceptance(const AcceptanceLimits& limits,
-                                             const JobResult& result) {
+                                             const CalibrationResult& result) {
   std::vector<AcceptanceCheck> checks;
   const auto add = [&](const std::string& quantity,
                        const std::optional<double>& limit, double obtained,
@@ -120,7 +120,7 @@ std::string RefuseSlips(const JobConfig& config) {
 }
 
 // "heldout_max 0.071 mm, at most 0.01 mm", and so on.
-std::string Missed(const JobResult& result) {
+std::string Missed(const CalibrationResult& result) {
   std::string text;
   for (const AcceptanceCheck& check : result.acceptance) {
     if (check.met()) continue;
@@ -225,7 +225,7 @@ class JobRunner {
   }
 
  private:
-  JobResult& result() { return outcome_.result; }
+  CalibrationResult& result() { return outcome_.result; }
 
   void DescribeInputs(const std::string& command) {
     result().version = Version();

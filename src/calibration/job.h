@@ -23,7 +23,7 @@ enum class JobStatus {
 struct JobOutcome {
   JobStatus status = JobStatus::kFailed;
   std::string message;  ///< empty when done
-  JobResult result;
+  CalibrationResult result;
   Arm calibrated;  ///< the nominal arm unless a solver succeeded
 };
 

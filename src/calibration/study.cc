@@ -263,7 +263,7 @@ class Study {
   const CalibrationProblem& problem_;
   const MeasurementModel& model_;
   const ParameterLayout& layout_;
-  const JobResult& result_;
+  const CalibrationResult& result_;
   const Eigen::VectorXd& values_;
   SolverSummary baseline_;
   StudyResult study_;

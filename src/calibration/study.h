@@ -12,7 +12,7 @@ namespace alidade::internal {
 struct StudyInput {
   const JobConfig& config;
   const CalibrationProblem& problem;
-  const JobResult& result;  ///< with its runs and evaluated sets
+  const CalibrationResult& result;  ///< with its runs and evaluated sets
 };
 
 /// Sets the job's result beside the study that `config.published` describes:

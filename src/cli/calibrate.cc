@@ -25,7 +25,7 @@ std::string DefaultDirectory(const std::string& job) {
   return "results/" + std::filesystem::path(job).stem().string();
 }
 
-void PrintSummary(const JobResult& result,
+void PrintSummary(const CalibrationResult& result,
                   const std::vector<std::string>& paths) {
   std::cout << result.title << "\n\n"
             << FormatAccuracyTable(result) << "\n"

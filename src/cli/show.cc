@@ -162,7 +162,7 @@ void ShowJob(const std::string& path, int num_threads) {
 }
 
 void ShowResult(const std::string& path) {
-  const JobResult result = LoadResultJson(path);
+  const CalibrationResult result = LoadResultJson(path);
   std::cout << result.title << "\n\n"
             << FormatAccuracyTable(result) << "\n"
             << FormatParameters(result);

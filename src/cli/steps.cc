@@ -39,7 +39,7 @@ void LogIdentifiability(const IdentifiabilityResult& result) {
   }
 }
 
-void LogJob(const JobResult& result) {
+void LogJob(const CalibrationResult& result) {
   LogIdentifiability(result.identifiability);
   for (const SolverRun& run : result.runs) {
     LOG(INFO) << "solved: " << run.summary.BriefReport();

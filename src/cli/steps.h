@@ -16,7 +16,7 @@ void LogReading(const JobConfig& config);
 void LogIdentifiability(const IdentifiabilityResult& result);
 
 /// What a job has done, as far as it got.
-void LogJob(const JobResult& result);
+void LogJob(const CalibrationResult& result);
 
 /// What a plan has looked at and chosen.
 void LogPlan(const PlanResult& result);

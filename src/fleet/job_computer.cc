@@ -35,7 +35,7 @@ BatchStatus StatusOf(JobStatus status) {
 }
 
 void Describe(const JobOutcome& outcome, BatchEntry* entry) {
-  const JobResult& result = outcome.result;
+  const CalibrationResult& result = outcome.result;
   entry->status = StatusOf(outcome.status);
   entry->message = outcome.message;
   entry->title = result.title;

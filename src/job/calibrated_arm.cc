@@ -88,7 +88,7 @@ bool IsResult(const std::string& path) {
 
 std::optional<CalibratedArm> LoadCalibratedArm(const std::string& path) {
   const std::string json = JsonOf(path);
-  const JobResult result = LoadResultJson(json);
+  const CalibrationResult result = LoadResultJson(json);
   if (!result.uncertainty) return std::nullopt;
   RequireCovariance(json, *result.uncertainty);
   CalibratedArm calibrated;

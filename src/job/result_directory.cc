@@ -13,7 +13,7 @@
 namespace alidade::internal {
 namespace {
 
-std::string ArmComment(const JobResult& result) {
+std::string ArmComment(const CalibrationResult& result) {
   return "Calibrated by alidade " + result.version + ": " + result.title;
 }
 
@@ -92,7 +92,7 @@ ReportFile RenderArm(const JobOutcome& outcome) {
 }  // namespace
 
 std::vector<ReportFile> RenderResult(const JobOutcome& outcome) {
-  const JobResult& result = outcome.result;
+  const CalibrationResult& result = outcome.result;
   std::vector<ReportFile> files;
   files.push_back(RenderArm(outcome));
   files.emplace_back("report.txt", FormatReport(result));

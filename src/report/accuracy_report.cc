@@ -51,8 +51,9 @@ TextTable MakeAccuracyTable(const std::string& title) {
                     {"n", Align::kRight}});
 }
 
-void AddCrossValidation(const JobResult& result, const Accuracy& accuracy,
-                        Dimension dimension, TextTable* table) {
+void AddCrossValidation(const CalibrationResult& result,
+                        const Accuracy& accuracy, Dimension dimension,
+                        TextTable* table) {
   if (!result.cross_validation) return;
   AddAccuracy("held out once",
               std::to_string(result.cross_validation->folds) + " folds",
@@ -79,14 +80,14 @@ void AddKinds(const std::string& poses, const EvaluatedSet& set,
   }
 }
 
-std::string KindTable(const JobResult& result) {
+std::string KindTable(const CalibrationResult& result) {
   TextTable table = MakeAccuracyTable("of which, after [mm]");
   AddKinds("training poses", result.train, &table);
   if (result.heldout) AddKinds("validation poses", *result.heldout, &table);
   return table.empty() ? "" : "\n" + table.ToString();
 }
 
-std::string RotationTable(const JobResult& result) {
+std::string RotationTable(const CalibrationResult& result) {
   TextTable table = MakeAccuracyTable("orientation error [deg]");
   const auto add_set = [&](const std::string& poses, const EvaluatedSet& set) {
     AddAccuracy(poses, "before", set.rotation_before, Dimension::kAngle,
@@ -113,7 +114,7 @@ TextTable MakeStagesTable(const std::string& poses, const std::string& unit) {
                     {"max [" + unit + "]", Align::kRight}});
 }
 
-std::string StagesTable(const JobResult& result) {
+std::string StagesTable(const CalibrationResult& result) {
   if (result.stages.empty()) return "";
   const bool heldout = result.heldout.has_value();
   const std::string poses = heldout ? "validation" : "training";
@@ -137,7 +138,7 @@ std::string StagesTable(const JobResult& result) {
          (rotations.empty() ? "" : "\n" + rotations.ToString());
 }
 
-std::string SigmaNote(const JobResult& result) {
+std::string SigmaNote(const CalibrationResult& result) {
   if (!(result.estimated_sigma > 0.0)) return "";
   std::string text = "Sigma of a coordinate, estimated from the residuals: " +
                      FormatLength(result.estimated_sigma, 3);
@@ -150,7 +151,7 @@ std::string SigmaNote(const JobResult& result) {
 }
 
 // What repeats say of the instrument and the arm, whatever its geometry.
-std::string RepeatNote(const JobResult& result) {
+std::string RepeatNote(const CalibrationResult& result) {
   const RepeatSpread& repeats = result.repeats;
   if (repeats.length_freedom == 0) return "";
   std::string text =
@@ -165,7 +166,7 @@ std::string RepeatNote(const JobResult& result) {
 }
 
 // Says what "before" is, and how the residuals compare with the sigmas.
-std::string FitNotes(const JobResult& result) {
+std::string FitNotes(const CalibrationResult& result) {
   std::string text;
   if (!result.before_note.empty()) text += Paragraph(result.before_note + ".");
   text += SigmaNote(result) + RepeatNote(result);
@@ -177,7 +178,7 @@ std::string FitNotes(const JobResult& result) {
   return text.empty() ? "" : "\n" + text;
 }
 
-std::string AcceptanceTable(const JobResult& result) {
+std::string AcceptanceTable(const CalibrationResult& result) {
   if (result.acceptance.empty()) return "";
   TextTable table({{"acceptance limit"},
                    {"unit"},
@@ -201,12 +202,12 @@ std::string FirstRows(std::size_t count) {
 
 }  // namespace
 
-std::string AccuracySection(const JobResult& result) {
+std::string AccuracySection(const CalibrationResult& result) {
   return FormatAccuracyTable(result) + StagesTable(result) + FitNotes(result) +
          AcceptanceTable(result);
 }
 
-std::string OutlierTable(const JobResult& result) {
+std::string OutlierTable(const CalibrationResult& result) {
   if (result.outliers.empty()) return "";
   TextTable table({{"observation", Align::kRight},
                    {"kind"},
@@ -236,7 +237,7 @@ std::string OutlierTable(const JobResult& result) {
          FirstRows(result.outliers.size()) + table.ToString();
 }
 
-std::string RejectedRowTable(const JobResult& result) {
+std::string RejectedRowTable(const CalibrationResult& result) {
   if (result.rejected.empty()) return "";
   TextTable table({{"file"}, {"line", Align::kRight}, {"reason"}});
   std::size_t count = 0;
@@ -250,7 +251,7 @@ std::string RejectedRowTable(const JobResult& result) {
          FirstRows(result.rejected.size()) + table.ToString();
 }
 
-std::string FormatAccuracyTable(const JobResult& result) {
+std::string FormatAccuracyTable(const CalibrationResult& result) {
   TextTable table = MakeAccuracyTable("position error [mm]");
   const auto add_set = [&](const std::string& poses, const EvaluatedSet& set) {
     AddAccuracy(poses, "before", set.before, Dimension::kLength, &table);

@@ -9,11 +9,11 @@ namespace alidade::internal {
 
 /// Accuracy before and after, by stages and by cross-validation, how the
 /// residuals compare with the sigmas, and the acceptance limits.
-std::string AccuracySection(const JobResult& result);
+std::string AccuracySection(const CalibrationResult& result);
 
 /// Empty where there are none.
-std::string OutlierTable(const JobResult& result);
-std::string RejectedRowTable(const JobResult& result);
+std::string OutlierTable(const CalibrationResult& result);
+std::string RejectedRowTable(const CalibrationResult& result);
 
 }  // namespace alidade::internal
 

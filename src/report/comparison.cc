@@ -120,7 +120,7 @@ struct Difference {
   double value = 0.0;
 };
 
-std::vector<Difference> LargestDifferences(const JobResult& result,
+std::vector<Difference> LargestDifferences(const CalibrationResult& result,
                                            const Eigen::VectorXd& difference,
                                            Dimension dimension) {
   std::vector<Difference> found;
@@ -146,7 +146,7 @@ std::string DifferenceText(const Difference& difference) {
          (length ? " mm" : " rad");
 }
 
-std::string DifferenceSentence(const JobResult& result,
+std::string DifferenceSentence(const CalibrationResult& result,
                                const SolverRun& other) {
   const SolverRun& first = result.runs.front();
   const auto size = static_cast<Eigen::Index>(result.parameters.size());
@@ -165,7 +165,7 @@ std::string DifferenceSentence(const JobResult& result,
   return names + ", largest differences: " + Join(parts, ", ");
 }
 
-std::string Differences(const JobResult& result) {
+std::string Differences(const CalibrationResult& result) {
   std::string text;
   for (std::size_t i = 1; i < result.runs.size(); ++i) {
     const std::string sentence = DifferenceSentence(result, result.runs[i]);
@@ -176,7 +176,7 @@ std::string Differences(const JobResult& result) {
 
 }  // namespace
 
-std::string FormatComparison(const JobResult& result) {
+std::string FormatComparison(const CalibrationResult& result) {
   if (result.runs.empty()) return "No solver has run.\n";
   return OutcomeTable(result.runs) + IterationTable(result.runs) +
          Differences(result);

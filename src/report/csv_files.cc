@@ -157,7 +157,7 @@ std::string FormatIterations(const std::vector<SolverRun>& runs) {
 
 }  // namespace
 
-std::vector<ReportFile> MakeCsvFiles(const JobResult& result) {
+std::vector<ReportFile> MakeCsvFiles(const CalibrationResult& result) {
   std::vector<ReportFile> files;
   files.emplace_back("residuals.csv", FormatObservations(result.train));
   if (result.heldout) {

@@ -165,7 +165,7 @@ std::string ConvergenceFigure(const std::vector<SolverRun>& runs) {
 
 }  // namespace
 
-std::vector<ReportFile> MakeFigures(const JobResult& result) {
+std::vector<ReportFile> MakeFigures(const CalibrationResult& result) {
   const EvaluatedSet& train = result.train;
   std::vector<ReportFile> files;
   files.emplace_back(

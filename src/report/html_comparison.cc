@@ -73,7 +73,7 @@ std::string LayoutJson(const std::vector<ParameterResult>& parameters) {
 }
 
 // What is known of the standard deviation of parameter `i`.
-double StdOf(const JobResult& result, std::size_t i) {
+double StdOf(const CalibrationResult& result, std::size_t i) {
   const ParameterResult& parameter = result.parameters[i];
   if (result.uncertainty) {
     for (const ParameterUncertainty& known : result.uncertainty->parameters) {
@@ -84,7 +84,7 @@ double StdOf(const JobResult& result, std::size_t i) {
                                       : parameter.decision.predicted_std;
 }
 
-std::string ParametersJson(const JobResult& result) {
+std::string ParametersJson(const CalibrationResult& result) {
   std::string deviations, stds, states;
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
     const ParameterResult& parameter = result.parameters[i];
@@ -101,7 +101,7 @@ std::string ParametersJson(const JobResult& result) {
 
 // The same for results of the same measurements of the same arm: the job's own
 // file, the first, may differ.
-std::string DataKey(const JobResult& result) {
+std::string DataKey(const CalibrationResult& result) {
   std::vector<std::string> hashes;
   for (std::size_t i = 1; i < result.inputs.size(); ++i) {
     hashes.push_back(result.inputs[i].sha256);
@@ -136,7 +136,7 @@ const char* KeyOf(ComparisonKind kind) {
 }  // namespace
 
 ComparisonItem DescribeForComparison(const std::string& label,
-                                     const JobResult& result,
+                                     const CalibrationResult& result,
                                      const std::string& link) {
   const auto missed =
       std::count_if(result.acceptance.begin(), result.acceptance.end(),

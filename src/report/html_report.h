@@ -83,7 +83,7 @@ struct ComparisonItem {
 
 /// `link` leads from the page to the result's own; empty = there is none.
 ComparisonItem DescribeForComparison(const std::string& label,
-                                     const JobResult& result,
+                                     const CalibrationResult& result,
                                      const std::string& link);
 
 /// One page of several results. 1 to 2 kB of page a result; it holds what it
@@ -92,7 +92,7 @@ class ComparisonPage {
  public:
   void Add(const ComparisonItem& item);
   /// As DescribeForComparison.
-  void Add(const std::string& label, const JobResult& result,
+  void Add(const std::string& label, const CalibrationResult& result,
            const std::string& link) {
     Add(DescribeForComparison(label, result, link));
   }

@@ -34,13 +34,13 @@ struct ReportFile {
 /// or a hash is never broken). Lengths in mm, angles in deg; the study's tables
 /// and what compares with them in mm and rad.
 std::string FormatIdentifiability(const IdentifiabilityResult& result);
-std::string FormatParameters(const JobResult& result);
-std::string FormatAccuracyTable(const JobResult& result);
+std::string FormatParameters(const CalibrationResult& result);
+std::string FormatAccuracyTable(const CalibrationResult& result);
 /// Published against obtained; empty without a study.
-std::string FormatStudyTable(const JobResult& result);
+std::string FormatStudyTable(const CalibrationResult& result);
 /// Every solver side by side: outcome, cost and error per iteration, time,
 /// and where the values differ.
-std::string FormatComparison(const JobResult& result);
+std::string FormatComparison(const CalibrationResult& result);
 /// What noise does to each way of calibrating: a table, and in words what it
 /// shows.
 std::string FormatNoiseStudy(const NoiseStudyResult& study);
@@ -60,8 +60,9 @@ std::vector<ReportFile> MakePredictionFiles(
 /// .svg, residual_histogram.svg, heldout_z_scores.svg; those that there is
 /// something for. influence.csv is made of `result` when it is written:
 /// ReportFile.
-std::vector<ReportFile> MakeUncertaintyFiles(const JobResult& result);
-std::vector<ReportFile> MakeUncertaintyFiles(const JobResult&&) = delete;
+std::vector<ReportFile> MakeUncertaintyFiles(const CalibrationResult& result);
+std::vector<ReportFile> MakeUncertaintyFiles(const CalibrationResult&&) =
+    delete;
 /// What simulated calibrations showed: a table of the parameters, and in words
 /// what is left over the workspace.
 std::string FormatMonteCarlo(const MonteCarloResult& result);
@@ -73,16 +74,16 @@ std::vector<ReportFile> MakeMonteCarloFiles(const MonteCarloResult& result);
 std::vector<ReportFile> MakeIdentifiabilityFigures(
     const IdentifiabilityResult& result);
 /// The whole report.txt.
-std::string FormatReport(const JobResult& result);
+std::string FormatReport(const CalibrationResult& result);
 
 /// residuals.csv (training poses), heldout.csv (with validation poses),
 /// iterations.csv. Numbers read back to the same bits of the unit shown.
 /// The first two are made of `result` when they are written: ReportFile.
-std::vector<ReportFile> MakeCsvFiles(const JobResult& result);
-std::vector<ReportFile> MakeCsvFiles(const JobResult&&) = delete;
+std::vector<ReportFile> MakeCsvFiles(const CalibrationResult& result);
+std::vector<ReportFile> MakeCsvFiles(const CalibrationResult&&) = delete;
 /// error_before.svg, error_after.svg, convergence.svg, and, with validation
 /// poses, validation_before.svg, validation_after.svg.
-std::vector<ReportFile> MakeFigures(const JobResult& result);
+std::vector<ReportFile> MakeFigures(const CalibrationResult& result);
 
 }  // namespace alidade::internal
 

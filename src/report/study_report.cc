@@ -207,7 +207,7 @@ std::string ExplainAbsorptions(const StudyResult& study) {
 
 std::string Decimals(int count) { return Count(count, "decimal"); }
 
-std::string ExplainPrintedTable(const JobResult& result) {
+std::string ExplainPrintedTable(const CalibrationResult& result) {
   const StudyResult& study = *result.study;
   const Accuracy& printed = study.as_printed;
   if (printed.n == 0) return "";
@@ -260,7 +260,7 @@ std::string ExplainTime(const StudyResult& study) {
 
 }  // namespace
 
-std::string FormatStudyTable(const JobResult& result) {
+std::string FormatStudyTable(const CalibrationResult& result) {
   if (!result.study) return "";
   const StudyResult& study = *result.study;
   return Paragraph("Published: " + study.source) + RowTable(study) +

@@ -82,7 +82,7 @@ std::string Change(const std::string& poses, const EvaluatedSet& set) {
 }
 
 // "The largest position error falls from ... to ... at ...; ", or nothing.
-std::string Changes(const JobResult& result) {
+std::string Changes(const CalibrationResult& result) {
   std::vector<std::string> changes;
   bool falls = true;
   const auto add = [&](const std::string& poses, const EvaluatedSet& set) {
@@ -97,7 +97,7 @@ std::string Changes(const JobResult& result) {
          (falls ? "falls " : "goes ") + Join(changes, " and ") + "; ";
 }
 
-std::string AcceptanceVerdict(const JobResult& result) {
+std::string AcceptanceVerdict(const CalibrationResult& result) {
   if (result.acceptance.empty()) return "no acceptance limits were set";
   const auto missed =
       std::count_if(result.acceptance.begin(), result.acceptance.end(),
@@ -110,7 +110,7 @@ std::string AcceptanceVerdict(const JobResult& result) {
 }
 
 // One sentence: what the calibration did, and whether to use it.
-std::string Verdict(const JobResult& result) {
+std::string Verdict(const CalibrationResult& result) {
   if (result.runs.empty()) {
     const std::string& refusal = result.identifiability.refusal;
     return "Nothing was calibrated: " +
@@ -126,7 +126,7 @@ std::string Verdict(const JobResult& result) {
   return Changes(result) + text + "; " + AcceptanceVerdict(result) + ".";
 }
 
-std::string SolverMessages(const JobResult& result) {
+std::string SolverMessages(const CalibrationResult& result) {
   std::string text = "\n";
   for (const SolverRun& run : result.runs) {
     text +=
@@ -136,7 +136,7 @@ std::string SolverMessages(const JobResult& result) {
   return text;
 }
 
-std::string Provenance(const JobResult& result) {
+std::string Provenance(const CalibrationResult& result) {
   double solve_time = 0.0;
   if (!result.runs.empty()) {
     const SolverSummary& summary = result.runs.front().summary;
@@ -157,7 +157,7 @@ std::string Provenance(const JobResult& result) {
 }
 
 // "tool2: smr2, point1: A".
-std::string Aliases(const JobResult& result) {
+std::string Aliases(const CalibrationResult& result) {
   std::vector<std::string> names;
   for (const auto& [block, name] : result.aliases) {
     names.push_back(block + " is " + name);
@@ -172,7 +172,7 @@ std::string Section(const std::string& title, const std::string& body) {
 
 }  // namespace
 
-std::string FormatParameters(const JobResult& result) {
+std::string FormatParameters(const CalibrationResult& result) {
   ParameterColumns columns;
   for (const ParameterResult& parameter : result.parameters) {
     columns.std |= std::isfinite(parameter.std);
@@ -194,7 +194,7 @@ std::string FormatParameters(const JobResult& result) {
   return text;
 }
 
-std::string FormatReport(const JobResult& result) {
+std::string FormatReport(const CalibrationResult& result) {
   const std::string title =
       result.title.empty() ? "Calibration of " + result.arm : result.title;
   std::string text = Heading(title, '=') + "\n";

@@ -25,7 +25,8 @@ constexpr double kDominates = 1.0;
 
 std::string Percent(double rate) { return FixedNumber(100.0 * rate, 1) + " %"; }
 
-const ParameterResult* Find(const JobResult& result, const std::string& name) {
+const ParameterResult* Find(const CalibrationResult& result,
+                            const std::string& name) {
   for (const ParameterResult& parameter : result.parameters) {
     if (parameter.name == name) return &parameter;
   }
@@ -37,7 +38,7 @@ std::string InUnit(double value, Dimension dimension, int digits) {
   return FormatSignificant(value / unit, digits);
 }
 
-std::string IntervalTable(const JobResult& result) {
+std::string IntervalTable(const CalibrationResult& result) {
   TextTable table({{"name"},
                    {"unit"},
                    {"deviation", Align::kRight},
@@ -269,7 +270,7 @@ std::string MapCsv(const PredictedMap& map,
 
 }  // namespace
 
-std::string UncertaintySection(const JobResult& result) {
+std::string UncertaintySection(const CalibrationResult& result) {
   if (!result.uncertainty) return "";
   const UncertaintyResult& uncertainty = *result.uncertainty;
   std::string text = Paragraph(
@@ -315,7 +316,7 @@ std::vector<ReportFile> MakePredictionFiles(
   return files;
 }
 
-std::vector<ReportFile> MakeUncertaintyFiles(const JobResult& result) {
+std::vector<ReportFile> MakeUncertaintyFiles(const CalibrationResult& result) {
   std::vector<ReportFile> files;
   if (!result.uncertainty) return files;
   const UncertaintyResult& uncertainty = *result.uncertainty;

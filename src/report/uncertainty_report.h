@@ -10,7 +10,7 @@ namespace alidade::internal {
 /// The section of report.txt: intervals, what can only be told together, the
 /// residuals, what is predicted over the workspace and at held-out poses.
 /// Empty where it was not assessed.
-std::string UncertaintySection(const JobResult& result);
+std::string UncertaintySection(const CalibrationResult& result);
 
 }  // namespace alidade::internal
 

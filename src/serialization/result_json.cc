@@ -236,7 +236,7 @@ Json ToJson(const StudyResult& study) {
 
 }  // namespace
 
-std::string FormatResultJson(const JobResult& result) {
+std::string FormatResultJson(const CalibrationResult& result) {
   Json json = {{"format", kResultFormat},
                {"version", result.version},
                {"command", result.command},

@@ -10,11 +10,11 @@ namespace alidade::internal {
 /// A result for machines (docs/files.md, "result.json"): SI units, stable keys,
 /// every number with the digits that read back to the same bits, NaN and
 /// infinities as null.
-std::string FormatResultJson(const JobResult& result);
+std::string FormatResultJson(const CalibrationResult& result);
 
 /// Reads result.json back as far as `show` needs it: all but the per-pose
 /// arrays, which live in residuals.csv. @throws InputError.
-JobResult LoadResultJson(const std::string& path);
+CalibrationResult LoadResultJson(const std::string& path);
 
 }  // namespace alidade::internal
 

@@ -304,7 +304,7 @@ void CheckFormat(const JsonValue& json) {
 }
 
 // What is known of the measurements besides their fit.
-void ReadMeasurements(const JsonValue& json, JobResult* result) {
+void ReadMeasurements(const JsonValue& json, CalibrationResult* result) {
   if (json.Has("cross_validation")) {
     result->cross_validation = ReadCrossValidation(json["cross_validation"]);
   }
@@ -321,11 +321,11 @@ void ReadMeasurements(const JsonValue& json, JobResult* result) {
 
 }  // namespace
 
-JobResult LoadResultJson(const std::string& path) {
+CalibrationResult LoadResultJson(const std::string& path) {
   const Json root = ParseJson(path);
   const JsonValue json(path, "", root);
   CheckFormat(json);
-  JobResult result;
+  CalibrationResult result;
   result.version = json["version"].Text();
   result.command = json["command"].Text();
   result.title = json["title"].Text();

@@ -60,7 +60,7 @@ JobConfig FarArmJob(int num_poses, double sigma) {
 TEST(FramesTest, AreFoundMetresAndHalfATurnAway) {
   const JobOutcome outcome = RunJob(FarArmJob(100, kSigma), "test", 1);
   ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
-  const JobResult& result = outcome.result;
+  const CalibrationResult& result = outcome.result;
   EXPECT_FALSE(result.before_note.empty());
   // 4R + 2P + 3 = 27 for six revolute joints and a point.
   EXPECT_EQ(result.identifiability.num_free, 27);
@@ -126,7 +126,7 @@ TEST(FramesTest, AreFoundUnderEveryLossThoughResidualsAreManySigmas) {
     job.loss = loss;
     const JobOutcome outcome = RunJob(job, "test", 1);
     ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
-    const JobResult& result = outcome.result;
+    const CalibrationResult& result = outcome.result;
     EXPECT_FALSE(result.before_note.empty());
     EXPECT_EQ(result.identifiability.num_free, 27);
     ASSERT_EQ(result.stages.size(), 3u);
@@ -156,7 +156,7 @@ TEST(FramesTest, WhatTheModelLeavesIsAddedToStatedSigmas) {
   EXPECT_NEAR(outcome.result.reduced_chi_square, 1.0, 0.05);
 }
 
-bool IsWarnedOf(const JobResult& result, const std::string& words) {
+bool IsWarnedOf(const CalibrationResult& result, const std::string& words) {
   return std::any_of(result.warnings.begin(), result.warnings.end(),
                      [&](const std::string& warning) {
                        return warning.find(words) != std::string::npos;
@@ -172,7 +172,7 @@ TEST(FramesTest, TooFewPosesForASigmaLeaveParametersNearNominal) {
   job.estimate_sigma = true;
   const JobOutcome outcome = RunJob(job, "test", 1);
   ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
-  const JobResult& result = outcome.result;
+  const CalibrationResult& result = outcome.result;
   EXPECT_TRUE(IsWarnedOf(result, "too few measurements to tell sigma"));
   // What the nominal geometry leaves: a millimetre or so, not the noise.
   EXPECT_GT(result.estimated_sigma, 2e-4);

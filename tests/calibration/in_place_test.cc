@@ -53,8 +53,8 @@ TEST_F(InPlaceTest, AJobHasTheBitsThatItHasOfACopy) {
   EXPECT_EQ(stride_, 11);  // joints, a position and its sigmas
   ASSERT_EQ(copied.status, JobStatus::kDone) << copied.message;
   ASSERT_EQ(in_place.status, JobStatus::kDone) << in_place.message;
-  const JobResult& a = copied.result;
-  const JobResult& b = in_place.result;
+  const CalibrationResult& a = copied.result;
+  const CalibrationResult& b = in_place.result;
   EXPECT_EQ(a.runs[0].values, b.runs[0].values);
   EXPECT_EQ(a.train.joint_values, b.train.joint_values);
   EXPECT_EQ(a.train.positions, b.train.positions);

@@ -25,7 +25,8 @@ JobConfig LoadStudy(const std::string& name = "rv2aj_study") {
                  ".yaml");
 }
 
-const ParameterResult& Find(const JobResult& result, const std::string& name) {
+const ParameterResult& Find(const CalibrationResult& result,
+                            const std::string& name) {
   for (const ParameterResult& parameter : result.parameters) {
     if (parameter.name == name) return parameter;
   }
@@ -35,7 +36,7 @@ const ParameterResult& Find(const JobResult& result, const std::string& name) {
 TEST(JobTest, StudyReachesItsPublishedFigures) {
   const JobOutcome outcome = RunJob(LoadStudy(), "test", 2);
   ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
-  const JobResult& result = outcome.result;
+  const CalibrationResult& result = outcome.result;
   ASSERT_EQ(result.runs.size(), 2u);
   for (const SolverRun& run : result.runs) {
     EXPECT_EQ(run.summary.status, SolverStatus::kRoundingFloor);

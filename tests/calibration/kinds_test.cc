@@ -22,7 +22,7 @@
 namespace alidade::internal {
 namespace {
 
-JobResult Calibrate(const JobConfig& job) {
+CalibrationResult Calibrate(const JobConfig& job) {
   const JobOutcome outcome = RunJob(job, "test", 1);
   EXPECT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
   EXPECT_NEAR(outcome.result.reduced_chi_square, 1.0, 0.3);
@@ -33,7 +33,8 @@ JobResult Calibrate(const JobConfig& job) {
 TEST(KindsTest, PosesFindTheFrameOfTheTargetToo) {
   const Arm real = RealArm();
   const Eigen::MatrixXd q = DrawJointValues(real, 100, 5);
-  const JobResult result = Calibrate(JobOf(Bench(real, q).Poses().data()));
+  const CalibrationResult result =
+      Calibrate(JobOf(Bench(real, q).Poses().data()));
   // 4R + 2P + 6 = 30.
   EXPECT_EQ(result.identifiability.num_free, 30);
   // Noise has norms of 0.087 mm and 0.030 deg in three coordinates.
@@ -82,7 +83,7 @@ TEST(KindsTest, AxesThatWereNotMeasuredDoNotCount) {
     data.blocks[0].sigmas.edit()(1, i) =
         std::numeric_limits<double>::infinity();
   }
-  const JobResult result = Calibrate(JobOf(data));
+  const CalibrationResult result = Calibrate(JobOf(data));
   // The root mean square of the norms of 2 and 3 coordinates alternately.
   EXPECT_NEAR(result.heldout->after.rms, 8.2e-5, 1.5e-5);
 }
@@ -112,7 +113,7 @@ TEST(KindsTest, TwoWiresFindTheirAnchorsAndTheTarget) {
   job.arm.instrument_from_base = real.instrument_from_base;
   job.identifiability.candidates = {true, false, true};
   job.references.points = {{"left"}, {"right"}};
-  const JobResult result = Calibrate(job);
+  const CalibrationResult result = Calibrate(job);
   EXPECT_NEAR(result.heldout->after.rms, kSigma, 0.25 * kSigma);
   EXPECT_GT(result.heldout->before.rms, 5.0 * kSigma);
   ASSERT_EQ(result.aliases.size(), 2u);
@@ -176,7 +177,7 @@ TEST(KindsTest, ABallInSocketsAKnownDistanceApartIsEnough) {
   job.identifiability.candidates = {true, false, true};
   job.references.points = {{"a/0"}, {"a/1"}, {"b/0"}, {"b/1"}};
   job.estimate_sigma = true;
-  const JobResult result = Calibrate(job);
+  const CalibrationResult result = Calibrate(job);
   EXPECT_GT(result.heldout->before.rms, 1e-3);
   EXPECT_LT(result.heldout->after.rms, 2e-4);
   EXPECT_GT(result.heldout->after.rms, 2e-5);
@@ -236,7 +237,7 @@ TEST(KindsTest, ContactWithAPlaneFindsThePlane) {
   job.identifiability.candidates = {true, false, false};
   job.references.planes = {{"table"}};
   job.estimate_sigma = true;
-  const JobResult result = Calibrate(job);
+  const CalibrationResult result = Calibrate(job);
   EXPECT_LT(result.heldout->after.rms, 1.5e-4);
   EXPECT_GT(result.heldout->before.rms, 3.0 * result.heldout->after.rms);
 }
@@ -248,7 +249,7 @@ TEST(KindsTest, KindsMixFreely) {
       JobOf(Bench(real, q).Poses().Distances(0, {3.0, -2.0, 0.0}).data());
   job.references.points = {{"anchor"}};
   job.folds = FoldsConfig{4, 1};
-  const JobResult result = Calibrate(job);
+  const CalibrationResult result = Calibrate(job);
   EXPECT_EQ(result.identifiability.num_free, 33);
   ASSERT_TRUE(result.cross_validation.has_value());
   EXPECT_EQ(result.cross_validation->folds, 4);
@@ -267,7 +268,7 @@ TEST(KindsTest, SigmasOfLengthsAndOrientationsAreEstimatedApart) {
   job.data.blocks[0].sigmas.edit().topRows<3>() *= 4.0;
   job.data.blocks[0].sigmas.edit().bottomRows<3>() /= 5.0;
   job.estimate_sigma = true;
-  const JobResult result = Calibrate(job);
+  const CalibrationResult result = Calibrate(job);
   EXPECT_NEAR(result.estimated_sigma, kSigma, 0.12 * kSigma);
   EXPECT_NEAR(result.estimated_rotation_sigma, kRotationSigma,
               0.12 * kRotationSigma);

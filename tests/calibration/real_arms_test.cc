@@ -42,7 +42,7 @@ TEST_P(RealArmTest, IsAsAccurateOnHeldOutPosesAsAPlainFitOrBetter) {
   }
   const JobOutcome outcome = RunJob(LoadJob(path), "test", 2);
   ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
-  const JobResult& result = outcome.result;
+  const CalibrationResult& result = outcome.result;
   EXPECT_EQ(result.identifiability.structural_rank.rank, GetParam().rank);
   EXPECT_EQ(result.identifiability.num_free, GetParam().rank);
   EXPECT_NEAR(result.heldout->after.mean * 1e3, GetParam().plain,

@@ -137,7 +137,7 @@ class Bench {
 Files ResultOf(JobOutcome outcome) {
   EXPECT_NE(outcome.status, JobStatus::kRefused) << outcome.message;
   EXPECT_NE(outcome.status, JobStatus::kFailed) << outcome.message;
-  JobResult& result = outcome.result;
+  CalibrationResult& result = outcome.result;
   result.identify_time_s = 0.0;
   result.total_time_s = 0.0;
   for (SolverRun& run : result.runs) {

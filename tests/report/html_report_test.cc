@@ -131,8 +131,9 @@ TEST(ResultPageTest, HoldsItsSourcesAndNothingFromElsewhere) {
   EXPECT_EQ(entry["picture"]["lines"][0][1][2], 100.0);
 }
 
-JobResult MakeResult(const std::string& arm, const std::string& data_hash) {
-  JobResult result;
+CalibrationResult MakeResult(const std::string& arm,
+                             const std::string& data_hash) {
+  CalibrationResult result;
   result.arm = arm;
   result.inputs = {{"job.yaml", data_hash + "of the job"},
                    {"data.csv", data_hash}};
@@ -150,7 +151,7 @@ TEST(ComparisonPageTest, SharesLayoutsAndCountsWhatDoesNotFit) {
   ComparisonPage page;
   page.Add("<first>", MakeResult("arm", "a"), "first/report.html");
   page.Add("second", MakeResult("arm", "b"), "");
-  JobResult other = MakeResult("arm", "c");
+  CalibrationResult other = MakeResult("arm", "c");
   other.parameters[0].nominal = 0.3;
   page.Add("third", other, "");
   page.AddFailure("fourth", "the solver </script> failed");
@@ -172,7 +173,7 @@ TEST(ComparisonPageTest, SharesLayoutsAndCountsWhatDoesNotFit) {
 TEST(ComparisonPageTest, SameDataOfTheSameArmAreWays) {
   ComparisonPage same;
   same.Add("a", MakeResult("arm", "x"), "");
-  JobResult other_job = MakeResult("arm", "x");
+  CalibrationResult other_job = MakeResult("arm", "x");
   other_job.inputs[0].sha256 = "another job";
   same.Add("b", other_job, "");
   EXPECT_EQ(same.GuessKind(), ComparisonKind::kWays);

@@ -25,7 +25,7 @@ using testing::MakeResult;
 using testing::MakeSet;
 
 TEST(MakeCsvFilesTest, ColumnsReadBack) {
-  const JobResult result = MakeResult();
+  const CalibrationResult result = MakeResult();
   const std::vector<std::string> lines =
       Lines(ContentOf(MakeCsvFiles(result), "residuals.csv"));
   ASSERT_EQ(lines.size(), 6U);
@@ -53,7 +53,7 @@ TEST(MakeCsvFilesTest, ColumnsReadBack) {
 // Longer than a piece: nothing is lost, doubled or out of order where one ends.
 TEST(MakeCsvFilesTest, GivesManyRowsInSeveralPieces) {
   constexpr int kPoses = 10000;
-  JobResult result = MakeResult();
+  CalibrationResult result = MakeResult();
   result.train = MakeSet(kPoses, 5.21e-3, 2.1e-16);
   const ReportFile file = MakeCsvFiles(result).front();
   ASSERT_EQ(file.name, "residuals.csv");
@@ -80,7 +80,7 @@ TEST(MakeCsvFilesTest, GivesManyRowsInSeveralPieces) {
 }
 
 TEST(MakeUncertaintyFilesTest, InfluenceHasARowForEachPose) {
-  JobResult result = MakeResult();
+  CalibrationResult result = MakeResult();
   result.uncertainty.emplace();
   result.uncertainty->residuals.poses = {{0, "", 0.25, 1e-3, 1.5},
                                          {2, "a.csv:4", 0.5, 0.0, 2.0}};
@@ -91,7 +91,7 @@ TEST(MakeUncertaintyFilesTest, InfluenceHasARowForEachPose) {
 }
 
 TEST(MakeCsvFilesTest, HasEveryIterationOfEverySolver) {
-  const JobResult result = MakeResult();
+  const CalibrationResult result = MakeResult();
   const std::vector<std::string> lines =
       Lines(ContentOf(MakeCsvFiles(result), "iterations.csv"));
   ASSERT_EQ(lines.size(), 1U + 4U + 3U);
@@ -108,7 +108,7 @@ TEST(MakeCsvFilesTest, HasEveryIterationOfEverySolver) {
 }
 
 TEST(MakeCsvFilesTest, HasValidationPosesOnlyWhereThereAreAny) {
-  JobResult result = MakeResult();
+  CalibrationResult result = MakeResult();
   EXPECT_EQ(Lines(ContentOf(MakeCsvFiles(result), "heldout.csv")).size(), 21U);
   result.heldout.reset();
   EXPECT_EQ(MakeCsvFiles(result).size(), 2U);
@@ -130,7 +130,7 @@ TEST(MakeFiguresTest, EachIsWellFormedAndHasItsHeadline) {
 }
 
 TEST(MakeFiguresTest, ValidationIsAMapOnlyInAHorizontalPlane) {
-  JobResult result = MakeResult();
+  CalibrationResult result = MakeResult();
   EXPECT_TRUE(Contains(ContentOf(MakeFigures(result), "validation_after.svg"),
                        ">x [mm]</text>"));
   result.heldout->positions.edit()(2, 3) += 0.05;
@@ -150,14 +150,14 @@ TEST(MakeFiguresTest, DependsOnNothingButTheResult) {
 }
 
 TEST(MakeFiguresTest, SaysNoDataForAnEmptyResult) {
-  for (const ReportFile& file : MakeFigures(JobResult())) {
+  for (const ReportFile& file : MakeFigures(CalibrationResult())) {
     EXPECT_EQ(WhatIsMalformed(file.Text()), "");
     EXPECT_TRUE(Contains(file.Text(), "no data")) << file.name;
   }
 }
 
 std::vector<std::string> MixedLines() {
-  JobResult result = MakeResult();
+  CalibrationResult result = MakeResult();
   result.train = MakeMixedSet();
   return Lines(ContentOf(MakeCsvFiles(result), "residuals.csv"));
 }
@@ -183,7 +183,7 @@ TEST(MakeCsvFilesTest, LabelsObservationsOfSeveralKinds) {
 }
 
 TEST(MakeCsvFilesTest, HasNoColumnsOfRotationsWithoutOrientations) {
-  JobResult result = MakeResult();
+  CalibrationResult result = MakeResult();
   result.train = MakeMixedSet();
   result.train.rotation_residual_before.resize(3, 0);
   result.train.rotation_residual_after.resize(3, 0);
@@ -195,7 +195,7 @@ TEST(MakeCsvFilesTest, HasNoColumnsOfRotationsWithoutOrientations) {
 
 // No name breaks the lines of a table.
 TEST(MakeCsvFilesTest, KeepsAnObservationInOneLine) {
-  JobResult result = MakeResult();
+  CalibrationResult result = MakeResult();
   result.train = MakeMixedSet();
   result.train.labels[0].target = "one\ntwo";
   const std::vector<std::string> lines =

@@ -70,7 +70,7 @@ TEST(FormatParametersTest, PrintsMillimetresAndDegrees) {
 }
 
 TEST(FormatParametersTest, HasColumnsOfStdAndTruthWhereTheyAreKnown) {
-  JobResult result = MakeResult();
+  CalibrationResult result = MakeResult();
   EXPECT_FALSE(Contains(FormatParameters(result), " std "));
   result.parameters[1].std = 2.5e-5;
   for (auto& parameter : result.parameters) parameter.truth.reset();
@@ -93,7 +93,7 @@ TEST(FormatAccuracyTableTest, HasBeforeAndAfterOfBothSets) {
 }
 
 TEST(FormatStudyTableTest, IsEmptyWithoutAStudy) {
-  JobResult result = MakeResult();
+  CalibrationResult result = MakeResult();
   result.study.reset();
   EXPECT_EQ(FormatStudyTable(result), "");
   EXPECT_FALSE(Contains(FormatReport(result), "Published"));
@@ -119,7 +119,7 @@ TEST(FormatStudyTableTest, ExplainsWhatAFrozenParameterDoes) {
 }
 
 TEST(FormatStudyTableTest, ClaimsNoExplanationThatTheNumbersDoNotBear) {
-  JobResult result = MakeResult();
+  CalibrationResult result = MakeResult();
   result.study->absorptions[0].amount = 1e-7;
   const std::string flat = Flat(FormatStudyTable(result));
   EXPECT_FALSE(Contains(flat, "explains"));
@@ -129,7 +129,7 @@ TEST(FormatStudyTableTest, ClaimsNoExplanationThatTheNumbersDoNotBear) {
 }
 
 TEST(FormatStudyTableTest, ExplainsThePrintedTable) {
-  JobResult result = MakeResult();
+  CalibrationResult result = MakeResult();
   const std::string flat = Flat(FormatStudyTable(result));
   EXPECT_TRUE(Contains(flat,
                        "angles to 4 decimals of a radian, lengths to 1 "
@@ -168,13 +168,13 @@ TEST(FormatComparisonTest, ShowsSolversSideBySide) {
 }
 
 TEST(FormatComparisonTest, SaysWhereValuesAreTheSame) {
-  JobResult result = MakeResult();
+  CalibrationResult result = MakeResult();
   result.runs[1].values = result.runs[0].values;
   EXPECT_TRUE(Contains(FormatComparison(result), "the same to the last bit"));
 }
 
 TEST(FormatComparisonTest, ShortensALongHistory) {
-  JobResult result = MakeResult();
+  CalibrationResult result = MakeResult();
   result.runs[0] = MakeRun("ceres", std::vector<double>(1001, 1e-3));
   const std::string text = FormatComparison(result);
   EXPECT_LT(Lines(text).size(), 60U);
@@ -217,7 +217,7 @@ TEST(FormatReportTest, HasNoLineOverAHundredColumns) {
 }
 
 TEST(FormatReportTest, ShoutsAMissedLimit) {
-  JobResult result = MakeResult();
+  CalibrationResult result = MakeResult();
   result.acceptance.push_back({"heldout_max", 1e-16, 3e-16});
   const std::string flat = Flat(FormatReport(result));
   EXPECT_TRUE(Contains(flat, "1 of 2 acceptance limits MISSED."));
@@ -225,16 +225,16 @@ TEST(FormatReportTest, ShoutsAMissedLimit) {
 }
 
 TEST(FormatReportTest, SaysThatAnUnusableSolutionIsUnusable) {
-  JobResult result = MakeResult();
+  CalibrationResult result = MakeResult();
   result.runs[0].summary.status = SolverStatus::kFailed;
   EXPECT_TRUE(Contains(Flat(FormatReport(result)),
                        "NOT USABLE: Levenberg-Marquardt failed"));
 }
 
 TEST(FormatReportTest, WorksOnAnEmptyResult) {
-  const std::string text = FormatReport(JobResult());
+  const std::string text = FormatReport(CalibrationResult());
   EXPECT_TRUE(Contains(text, "Nothing was calibrated: no solver has run."));
-  JobResult refused;
+  CalibrationResult refused;
   refused.identifiability.exceeds_rank = true;
   refused.identifiability.refusal = "alpha5 depends on r2.";
   EXPECT_TRUE(Contains(FormatReport(refused),
@@ -242,8 +242,8 @@ TEST(FormatReportTest, WorksOnAnEmptyResult) {
 }
 
 // Training and validation poses of orientation, one of them each.
-JobResult MakeResultOfOrientations() {
-  JobResult result = MakeResult();
+CalibrationResult MakeResultOfOrientations() {
+  CalibrationResult result = MakeResult();
   result.train = MakeMixedSet();
   result.heldout = MakeMixedSet();
   result.heldout->rotation_after =
@@ -270,7 +270,7 @@ TEST(FormatReportTest, HasATableOfOrientations) {
 
 // Which kind and target errors belong to, of labelled observations alone.
 TEST(FormatReportTest, TellsKindsAndTargetsApart) {
-  JobResult result = MakeResult();
+  CalibrationResult result = MakeResult();
   EXPECT_FALSE(Contains(FormatReport(result), "of which"));
   result.train = MakeMixedSet();
   const std::string flat = Flat(FormatReport(result));
@@ -284,7 +284,7 @@ TEST(FormatReportTest, TellsKindsAndTargetsApart) {
 }
 
 TEST(FormatReportTest, HasCrossValidationOfBoth) {
-  JobResult result = MakeResultOfOrientations();
+  CalibrationResult result = MakeResultOfOrientations();
   result.cross_validation = CrossValidation{
       5, SummarizeErrors(Eigen::VectorXd::Constant(2, 0.002)),
       SummarizeErrors(Eigen::VectorXd::Constant(2, 0.0625 * kDegree))};
@@ -299,7 +299,7 @@ TEST(FormatReportTest, HasCrossValidationOfBoth) {
 }
 
 TEST(FormatReportTest, TellsWhatStagesBringToBoth) {
-  JobResult result = MakeResultOfOrientations();
+  CalibrationResult result = MakeResultOfOrientations();
   StageResult stage;
   stage.name = "frames only";
   stage.num_free = 12;
@@ -327,7 +327,7 @@ TEST(FormatReportTest, TellsWhatStagesBringToBoth) {
 }
 
 TEST(FormatReportTest, ListsRejectedRows) {
-  JobResult result = MakeResult();
+  CalibrationResult result = MakeResult();
   EXPECT_FALSE(Contains(FormatReport(result), "Rejected rows"));
   result.rejected = {{"poses.csv", 17, "q2 is no number"}};
   std::string flat = Flat(FormatReport(result));
@@ -345,7 +345,7 @@ TEST(FormatReportTest, ListsRejectedRows) {
 }
 
 TEST(FormatReportTest, TellsWhatRepeatsDifferBy) {
-  JobResult result = MakeResult();
+  CalibrationResult result = MakeResult();
   EXPECT_FALSE(Contains(FormatReport(result), "Repeated"));
   result.repeats.length = 2.5e-5;
   result.repeats.length_freedom = 27;
@@ -361,7 +361,7 @@ TEST(FormatReportTest, TellsWhatRepeatsDifferBy) {
 }
 
 TEST(FormatReportTest, NamesTargetsAndPointsAndUnitsOfLimits) {
-  JobResult result = MakeResultOfOrientations();
+  CalibrationResult result = MakeResultOfOrientations();
   result.aliases = {{"tool2", "smr2"}, {"point1", "A"}};
   result.acceptance.push_back(
       {"heldout_rotation_max", kDegree, 0.5 * kDegree, Dimension::kAngle});

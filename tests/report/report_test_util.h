@@ -178,8 +178,8 @@ inline StudyResult MakeStudy(const std::vector<ParameterResult>& parameters) {
   return study;
 }
 
-inline JobResult MakeResult() {
-  JobResult result;
+inline CalibrationResult MakeResult() {
+  CalibrationResult result;
   result.version = "1.2.3";
   result.command = "alidade calibrate job.yaml";
   result.title = "A calibration";

@@ -23,8 +23,8 @@ using testing::RoundTrip;
 
 // What data of several kinds, poses of orientation and imports of foreign files
 // add to a result.
-JobResult MakeResultOfKinds() {
-  JobResult result = MakeResult();
+CalibrationResult MakeResultOfKinds() {
+  CalibrationResult result = MakeResult();
   result.runs[0].summary.evaluation = "compressed";
   result.train.rotation_before = MakeAccuracy(0.1);
   result.train.rotation_after = MakeAccuracy(0.01);
@@ -60,14 +60,14 @@ void ExpectEqual(const StageResult& a, const StageResult& b) {
 }
 
 TEST(ResultJsonTest, KeepsTheEvaluationOfEachSolver) {
-  const JobResult read = RoundTrip(MakeResultOfKinds());
+  const CalibrationResult read = RoundTrip(MakeResultOfKinds());
   EXPECT_EQ(read.runs[0].summary.evaluation, "compressed");
   EXPECT_EQ(read.runs[1].summary.evaluation, "");
 }
 
 TEST(ResultJsonTest, KeepsAccuraciesOfRotations) {
-  const JobResult result = MakeResultOfKinds();
-  const JobResult read = RoundTrip(result);
+  const CalibrationResult result = MakeResultOfKinds();
+  const CalibrationResult read = RoundTrip(result);
   ExpectEqual(read.train.rotation_before, result.train.rotation_before);
   ExpectEqual(read.train.rotation_after, result.train.rotation_after);
   ASSERT_TRUE(read.heldout.has_value());
@@ -78,16 +78,16 @@ TEST(ResultJsonTest, KeepsAccuraciesOfRotations) {
 }
 
 TEST(ResultJsonTest, KeepsStagesWithTheirRotations) {
-  const JobResult result = MakeResultOfKinds();
-  const JobResult read = RoundTrip(result);
+  const CalibrationResult result = MakeResultOfKinds();
+  const CalibrationResult read = RoundTrip(result);
   ASSERT_EQ(read.stages.size(), 2U);
   ExpectEqual(read.stages[0], result.stages[0]);
   ExpectEqual(read.stages[1], result.stages[1]);
 }
 
 TEST(ResultJsonTest, KeepsCrossValidation) {
-  JobResult result = MakeResultOfKinds();
-  const JobResult read = RoundTrip(result);
+  CalibrationResult result = MakeResultOfKinds();
+  const CalibrationResult read = RoundTrip(result);
   ASSERT_TRUE(read.cross_validation.has_value());
   EXPECT_EQ(read.cross_validation->folds, 7);
   ExpectEqual(read.cross_validation->position,
@@ -101,8 +101,8 @@ TEST(ResultJsonTest, KeepsCrossValidation) {
 }
 
 TEST(ResultJsonTest, KeepsRejectedRowsAndAliases) {
-  const JobResult result = MakeResultOfKinds();
-  const JobResult read = RoundTrip(result);
+  const CalibrationResult result = MakeResultOfKinds();
+  const CalibrationResult read = RoundTrip(result);
   ASSERT_EQ(read.rejected.size(), 2U);
   for (int i = 0; i < 2; ++i) {
     EXPECT_EQ(read.rejected[i].file, result.rejected[i].file);
@@ -113,8 +113,8 @@ TEST(ResultJsonTest, KeepsRejectedRowsAndAliases) {
 }
 
 TEST(ResultJsonTest, KeepsReferences) {
-  const JobResult result = MakeResultOfKinds();
-  const JobResult read = RoundTrip(result);
+  const CalibrationResult result = MakeResultOfKinds();
+  const CalibrationResult read = RoundTrip(result);
   ASSERT_EQ(read.references.size(), 2U);
   for (int i = 0; i < 2; ++i) {
     EXPECT_EQ(read.references[i].block, result.references[i].block);
@@ -128,8 +128,8 @@ TEST(ResultJsonTest, KeepsReferences) {
 }
 
 TEST(ResultJsonTest, KeepsRepeatsAndTheFit) {
-  const JobResult result = MakeResultOfKinds();
-  const JobResult read = RoundTrip(result);
+  const CalibrationResult result = MakeResultOfKinds();
+  const CalibrationResult read = RoundTrip(result);
   EXPECT_EQ(read.repeats.length, result.repeats.length);
   EXPECT_EQ(read.repeats.length_freedom, 123456789012);
   EXPECT_EQ(read.repeats.rotation, result.repeats.rotation);
@@ -175,10 +175,10 @@ UncertaintyResult MakeUncertainty() {
 }
 
 TEST(ResultJsonTest, KeepsTheUncertainty) {
-  JobResult result = MakeResult();
+  CalibrationResult result = MakeResult();
   result.uncertainty = MakeUncertainty();
   result.sigma = 2e-5 / 3.0;
-  const JobResult read = RoundTrip(result);
+  const CalibrationResult read = RoundTrip(result);
   EXPECT_EQ(read.sigma, result.sigma);
   ASSERT_TRUE(read.uncertainty);
   const UncertaintyResult& a = *result.uncertainty;
@@ -214,7 +214,7 @@ TEST(ResultJsonTest, KeepsTheUncertainty) {
 }
 
 TEST(ResultJsonTest, KeepsTheUnitOfEachAcceptanceLimit) {
-  const JobResult read = RoundTrip(MakeResultOfKinds());
+  const CalibrationResult read = RoundTrip(MakeResultOfKinds());
   ASSERT_EQ(read.acceptance.size(), 3U);
   EXPECT_EQ(read.acceptance[0].dimension, Dimension::kLength);
   EXPECT_EQ(read.acceptance[2].dimension, Dimension::kAngle);

@@ -21,8 +21,8 @@ using testing::MakeStudy;
 using testing::RoundTrip;
 
 TEST(ResultJsonTest, KeepsProvenance) {
-  const JobResult result = MakeResult();
-  const JobResult read = RoundTrip(result);
+  const CalibrationResult result = MakeResult();
+  const CalibrationResult read = RoundTrip(result);
   EXPECT_EQ(read.version, result.version);
   EXPECT_EQ(read.command, result.command);
   EXPECT_EQ(read.title, result.title);
@@ -36,8 +36,8 @@ TEST(ResultJsonTest, KeepsProvenance) {
 }
 
 TEST(ResultJsonTest, KeepsParametersAndDecisions) {
-  const JobResult result = MakeResult();
-  const JobResult read = RoundTrip(result);
+  const CalibrationResult result = MakeResult();
+  const CalibrationResult read = RoundTrip(result);
   ASSERT_EQ(read.parameters.size(), 2U);
   for (int i = 0; i < 2; ++i) {
     const ParameterResult& a = read.parameters[i];
@@ -69,8 +69,8 @@ TEST(ResultJsonTest, KeepsIdentifiability) {
 }
 
 TEST(ResultJsonTest, KeepsRuns) {
-  const JobResult result = MakeResult();
-  const JobResult read = RoundTrip(result);
+  const CalibrationResult result = MakeResult();
+  const CalibrationResult read = RoundTrip(result);
   ASSERT_EQ(read.runs.size(), 2U);
   for (int i = 0; i < 2; ++i) {
     ExpectEqual(read.runs[i].summary, result.runs[i].summary);
@@ -86,7 +86,7 @@ TEST(ResultJsonTest, KeepsRuns) {
 }
 
 TEST(ResultJsonTest, KeepsEveryStatus) {
-  JobResult result = MakeResult();
+  CalibrationResult result = MakeResult();
   for (const SolverStatus status :
        {SolverStatus::kNotRun, SolverStatus::kConverged,
         SolverStatus::kRoundingFloor, SolverStatus::kIterationLimit,
@@ -97,8 +97,8 @@ TEST(ResultJsonTest, KeepsEveryStatus) {
 }
 
 TEST(ResultJsonTest, KeepsAccuracyAndAcceptance) {
-  const JobResult result = MakeResult();
-  const JobResult read = RoundTrip(result);
+  const CalibrationResult result = MakeResult();
+  const CalibrationResult read = RoundTrip(result);
   ExpectEqual(read.train, result.train);
   ASSERT_TRUE(read.heldout.has_value());
   ExpectEqual(*read.heldout, *result.heldout);
@@ -143,7 +143,7 @@ TEST(ResultJsonTest, KeepsTheStudy) {
 }
 
 TEST(ResultJsonTest, KeepsAnEmptyResult) {
-  const JobResult read = RoundTrip(JobResult());
+  const CalibrationResult read = RoundTrip(CalibrationResult());
   EXPECT_TRUE(read.parameters.empty() && read.runs.empty());
   EXPECT_FALSE(read.heldout || read.study);
 }
@@ -175,7 +175,7 @@ TEST(FormatResultJsonTest, GivesTheSameBytesTwice) {
 }
 
 TEST(FormatResultJsonTest, SurvivesTextThatIsNoUtf8) {
-  JobResult result = MakeResult();
+  CalibrationResult result = MakeResult();
   result.inputs[0].path = "\xff\xfe.yaml";
   EXPECT_NO_THROW(RoundTrip(result));
 }
@@ -271,10 +271,10 @@ TEST(LoadResultJsonTest, SurvivesDeepNestingAndOtherRoots) {
 }
 
 TEST(LoadResultJsonTest, ReadsNullAsNotANumber) {
-  JobResult result = MakeResult();
+  CalibrationResult result = MakeResult();
   result.parameters[0].value = kInfinity;
   result.parameters[1].value = kNan;
-  const JobResult read = RoundTrip(result);
+  const CalibrationResult read = RoundTrip(result);
   EXPECT_TRUE(std::isnan(read.parameters[0].value));
   EXPECT_TRUE(std::isnan(read.parameters[1].value));
 }

@@ -98,8 +98,8 @@ inline StudyResult MakeStudy() {
   return study;
 }
 
-inline JobResult MakeResult() {
-  JobResult result;
+inline CalibrationResult MakeResult() {
+  CalibrationResult result;
   result.version = "0.1.0";
   result.command = "calibrate";
   result.title = "A \"test\" <\xc3\xa9>";
@@ -141,7 +141,7 @@ inline JobResult MakeResult() {
   return result;
 }
 
-inline JobResult RoundTrip(const JobResult& result) {
+inline CalibrationResult RoundTrip(const CalibrationResult& result) {
   const TestDirectory directory;
   return LoadResultJson(
       directory.Write("result.json", FormatResultJson(result)));
