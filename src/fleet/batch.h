@@ -9,7 +9,7 @@
 
 #include "alidade/batch_summary.h"
 #include "alidade/team.h"
-#include "src/calibration/job_config.h"
+#include "src/serialization/job_config.h"
 #include "src/serialization/job_matrix.h"
 
 namespace alidade::internal {

@@ -5,7 +5,8 @@
 
 #include "alidade/dataset.h"
 #include "alidade/team.h"
-#include "src/calibration/job_config.h"
+#include "src/serialization/job_config.h"
+#include "src/simulation/simulation.h"
 
 namespace alidade::internal {
 

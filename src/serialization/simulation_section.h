@@ -2,9 +2,9 @@
 #define ALIDADE_SRC_SERIALIZATION_SIMULATION_SECTION_H_
 
 #include "alidade/units.h"
-#include "src/calibration/job_config.h"
 #include "src/serialization/config_file.h"
 #include "src/serialization/yaml_reader.h"
+#include "src/simulation/simulation.h"
 
 namespace alidade::internal {
 
