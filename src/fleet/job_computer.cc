@@ -140,7 +140,7 @@ Computed JobComputer::Compute(const PlannedJob& job) const {
 }
 
 JobConfig JobComputer::Read(const PlannedJob& job, BatchRecord* record) const {
-  const Stopwatch stopwatch(&times_.reading);
+  const ScopedTimer timer(&times_.reading);
   record->fingerprint = FingerprintOf(plan_, job, options_);
   JobConfig config = plan_.matrices[job.matrix].Load(job.number, reading_);
   for (const std::string& input : config.input_files) places_.Refuse(input);
@@ -150,7 +150,7 @@ JobConfig JobComputer::Read(const PlannedJob& job, BatchRecord* record) const {
 
 JobOutcome JobComputer::Calibrate(const JobConfig& config,
                                   const PlannedJob& job) const {
-  const Stopwatch stopwatch(&times_.calibrating);
+  const ScopedTimer timer(&times_.calibrating);
   return RunJob(config, "alidade batch " + job.file, reading_.num_threads,
                 &cache_);
 }
@@ -161,7 +161,7 @@ void JobComputer::Run(const PlannedJob& job, Computed* computed) const {
   computed->outcome =
       std::make_unique<const JobOutcome>(Calibrate(config, job));
   const JobOutcome& outcome = *computed->outcome;
-  const Stopwatch stopwatch(&times_.writing);
+  const ScopedTimer timer(&times_.writing);
   record.inputs =
       WithoutJobFiles(outcome.result.inputs, plan_.matrices[job.matrix]);
   Describe(outcome, &record.entry);

@@ -340,7 +340,7 @@ JobConfig Load(const YamlValue& root, bool with_validation,
   JobConfig job;
   job.path = root.document().files.front();
   job.title = file.Required("title").Text();
-  job.arm = context.files.ReadArm(file.Required("arm"));
+  job.arm = context.files.ReadArm(file.Required("arm"), LoadArm);
   ReadSolver(context, &job);
   ReadRobust(context, &job);
   ReadCompareWith(context, &job);

@@ -207,7 +207,7 @@ PlanConfig LoadPlan(const std::string& path, int num_threads) {
   if (job) {
     ReadJob(*job, &context, &plan);
   } else {
-    plan.job.arm = context.files.ReadArm(file.Required("arm"));
+    plan.job.arm = context.files.ReadArm(file.Required("arm"), LoadArm);
   }
   plan.job.path = path;
   ReadMeasurement(context, &plan);

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "src/calibration/job.h"
+#include "src/dataio/dataset_csv.h"
 #include "src/dataio/dataset_npy.h"
-#include "src/dataio/load_data.h"
 #include "tests/support/noisy_positions.h"
 #include "tests/support/process.h"
 #include "tests/support/rv2aj_arms.h"
