@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "alidade/calibration.h"
+#include "alidade/calibration_options.h"
+#include "alidade/calibration_result.h"
 
 namespace alidade::internal {
 

@@ -1,6 +1,6 @@
-#include <sstream>
+#include "alidade/calibration_options.h"
 
-#include "alidade/calibration.h"
+#include <sstream>
 
 namespace alidade {
 

@@ -2,7 +2,8 @@
 #define ALIDADE_SRC_CALIBRATION_CALIBRATION_TASK_H_
 
 #include "alidade/arm.h"
-#include "alidade/calibration.h"
+#include "alidade/calibration_options.h"
+#include "alidade/calibration_result.h"
 
 namespace alidade::internal {
 

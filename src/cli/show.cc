@@ -13,6 +13,7 @@
 #include "src/common/text_table.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/report/report.h"
+#include "src/serialization/config_file.h"
 #include "src/serialization/job_file.h"
 #include "src/serialization/result_json.h"
 #include "src/simulation/simulation.h"

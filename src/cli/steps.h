@@ -1,7 +1,7 @@
 #ifndef ALIDADE_SRC_CLI_STEPS_H_
 #define ALIDADE_SRC_CLI_STEPS_H_
 
-#include "alidade/calibration.h"
+#include "alidade/calibration_options.h"
 #include "alidade/calibration_result.h"
 #include "alidade/plan_result.h"
 

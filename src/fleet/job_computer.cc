@@ -139,7 +139,7 @@ Computed JobComputer::Compute(const PlannedJob& job) const {
 }
 
 JobConfig JobComputer::Read(const PlannedJob& job, BatchRecord* record) const {
-  const Stopwatch stopwatch(&times_.reading);
+  const ScopedTimer timer(&times_.reading);
   record->fingerprint = FingerprintOf(plan_, job, options_);
   JobConfig config = plan_.matrices[job.matrix].Load(job.number, reading_);
   for (const std::string& input : config.input_files) places_.Refuse(input);
@@ -149,7 +149,7 @@ JobConfig JobComputer::Read(const PlannedJob& job, BatchRecord* record) const {
 
 CalibrationResult JobComputer::Calibrate(const JobConfig& config,
                                          const PlannedJob& job) const {
-  const Stopwatch stopwatch(&times_.calibrating);
+  const ScopedTimer timer(&times_.calibrating);
   return RunJob(config, "alidade batch " + job.file, &cache_);
 }
 
@@ -159,7 +159,7 @@ void JobComputer::Run(const PlannedJob& job, Computed* computed) const {
   computed->result =
       std::make_unique<const CalibrationResult>(Calibrate(config, job));
   const CalibrationResult& result = *computed->result;
-  const Stopwatch stopwatch(&times_.writing);
+  const ScopedTimer timer(&times_.writing);
   record.inputs = WithoutJobFiles(result.inputs, plan_.matrices[job.matrix]);
   Describe(result, &record.entry);
   if (!HasResult(record.entry)) return;

@@ -13,6 +13,7 @@
 #include "alidade/units.h"
 #include "src/common/files.h"
 #include "src/model/chain_axes.h"
+#include "src/report/result_table.h"
 #include "src/serialization/result_json.h"
 
 namespace alidade::internal {

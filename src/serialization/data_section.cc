@@ -12,7 +12,7 @@
 #include "src/data/merge.h"
 #include "src/dataio/read_options.h"
 #include "src/serialization/shared_data.h"
-#include "src/serialization/simulation_section.h"
+#include "src/serialization/simulation_file.h"
 #include "src/simulation/simulation.h"
 
 namespace alidade::internal {

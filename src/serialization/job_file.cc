@@ -344,7 +344,7 @@ JobConfig Load(const YamlValue& root, bool with_validation,
   job.path = root.document().files.front();
   job.options.num_threads = reading.num_threads;
   job.title = file.Required("title").Text();
-  job.arm = context.files.ReadArm(file.Required("arm"));
+  job.arm = context.files.ReadArm(file.Required("arm"), LoadArm);
   ReadSolver(context, &job);
   ReadRobust(context, &job);
   ReadCompareWith(context, &job);

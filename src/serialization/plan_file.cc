@@ -212,7 +212,7 @@ PlanConfig LoadPlan(const std::string& path, int num_threads) {
     inputs_of_job = std::move(read.input_files);
     plan.job = std::move(read);
   } else {
-    plan.job.arm = context.files.ReadArm(file.Required("arm"));
+    plan.job.arm = context.files.ReadArm(file.Required("arm"), LoadArm);
   }
   ReadMeasurement(context, &plan);
   if (!job) ReadMeasured(&context, &plan);

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 
 #include "alidade/dataset.h"
-#include "alidade/monte_carlo.h"
+#include "alidade/monte_carlo_options.h"
 #include "alidade/random.h"
 #include "src/kernel/measurement_model.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "src/report/html_json.h"
-#include "src/report/html_table.h"
+#include "src/report/result_table.h"
 
 namespace alidade::internal {
 namespace {
