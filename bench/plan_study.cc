@@ -30,6 +30,7 @@
 #include "src/job/run_job.h"
 #include "src/kernel/holdout.h"
 #include "src/planning/candidates.h"
+#include "src/planning/criterion.h"
 #include "src/planning/exchange.h"
 #include "src/planning/plan.h"
 #include "src/planning/plan_config.h"
