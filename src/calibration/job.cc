@@ -18,10 +18,11 @@
 #include "src/calibration/fit_uncertainty.h"
 #include "src/calibration/frame_fit.h"
 #include "src/calibration/identifiability_cache.h"
-#include "src/calibration/input_doubt.h"
+#include "src/calibration/plausibility.h"
 #include "src/calibration/preparation.h"
 #include "src/calibration/same_data.h"
 #include "src/calibration/study.h"
+#include "src/calibration/verdict.h"
 #include "src/common/files.h"
 #include "src/common/format.h"
 #include "src/identifiability/analysis.h"
@@ -109,14 +110,14 @@ std::vector<AcceptanceCheck> CheckAcceptance(const AcceptanceLimits& limits,
   return checks;
 }
 
-// Data that fit nowhere, and would if one slip were mended, are an error of the
-// input, before anything is fitted. Returns what speaks against others.
-std::string RefuseSlips(const JobConfig& config) {
-  InputDoubt doubt = DoubtInput(config.arm, config.data);
-  if (!doubt.is_explained) return doubt.text;
+// Data that fit nowhere, and would if one mistake were mended, are an error of
+// the input, before anything is fitted. Returns what speaks against others.
+std::optional<Finding> RefuseInputMistakes(const JobConfig& config) {
+  InputDiagnosis diagnosis = DiagnoseInput(config.arm, config.data);
+  if (!diagnosis.is_explained) return diagnosis.finding;
   SourceLocation location;
   location.file = config.data.name;
-  throw InputError(location, doubt.text);
+  throw InputError(location, diagnosis.finding->sentence);
 }
 
 // "heldout_max 0.071 mm, at most 0.01 mm", and so on.
@@ -183,12 +184,12 @@ std::vector<InputFile> HashInputs(const JobConfig& config) {
 
 class JobRunner {
  public:
-  /// `doubt`: what was said against the input; empty: nothing.
+  /// `misfit`: what speaks against the input, if anything.
   JobRunner(JobConfig config, int num_threads, IdentifiabilityCache* cache,
-            std::string doubt)
+            std::optional<Finding> misfit)
       : config_(std::move(config)),
         cache_(cache),
-        input_doubt_(std::move(doubt)),
+        misfit_(std::move(misfit)),
         frames_fitted_(FitFrames(&config_, num_threads)),
         sigmas_(config_.estimate_sigma ? EstimateSigmas(&config_, num_threads)
                                        : EstimatedSigmas()),
@@ -201,7 +202,7 @@ class JobRunner {
   JobOutcome Run(const std::string& command, const JobConfig* as_read) {
     DescribeInputs(command);
     DescribeData();
-    if (!input_doubt_.empty()) Warn(input_doubt_);
+    if (misfit_) Warn(*misfit_);
     if (config_.estimate_sigma && !(sigmas_.length > 0.0)) {
       outcome_.status = JobStatus::kRefused;
       outcome_.message =
@@ -220,6 +221,7 @@ class JobRunner {
     }
     RefuseOrientations();
     if (Identify() && SolveAll()) Evaluate(as_read);
+    JudgeResult(&result());
     outcome_.result.total_time_s = SecondsSince(start_);
     return std::move(outcome_);
   }
@@ -369,19 +371,22 @@ class JobRunner {
     LOG(WARNING) << "warning: " << warning;
   }
 
+  void Warn(const Finding& finding) {
+    result().plausibility.push_back(finding);
+    Warn(finding.sentence);
+  }
+
   // A solver's minimum may be a bad one: of wrong data, of a wrong arm, or not
   // reached at all.
   void DoubtResult(const FinishedFit& fit) {
     const SolverSummary& summary = result().runs.front().summary;
-    if (const std::string zeros = DoubtZeros(config_.data); !zeros.empty()) {
-      Warn(zeros);
-    }
+    if (const auto zeros = DiagnoseZeros(config_.data)) Warn(*zeros);
     if (summary.status == SolverStatus::kIterationLimit) {
       Warn("the solver " + summary.solver +
            " was stopped by the number of iterations and may be far from the "
            "minimum");
     }
-    for (const std::string& doubt : DoubtSameData(config_)) Warn(doubt);
+    for (const Finding& copies : DiagnoseSameData(config_)) Warn(copies);
     const double freedom = DegreesOfFreedom(*problem_, fit.values);
     if (freedom >= 1.0) {
       const LargeVector squared =
@@ -479,7 +484,7 @@ class JobRunner {
 
   // At the nominal geometry an arm is millimetres off, not a tenth of its size.
   void DoubtFrames() {
-    if (!input_doubt_.empty()) return;  // which says more
+    if (misfit_) return;  // which says more
     constexpr double kLargePart = 0.05;
     Arm at_origin = config_.arm;
     at_origin.instrument_from_base.setIdentity();
@@ -544,7 +549,7 @@ class JobRunner {
       std::chrono::steady_clock::now();
   JobConfig config_;
   IdentifiabilityCache* const cache_;
-  const std::string input_doubt_;
+  const std::optional<Finding> misfit_;
   const bool frames_fitted_;
   const EstimatedSigmas sigmas_;
   MeasurementModel model_;
@@ -556,15 +561,15 @@ class JobRunner {
 
 JobOutcome RunJob(JobConfig config, const std::string& command, int num_threads,
                   IdentifiabilityCache* cache) {
-  std::string doubt = RefuseSlips(config);
+  std::optional<Finding> misfit = RefuseInputMistakes(config);
   std::optional<JobConfig> as_read;
   if (config.folds) as_read = config;
-  return JobRunner(std::move(config), num_threads, cache, std::move(doubt))
+  return JobRunner(std::move(config), num_threads, cache, std::move(misfit))
       .Run(command, as_read ? &*as_read : nullptr);
 }
 
 IdentifiabilityResult IdentifyJob(const JobConfig& config, int num_threads) {
-  RefuseSlips(config);
+  RefuseInputMistakes(config);
   JobConfig prepared = config;
   FitFrames(&prepared, num_threads);
   const MeasurementModel model(prepared.arm, prepared.references, num_threads);
