@@ -101,6 +101,14 @@ TEST(PlausibilityTest, DataThatNoMistakeExplainsAreWarnedOf) {
   EXPECT_NE(outcome.result.warnings.front().find("No single mistake"),
             std::string::npos)
       << outcome.result.warnings.front();
+  ASSERT_EQ(outcome.result.plausibility.size(), 1U);
+  const Finding& finding = outcome.result.plausibility.front();
+  EXPECT_EQ(finding.key, "plausibility.position_misfit");
+  EXPECT_EQ(finding.sentence, outcome.result.warnings.front());
+  EXPECT_GT(finding.statistic, finding.threshold);
+  Arm in_base = job.arm;
+  in_base.instrument_from_base.setIdentity();
+  EXPECT_NEAR(finding.threshold, 0.02 * Reach(in_base), 1e-15);
 }
 
 // An arm whose joints hardly moved would fit to a small cloud of positions.
@@ -139,6 +147,10 @@ TEST(PlausibilityTest, LostTargetsAndTheWorstMeasurementAreNamed) {
   const JobOutcome spoilt = RunJob(job, "test", 1);
   EXPECT_TRUE(IsWarnedOf(
       spoilt, "tracker.csv:5: 1 position is exactly 0, 0, 0, which"));
+  ASSERT_EQ(spoilt.result.plausibility.size(), 1U);
+  EXPECT_EQ(spoilt.result.plausibility[0].statistic, 1.0);
+  EXPECT_NE(spoilt.result.verdict.level, FindingLevel::kPassed)
+      << spoilt.result.verdict.title;
   EXPECT_TRUE(
       IsWarnedOf(spoilt, "tracker.csv:5: the measurement that fits worst is"));
 }

@@ -162,7 +162,11 @@ TEST(ComparisonPageTest, HasResultsFailuresAndWhatWasDecided) {
   EXPECT_EQ(data["results"][0]["label"], "<first>");
   EXPECT_EQ(data["results"][0]["href"], "first/report.html");
   EXPECT_FALSE(data["results"][1].contains("href"));
-  EXPECT_EQ(data["fleet"]["verdict"]["level"], "failed");
+  // 0.1 mm from the median, of which 0.01 mm is a standard deviation.
+  EXPECT_EQ(data["fleet"]["verdict"]["level"], "attention");
+  EXPECT_EQ(data["fleet"]["arms"][0]["result"], 2);
+  EXPECT_EQ(data["fleet"]["arms"][0]["outlier"], true);
+  EXPECT_EQ(data["fleet"]["arms"][0]["parameter_scores"][0], 10.0);
   EXPECT_EQ(data["fleet"]["threshold"], 3.5);
   EXPECT_EQ(data["fleet"]["parameters"][0]["name"], "d1");
   ASSERT_EQ(data["fleet"]["arms"].size(), 3U);

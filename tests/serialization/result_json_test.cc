@@ -91,7 +91,7 @@ TEST(ResultJsonTest, JudgesAResultWithoutVerdict) {
   const CalibrationResult read =
       LoadResultJson(directory.Write("result.json", json.dump()));
   EXPECT_EQ(read.verdict.title, "Not accepted");
-  EXPECT_EQ(read.parameters[0].assessment, ParameterAssessment::kEstimated);
+  EXPECT_EQ(read.parameters[0].assessment, ParameterAssessment::kWeak);
 }
 
 TEST(ResultJsonTest, KeepsIdentifiability) {

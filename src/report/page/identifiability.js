@@ -1,7 +1,7 @@
 // What these poses identify: singular values, ranks, linear dependences.
 
 const DEPENDENCE = {
-  no_effect: 'no effect at all',
+  no_effect: 'no effect',
   structural: 'at all poses',
   at_geometry: 'at the nominal geometry',
   not_excited: 'at these poses'
