@@ -75,7 +75,7 @@ class FrameStarter {
   const References& references() const { return references_; }
 
  private:
-  static Poses LastFrames(const Arm& arm, const LargeMatrix& joint_values) {
+  static Poses LastFrames(const Arm& arm, const SharedMatrix& joint_values) {
     Arm in_base = arm;
     in_base.instrument_from_base.setIdentity();
     Poses frames;

@@ -384,7 +384,7 @@ class JobRunner {
     for (const std::string& doubt : DoubtSameData(config_)) Warn(doubt);
     const double freedom = DegreesOfFreedom(*problem_, fit.values);
     if (freedom >= 1.0) {
-      const LargeVector squared =
+      const SharedVector squared =
           SquaredNorms(model_.Errors(fit.values, config_.data), config_.data);
       result().reduced_chi_square = SumInOrder(config_.data, squared) / freedom;
     }

@@ -90,7 +90,7 @@ void ReadJob(const YamlValue& value, JobContext* context, PlanConfig* plan) {
 void ReadMeasured(JobContext* context, PlanConfig* plan) {
   JobConfig& job = plan->job;
   job.references = ReadReferences(*context);
-  job.data.joint_values.resize(job.arm.num_joints(), 0);
+  job.data.joint_values = Eigen::MatrixXd(job.arm.num_joints(), 0);
   const std::optional<YamlValue> value = context->file.Optional("measured");
   if (!value) return;
   const MeasurementSigmas sigmas = {plan->measurement.sigma,

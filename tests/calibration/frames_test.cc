@@ -13,6 +13,7 @@
 #include "src/kernel/measurement_model.h"
 #include "src/model/joint_draw.h"
 #include "tests/support/classic_arms.h"
+#include "tests/support/edit.h"
 
 namespace alidade::internal {
 namespace {
@@ -47,7 +48,7 @@ JobConfig FarArmJob(int num_poses, double sigma) {
   job.data.sigmas() = Eigen::MatrixXd::Constant(3, num_poses, kSigma);
   for (Eigen::Index i = 0; i < num_poses; ++i) {
     for (int axis = 0; axis < 3; ++axis) {
-      job.data.positions().edit()(axis, i) += sigma * random.Normal();
+      testing::Edit (&job.data.positions())(axis, i) += sigma * random.Normal();
     }
   }
   job.identifiability.candidates = {true, true, true};
@@ -91,8 +92,8 @@ TEST(FramesTest, SigmaIsEstimatedFromTheResiduals) {
 TEST(FramesTest, OutliersAreListedWithTheirWeight) {
   JobConfig job = FarArmJob(100, kSigma);
   job.loss = LossKind::kTukey;
-  job.data.positions().edit()(1, 7) += 4e-3;
-  job.data.positions().edit()(2, 30) -= 2e-3;
+  testing::Edit (&job.data.positions())(1, 7) += 4e-3;
+  testing::Edit (&job.data.positions())(2, 30) -= 2e-3;
   const JobOutcome outcome = RunJob(job, "test", 1);
   ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
   const std::vector<Outlier>& outliers = outcome.result.outliers;
@@ -145,7 +146,9 @@ TEST(FramesTest, WhatTheModelLeavesIsAddedToStatedSigmas) {
   JobConfig job = FarArmJob(300, kNoise);
   job.estimate_sigma = true;
   for (Eigen::Index i = 0; i < job.data.num_poses(); ++i) {
-    job.data.sigmas().edit().col(i).setConstant(i % 5 < 2 ? 2e-6 : 2e-5);
+    testing::Edit(&job.data.sigmas())
+        ->col(i)
+        .setConstant(i % 5 < 2 ? 2e-6 : 2e-5);
   }
   const JobOutcome outcome = RunJob(job, "test", 1);
   ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;

@@ -35,7 +35,7 @@ class InPlaceTest : public ::testing::Test {
     job.arm = arm_;
     job.data = LoadDataWith({path_, arm_, format_}, &references, options).data;
     job.validation = job.data;
-    stride_ = job.data.joint_values.outerStride();
+    stride_ = job.data.joint_values.stride();
     return RunJob(job, "test", 2);
   }
 

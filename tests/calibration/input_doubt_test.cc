@@ -12,6 +12,7 @@
 #include "src/calibration/job.h"
 #include "src/model/joint_draw.h"
 #include "tests/calibration/kinds_util.h"
+#include "tests/support/edit.h"
 
 namespace alidade::internal {
 namespace {
@@ -47,37 +48,44 @@ INSTANTIATE_TEST_SUITE_P(
     Slips, SlipTest,
     ::testing::Values(
         Slip{"degrees", "in degrees but read as radians",
-             [](Dataset* data) { data->joint_values.edit() /= kDegree; }},
+             [](Dataset* data) {
+               *testing::Edit(&data->joint_values) /= kDegree;
+             }},
         Slip{"radians", "in radians but read as degrees",
-             [](Dataset* data) { data->joint_values.edit() *= kDegree; }},
+             [](Dataset* data) {
+               *testing::Edit(&data->joint_values) *= kDegree;
+             }},
         Slip{"millimetres", "in mm but read as m",
-             [](Dataset* data) { data->positions().edit() *= 1e3; }},
+             [](Dataset* data) { *testing::Edit(&data->positions()) *= 1e3; }},
         Slip{"metres", "in m but read as mm",
-             [](Dataset* data) { data->positions().edit() /= 1e3; }},
+             [](Dataset* data) { *testing::Edit(&data->positions()) /= 1e3; }},
         Slip{"centimetres", "cm read as mm",
-             [](Dataset* data) { data->positions().edit() *= 0.1; }},
+             [](Dataset* data) { *testing::Edit(&data->positions()) *= 0.1; }},
         Slip{"inches", "in inches but read as mm",
-             [](Dataset* data) { data->positions().edit() /= 25.4; }},
+             [](Dataset* data) { *testing::Edit(&data->positions()) /= 25.4; }},
         Slip{"zero", "zero of joint 2 is elsewhere: add 90 deg",
              [](Dataset* data) {
-               data->joint_values.edit().row(1).array() -= 90.0 * kDegree;
+               testing::Edit(&data->joint_values)->row(1).array() -=
+                   90.0 * kDegree;
              }},
         Slip{"joints", "q2 and q3 are swapped",
              [](Dataset* data) {
-               auto q = data->joint_values.edit();
-               q.row(1).swap(q.row(2));
+               auto q = testing::Edit(&data->joint_values);
+               q->row(1).swap(q->row(2));
              }},
         Slip{"axes", "mirror image",
              [](Dataset* data) {
-               auto p = data->positions().edit();
-               p.row(0).swap(p.row(2));
+               auto p = testing::Edit(&data->positions());
+               p->row(0).swap(p->row(2));
              }},
         Slip{"sign", "joint 2 counts the other way",
-             [](Dataset* data) { data->joint_values.edit().row(1) *= -1.0; }},
+             [](Dataset* data) {
+               testing::Edit(&data->joint_values)->row(1) *= -1.0;
+             }},
         Slip{"late", "one row late",
              [](Dataset* data) {
-               auto p = data->positions().edit();
-               p.rightCols(59) = p.leftCols(59).eval();
+               auto p = testing::Edit(&data->positions());
+               p->rightCols(59) = p->leftCols(59).eval();
              }}),
     [](const ::testing::TestParamInfo<Slip>& slip) {
       return std::string(slip.param.name);
@@ -90,8 +98,7 @@ TEST(DoubtTest, DataThatNoSlipExplainsAreWarnedOf) {
   job.arm = NominalArm();
   job.data = Bench(real, q).Positions(0).data();
   job.identifiability.candidates = {true, true, true};
-  auto p = job.data.positions().edit();
-  p = p.rowwise().reverse().eval();
+  job.data.positions() = job.data.positions().map().rowwise().reverse();
   const JobOutcome outcome = RunJob(job, "test", 1);
   ASSERT_FALSE(outcome.result.warnings.empty());
   EXPECT_NE(outcome.result.warnings.front().find("No single slip"),
@@ -107,8 +114,9 @@ TEST(DoubtTest, ASmallCloudExplainsNothing) {
   job.arm = NominalArm();
   job.data = Bench(real, q).Positions(0).data();
   job.identifiability.candidates = {true, true, true};
-  job.data.positions().edit() /= 300.0;  // no unit
-  job.data.positions().edit().colwise() += Eigen::Vector3d(0.4, 0.1, 0.3);
+  *testing::Edit(&job.data.positions()) /= 300.0;  // no unit
+  testing::Edit(&job.data.positions())->colwise() +=
+      Eigen::Vector3d(0.4, 0.1, 0.3);
   const JobOutcome outcome = RunJob(job, "test", 1);
   EXPECT_NE(outcome.result.warnings.front().find("No single slip"),
             std::string::npos);
@@ -131,7 +139,7 @@ TEST(DoubtTest, LostTargetsAndTheWorstMeasurementAreNamed) {
   const JobOutcome clean = RunJob(job, "test", 1);
   EXPECT_FALSE(IsWarnedOf(clean, "0, 0, 0"));
   EXPECT_FALSE(IsWarnedOf(clean, "fits worst"));
-  job.data.positions().edit().col(3).setZero();
+  testing::Edit(&job.data.positions())->col(3).setZero();
   const JobOutcome spoilt = RunJob(job, "test", 1);
   EXPECT_TRUE(IsWarnedOf(
       spoilt, "tracker.csv:5: 1 position is exactly 0, 0, 0, which"));
@@ -146,7 +154,7 @@ TEST(DoubtTest, StoppedAndWorseThanBeforeIsAFailure) {
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
   JobConfig job = JobOf(Bench(real, q).Positions(0).data());
   EXPECT_EQ(RunJob(job, "test", 1).status, JobStatus::kDone);
-  job.data.positions().edit().col(3).setZero();
+  testing::Edit(&job.data.positions())->col(3).setZero();
   const JobOutcome outcome = RunJob(job, "test", 1);
   EXPECT_EQ(outcome.result.runs[0].summary.status,
             SolverStatus::kIterationLimit);
@@ -159,10 +167,8 @@ TEST(DoubtTest, OrientationsInAnotherConventionAreRefused) {
   const Arm real = RealArm();
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
   JobConfig job = JobOf(Bench(real, q).Poses().data());
-  for (auto column : job.data.blocks[0].measured.edit().colwise()) {
-    // The inverse rotation: what reads target and instrument the wrong way.
-    column.tail<3>() *= -1.0;
-  }
+  // The inverse rotation: what reads target and instrument the wrong way.
+  testing::Edit(&job.data.blocks[0].measured)->bottomRows<3>() *= -1.0;
   EXPECT_THROW(RunJob(job, "test", 1), InputError);
 }
 

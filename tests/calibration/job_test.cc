@@ -11,6 +11,7 @@
 #include "alidade/units.h"
 #include "src/calibration/evaluate.h"
 #include "src/serialization/job_file.h"
+#include "tests/support/edit.h"
 
 namespace alidade::internal {
 namespace {
@@ -97,7 +98,7 @@ TEST(JobTest, RankShortWithoutAChoiceIsRefusedWithTheAnalysis) {
 
 TEST(JobTest, SolverThatCannotSolveIsReportedAndLeavesTheArmNominal) {
   JobConfig config = LoadStudy();
-  config.data.positions().edit()(1, 7) =
+  testing::Edit (&config.data.positions())(1, 7) =
       std::numeric_limits<double>::quiet_NaN();
   const JobOutcome outcome = RunJob(config, "test", 1);
   EXPECT_EQ(outcome.status, JobStatus::kFailed);
@@ -109,8 +110,8 @@ TEST(JobTest, ResidualsBeyondTheirSigmasAreAWarning) {
   JobConfig config = LoadStudy();
   EXPECT_THAT(RunJob(config, "test", 1).result.warnings,
               Not(Contains(HasSubstr("as the sigmas say"))));
-  config.data.positions().edit().row(2).array() += 0.5e-3;
-  config.data.positions().edit()(0, 3) += 5e-3;
+  testing::Edit(&config.data.positions())->row(2).array() += 0.5e-3;
+  testing::Edit (&config.data.positions())(0, 3) += 5e-3;
   const JobOutcome outcome = RunJob(config, "test", 1);
   EXPECT_THAT(outcome.result.warnings, Contains(HasSubstr("sigmas")));
 }
@@ -121,8 +122,9 @@ TEST(JobTest, PositionsThatDependOnWhatIsNotMeasuredAreAWarning) {
   config.identifiability.method = IdentifiabilityMethod::kRank;
   EXPECT_THAT(RunJob(config, "test", 1).result.warnings,
               Not(Contains(HasSubstr("positions depend on"))));
-  config.data.sigmas().edit().bottomRows(2).setConstant(
-      std::numeric_limits<double>::infinity());
+  testing::Edit(&config.data.sigmas())
+      ->bottomRows(2)
+      .setConstant(std::numeric_limits<double>::infinity());
   EXPECT_THAT(RunJob(config, "test", 1).result.warnings,
               Contains(AllOf(HasSubstr("positions depend on"),
                              HasSubstr("alpha1"), HasSubstr("r1"))));

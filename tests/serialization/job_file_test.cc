@@ -56,7 +56,7 @@ TEST(LoadJobTest, ReadsTheDataAndWhatIsKnown) {
   EXPECT_EQ(job.title, "A test");
   EXPECT_EQ(job.arm.name, "two joints");
   EXPECT_EQ(job.data.num_poses(), 2);
-  EXPECT_TRUE((job.data.sigmas().array() == 2e-5).all());
+  EXPECT_TRUE((job.data.sigmas().map().array() == 2e-5).all());
   ASSERT_TRUE(job.validation.has_value());
   EXPECT_EQ(job.validation->positions(), job.data.positions());
   ASSERT_TRUE(job.truth.has_value());

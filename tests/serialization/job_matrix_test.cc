@@ -178,7 +178,7 @@ TEST_F(JobMatrixTest, EveryCombinationIsAJobLastAxisFastest) {
                 "child/pseudo_inverse_compare_with-1_sigma-0.25"}));
   const JobConfig job = matrix.Load(1, {});
   EXPECT_EQ(job.solver, SolverName::kCeres);
-  EXPECT_TRUE((job.data.sigmas().array() == 2.5e-4).all());
+  EXPECT_TRUE((job.data.sigmas().map().array() == 2.5e-4).all());
   EXPECT_EQ(job.solver_options.max_iterations, 12);
   EXPECT_EQ(job.title, "A test, ceres_compare_with-1_sigma-0.25");
 }
@@ -255,7 +255,8 @@ TEST_F(JobMatrixTest, SimulatedDataAreAskedForWithWhatTheJobSays) {
             "matrix: {data.simulate.seed: {range: 3}}\n"));
   const JobConfig job = matrix.Load(2, {});
   EXPECT_EQ(job.data.files, std::vector<std::string>{"simulated, seed 3"});
-  EXPECT_TRUE((job.data.sigmas().array() - 5e-4).cwiseAbs().maxCoeff() < 1e-18);
+  EXPECT_TRUE((job.data.sigmas().map().array() - 5e-4).cwiseAbs().maxCoeff() <
+              1e-18);
   EXPECT_EQ(matrix.OutlineOf(0).data, "simulated");
   // Another seed is another draw of the noise, of the sigma that was asked for.
   const Eigen::Matrix3Xd difference =
