@@ -61,9 +61,9 @@ struct Problem {
     data.joint_values = DrawJointValues(model.nominal(), 56, 1);
     data.positions() = model.Predict(truth, data.joint_values);
     data.sigmas() = Eigen::Matrix3Xd::Constant(3, 56, kSigma);
-    for (double& value : data.positions().edit().reshaped()) {
-      value += kSigma * random.Normal();
-    }
+    Eigen::MatrixXd noisy = data.positions().map();
+    for (double& value : noisy.reshaped()) value += kSigma * random.Normal();
+    data.positions() = std::move(noisy);
   }
 
   MeasurementModel model;

@@ -53,9 +53,9 @@ struct Measured {
     data.positions() = model.Predict(truth, data.joint_values);
     data.sigmas() = Eigen::Matrix3Xd::Constant(3, poses, kSigma);
     Random noise(kNoiseSeed);
-    for (double& value : data.positions().edit().reshaped()) {
-      value += kSigma * noise.Normal();
-    }
+    Eigen::MatrixXd noisy = data.positions().map();
+    for (double& value : noisy.reshaped()) value += kSigma * noise.Normal();
+    data.positions() = std::move(noisy);
     arm = nominal;
   }
 
@@ -130,8 +130,8 @@ class Comparison {
       out.write(reinterpret_cast<const char*>(numbers.data()),
                 static_cast<std::streamsize>(numbers.size() * sizeof(double)));
     };
-    write("joints", measured_.data.joint_values.eval());
-    write("points", measured_.data.positions().eval());
+    write("joints", measured_.data.joint_values.map().eval());
+    write("points", measured_.data.positions().map().eval());
     write("nominal", start.head(5 * model.layout().num_joints()));
     Eigen::VectorXd columns(measured_.columns.size());
     for (Eigen::Index k = 0; k < columns.size(); ++k) {

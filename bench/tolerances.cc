@@ -76,7 +76,8 @@ void Study(const std::string& simulation, const std::vector<std::string>& fix) {
   for (int seed = 1; seed <= kSeeds; ++seed) {
     config.seed = static_cast<std::uint64_t>(seed);
     Dataset data = Simulate(config);
-    data.sigmas().edit().setConstant(0.02 * kMillimetre);
+    data.sigmas() = SharedMatrix::Repeated(
+        Eigen::Vector3d::Constant(0.02 * kMillimetre), data.num_poses());
     const IdentifiabilityResult pass = ApplyRules(model, data, identifiability);
     const CalibrationProblem problem{model, data, FreeColumns(pass),
                                      pass.nominal_rank};

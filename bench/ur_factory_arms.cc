@@ -98,8 +98,8 @@ Dataset MeasureArm(const Arm& arm, MeasurementKind kind, int num_poses,
   data.joint_values = DrawJointValues(arm, num_poses, seed);
   ObservationBlock block;
   block.kind = kind;
-  block.measured.resize(RowsOf(kind), num_poses);
-  block.sigmas.resize(RowsOf(kind), num_poses);
+  MatrixBuilder measured(RowsOf(kind), num_poses);
+  MatrixBuilder sigmas(RowsOf(kind), num_poses);
   for (int i = 0; i < num_poses; ++i) {
     Random random(seed + 1, static_cast<std::uint64_t>(i));
     const auto noise = [&](double sigma) {
@@ -111,13 +111,15 @@ Dataset MeasureArm(const Arm& arm, MeasurementKind kind, int num_poses,
     const Eigen::Vector3d position =
         TargetPose<double>(arm, ViewOf(model.layout(), values.data()),
                            data.joint_values.col(i).data(), &rotation);
-    block.measured.edit().col(i).head<3>() = position + noise(kSigma);
-    block.sigmas.edit().col(i).head<3>().setConstant(kSigma);
+    measured.map().col(i).head<3>() = position + noise(kSigma);
+    sigmas.map().col(i).head<3>().setConstant(kSigma);
     if (kind != MeasurementKind::kPose) continue;
-    block.measured.edit().col(i).tail<3>() = VectorFromRotation<double>(
+    measured.map().col(i).tail<3>() = VectorFromRotation<double>(
         RotationFromVector<double>(noise(kRotationSigma)) * rotation);
-    block.sigmas.edit().col(i).tail<3>().setConstant(kRotationSigma);
+    sigmas.map().col(i).tail<3>().setConstant(kRotationSigma);
   }
+  block.measured = measured.Freeze();
+  block.sigmas = sigmas.Freeze();
   data.blocks.push_back(block);
   return data;
 }

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "alidade/large_matrix.h"
+#include "alidade/shared_matrix.h"
 
 namespace alidade {
 
@@ -93,14 +93,16 @@ Eigen::MatrixXd MotorsFromJoints(const Arm& arm, const Eigen::MatrixXd& joints);
 
 /// Both of many columns; not copied where motors turn the joints as they are.
 template <typename Plain>
-Large<Plain> JointsFromMotors(const Arm& arm, const Large<Plain>& motors) {
+BasicSharedMatrix<Plain> JointsFromMotors(
+    const Arm& arm, const BasicSharedMatrix<Plain>& motors) {
   if (!HasMotorMap(arm)) return motors;
-  return JointsFromMotors(arm, motors.eval());
+  return JointsFromMotors(arm, motors.map().eval());
 }
 template <typename Plain>
-Large<Plain> MotorsFromJoints(const Arm& arm, const Large<Plain>& joints) {
+BasicSharedMatrix<Plain> MotorsFromJoints(
+    const Arm& arm, const BasicSharedMatrix<Plain>& joints) {
   if (!HasMotorMap(arm)) return joints;
-  return MotorsFromJoints(arm, joints.eval());
+  return MotorsFromJoints(arm, joints.map().eval());
 }
 
 }  // namespace alidade

@@ -36,9 +36,7 @@ class ByteWriter {
     Put(static_cast<std::int64_t>(texts.size()));
     for (const std::string& text : texts) PutText(text);
   }
-  /// @pre each column lies in memory as it is.
-  template <typename Derived>
-  void PutMatrix(const Eigen::MatrixBase<Derived>& matrix) {
+  void PutMatrix(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
     Put(static_cast<std::int64_t>(matrix.rows()));
     Put(static_cast<std::int64_t>(matrix.cols()));
     for (Eigen::Index column = 0; column < matrix.cols(); ++column) {

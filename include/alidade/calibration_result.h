@@ -13,7 +13,7 @@
 #include "alidade/arm.h"
 #include "alidade/dataset.h"
 #include "alidade/identifiability_result.h"
-#include "alidade/large_matrix.h"
+#include "alidade/shared_matrix.h"
 #include "alidade/solver_summary.h"
 #include "alidade/uncertainty_result.h"
 #include "alidade/units.h"
@@ -98,28 +98,28 @@ struct ObservationLabel {
 /// data set. All lengths in m, all angles in rad. Matrices may share their
 /// numbers with the data set that was evaluated.
 struct EvaluatedSet {
-  std::string name;          ///< file of the poses
-  LargeMatrix joint_values;  ///< one column per pose
+  std::string name;           ///< file of the poses
+  SharedMatrix joint_values;  ///< one column per pose
   /// What each joint value measures, one per row of `joint_values`.
   std::vector<Dimension> joint_dimensions;
   /// One entry per observation, as are the columns below; empty where they are
   /// one position per pose.
   std::vector<ObservationLabel> labels;
   /// Measured, or true where simulated; NaN where no position was measured.
-  LargeMatrix positions;
-  LargeMatrix residual_before;  ///< predicted - measured, lengths
-  LargeMatrix residual_after;
+  SharedMatrix positions;
+  SharedMatrix residual_before;  ///< predicted - measured, lengths
+  SharedMatrix residual_after;
   /// Rotation vectors of measured orientations, zero of other observations;
   /// empty where no orientation was measured.
-  LargeMatrix rotation_residual_before;
-  LargeMatrix rotation_residual_after;
+  SharedMatrix rotation_residual_before;
+  SharedMatrix rotation_residual_after;
   Accuracy before;
   Accuracy after;
   Accuracy rotation_before;  ///< (rad); n = 0 without orientations
   Accuracy rotation_after;
 
-  LargeVector ErrorBefore() const;
-  LargeVector ErrorAfter() const;
+  SharedVector ErrorBefore() const;
+  SharedVector ErrorAfter() const;
 };
 
 /// One solver on the training data.

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "alidade/large_matrix.h"
 #include "alidade/pose_sources.h"
+#include "alidade/shared_matrix.h"
 
 namespace alidade {
 
@@ -68,10 +68,10 @@ struct ObservationBlock {
   std::vector<int> seconds = {};
   /// RowsOf(kind) x M (m, rad); orientations as rotation vectors; zero for
   /// kFixedPoint and kPlane.
-  LargeMatrix measured = {};
+  SharedMatrix measured = {};
   /// Standard deviation of each row of the residual, RowsOf(kind) x M (m, rad),
   /// positive; infinite where that row was not measured.
-  LargeMatrix sigmas = {};
+  SharedMatrix sigmas = {};
   /// Where an observation's rows are correlated: W with W^T W the inverse of
   /// their covariance; the whitened residual is W e instead of e / sigma. One
   /// entry per observation or none at all; an empty matrix leaves the sigmas.
@@ -107,12 +107,11 @@ struct DataShare {
 
 /// Measurements of an arm at known joint values. Observations are counted, and
 /// their residual rows stacked, block after block. Numbers of poses and
-/// observations may be those of a mapped file, or lie in a temporary one
-/// (base/memory.h).
+/// observations may be those of a mapped file (shared_matrix.h).
 struct Dataset {
   std::string name;  ///< file it came from, for messages
   /// Joint values, num_joints x poses (rad for revolute, m for prismatic).
-  LargeMatrix joint_values;
+  SharedMatrix joint_values;
   std::vector<ObservationBlock> blocks;
   /// One entry per pose, or none where the data come from no file.
   PoseSources sources = {};
@@ -148,10 +147,10 @@ struct Dataset {
   /// The measured points and their sigmas (3 x poses, m) of a data set of one
   /// block of positions, as MakePositions returns it; an empty data set becomes
   /// one. @pre there is no other block.
-  LargeMatrix& positions() { return PositionBlock().measured; }
-  LargeMatrix& sigmas() { return PositionBlock().sigmas; }
-  const LargeMatrix& positions() const { return blocks.front().measured; }
-  const LargeMatrix& sigmas() const { return blocks.front().sigmas; }
+  SharedMatrix& positions() { return PositionBlock().measured; }
+  SharedMatrix& sigmas() { return PositionBlock().sigmas; }
+  const SharedMatrix& positions() const { return blocks.front().measured; }
+  const SharedMatrix& sigmas() const { return blocks.front().sigmas; }
 
  private:
   ObservationBlock& PositionBlock();
@@ -174,8 +173,8 @@ bool HaveOneSigma(const ObservationBlock& block, Eigen::Index first,
 
 /// One measured position per pose: joint values n x N, points 3 x N (m), sigmas
 /// 3 x N (m).
-Dataset MakePositions(LargeMatrix joint_values, LargeMatrix points,
-                      LargeMatrix sigmas);
+Dataset MakePositions(SharedMatrix joint_values, SharedMatrix points,
+                      SharedMatrix sigmas);
 
 /// Clears the block's list of poses where it says nothing: 0, 1, ... of a data
 /// set with as many poses, or observations that belong to none.

@@ -30,12 +30,12 @@ const char* ToString(FindingLevel level) {
   return "unknown";
 }
 
-LargeVector EvaluatedSet::ErrorBefore() const {
-  return residual_before.colwise().norm().transpose();
+SharedVector EvaluatedSet::ErrorBefore() const {
+  return residual_before.map().colwise().norm().transpose();
 }
 
-LargeVector EvaluatedSet::ErrorAfter() const {
-  return residual_after.colwise().norm().transpose();
+SharedVector EvaluatedSet::ErrorAfter() const {
+  return residual_after.map().colwise().norm().transpose();
 }
 
 double StudyParameter::ErrorPercent(double deviation) const {

@@ -62,10 +62,10 @@ void ForEach(const Dataset& data, const Visit& visit) {
   }
 }
 
-LargeMatrix MeasuredPositions(const Dataset& data) {
-  if (IsPlain(data) && data.sigmas().allFinite()) return data.positions();
-  LargeMatrix all(3, data.num_observations());
-  LargeMatrix::Editable positions = all.edit();
+SharedMatrix MeasuredPositions(const Dataset& data) {
+  if (IsPlain(data) && data.sigmas().map().allFinite()) return data.positions();
+  MatrixBuilder all(3, data.num_observations());
+  MatrixBuilder::Map positions = all.map();
   positions.setConstant(std::numeric_limits<double>::quiet_NaN());
   ForEach(data, [&](const ObservationBlock& block, Eigen::Index i,
                     Eigen::Index count, Eigen::Index) {
@@ -73,33 +73,33 @@ LargeMatrix MeasuredPositions(const Dataset& data) {
     if (!block.sigmas.col(i).head<3>().allFinite()) return;
     positions.col(count) = block.measured.col(i).head<3>();
   });
-  return all;
+  return all.Freeze();
 }
 
 // The first rows of every observation, up to three.
-LargeMatrix Lengths(const Dataset& data, const LargeVector& errors) {
+SharedMatrix Lengths(const Dataset& data, const SharedVector& errors) {
   if (IsPlain(data)) return errors.Reshaped(3);
-  LargeMatrix all(3, data.num_observations());
-  LargeMatrix::Editable lengths = all.edit();
+  MatrixBuilder all(3, data.num_observations());
+  MatrixBuilder::Map lengths = all.map();
   lengths.setZero();
   ForEach(data, [&](const ObservationBlock& block, Eigen::Index,
                     Eigen::Index count, Eigen::Index row) {
     const Eigen::Index height = std::min(3, block.rows_each());
-    lengths.col(count).head(height) = errors.segment(row, height);
+    lengths.col(count).head(height) = errors.map().segment(row, height);
   });
-  return all;
+  return all.Freeze();
 }
 
-LargeMatrix Rotations(const Dataset& data, const LargeVector& errors) {
-  LargeMatrix all(3, data.num_observations());
-  LargeMatrix::Editable turns = all.edit();
+SharedMatrix Rotations(const Dataset& data, const SharedVector& errors) {
+  MatrixBuilder all(3, data.num_observations());
+  MatrixBuilder::Map turns = all.map();
   turns.setZero();
   ForEach(data, [&](const ObservationBlock& block, Eigen::Index,
                     Eigen::Index count, Eigen::Index row) {
     if (block.kind != MeasurementKind::kPose) return;
-    turns.col(count) = errors.segment<3>(row + 3);
+    turns.col(count) = errors.map().segment<3>(row + 3);
   });
-  return all;
+  return all.Freeze();
 }
 
 using Lists = std::vector<std::vector<double>>;  // one for each block
@@ -113,11 +113,11 @@ Accuracy Summarize(const Dataset& data, Lists mine) {
 }
 
 // There is one block of poses at most.
-Lists RotationLists(const LargeVector& errors, const Dataset& data) {
+Lists RotationLists(const SharedVector& errors, const Dataset& data) {
   Lists lists(data.blocks.size());
   for (std::size_t k = 0; k < lists.size(); ++k) {
     if (data.blocks[k].kind != MeasurementKind::kPose) continue;
-    const LargeVector norms = RotationErrors(errors, data);
+    const SharedVector norms = RotationErrors(errors, data);
     lists[k].assign(norms.data(), norms.data() + norms.size());
   }
   return lists;
@@ -268,8 +268,8 @@ EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
     set.labels = LabelsInOrder(data, LabelsOf(model.nominal(), data));
   }
   set.positions = ObservationsInOrder(data, MeasuredPositions(data));
-  const LargeVector errors_before = model.Errors(before, data);
-  const LargeVector errors_after = model.Errors(after, data);
+  const SharedVector errors_before = model.Errors(before, data);
+  const SharedVector errors_after = model.Errors(after, data);
   set.residual_before = ObservationsInOrder(data, Lengths(data, errors_before));
   set.residual_after = ObservationsInOrder(data, Lengths(data, errors_after));
   if (data.Has(MeasurementKind::kPose)) {
@@ -287,8 +287,8 @@ EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
   return set;
 }
 
-Lists CountedLengths(const LargeVector& errors, const Dataset& data) {
-  const LargeVector norms = LengthErrors(errors, data);
+Lists CountedLengths(const SharedVector& errors, const Dataset& data) {
+  const SharedVector norms = LengthErrors(errors, data);
   Lists counted(data.blocks.size());
   Eigen::Index count = 0;
   for (std::size_t k = 0; k < counted.size(); ++k) {

@@ -28,7 +28,7 @@ EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
 /// The norms of lengths that an accuracy is made of, block by block, from the
 /// stacked errors of a model: without point distances and observations of
 /// orientation alone. Of a share its own.
-std::vector<std::vector<double>> CountedLengths(const LargeVector& errors,
+std::vector<std::vector<double>> CountedLengths(const SharedVector& errors,
                                                 const Dataset& data);
 
 /// Accuracy of one set of values over all observations of `data`, as lengths

@@ -45,7 +45,7 @@ StageResult MakeStage(const FinishedFit& fit, const std::string& name,
   return stage;
 }
 
-void AppendTo(const LargeVector& norms, std::vector<double>* all) {
+void AppendTo(const SharedVector& norms, std::vector<double>* all) {
   all->insert(all->end(), norms.data(), norms.data() + norms.size());
 }
 
@@ -127,9 +127,9 @@ std::vector<StageResult> ListStages(const FinishedFit& fit, int num_free) {
 
 std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit) {
   const Dataset& data = fit.task.data.training;
-  const LargeVector errors = fit.model().Errors(fit.values, data);
-  const LargeVector squared = SquaredNorms(errors, data);
-  const LargeVector lengths = LengthErrors(errors, data);
+  const SharedVector errors = fit.model().Errors(fit.values, data);
+  const SharedVector squared = SquaredNorms(errors, data);
+  const SharedVector lengths = LengthErrors(errors, data);
   const double chance =
       kChanceOfOutlier /
       static_cast<double>(std::max<Eigen::Index>(1, data.all_observations()));
@@ -170,7 +170,7 @@ double ReducedChiSquare(const FinishedFit& fit) {
   const double freedom = DegreesOfFreedom(fit.problem, fit.values);
   if (freedom < 1.0) return 0.0;
   const Dataset& data = fit.task.data.training;
-  const LargeVector squared =
+  const SharedVector squared =
       SquaredNorms(fit.model().Errors(fit.values, data), data);
   return SumInOrder(data, squared) / freedom;
 }
@@ -195,7 +195,7 @@ std::optional<CrossValidation> CrossValidate(const CalibrationTask& task) {
                                  fold.options.num_threads);
     const Fit fit = FitOnce(fold, model, fold.options.identifiability);
     if (!fit.summary.IsSolutionUsable()) return std::nullopt;
-    const LargeVector errors = model.Errors(fit.values, split.heldout);
+    const SharedVector errors = model.Errors(fit.values, split.heldout);
     for (const std::vector<double>& norms :
          CountedLengths(errors, split.heldout)) {
       lengths.insert(lengths.end(), norms.begin(), norms.end());

@@ -44,11 +44,13 @@ Dataset RowsOfClass(const Dataset& data, RowClass which) {
   Dataset rows = data;
   for (ObservationBlock& block : rows.blocks) {
     block.whiteners.clear();
+    MatrixBuilder sigmas(block.sigmas);
     for (int row = 0; row < block.rows_each(); ++row) {
       if (IsOf(which, row) && IsEstimated(block)) continue;
-      block.sigmas.edit().row(row).setConstant(
+      sigmas.map().row(row).setConstant(
           std::numeric_limits<double>::infinity());
     }
+    block.sigmas = sigmas.Freeze();
   }
   return rows;
 }
@@ -95,13 +97,15 @@ Eigen::MatrixXd ChangedWhitener(const Eigen::MatrixXd& whitener, RowClass which,
 void ChangeSigmas(RowClass which, const SigmaChange& change, Dataset* data) {
   for (ObservationBlock& block : data->blocks) {
     if (!IsEstimated(block)) continue;
+    MatrixBuilder changed(block.sigmas);
     for (int row = 0; row < block.rows_each(); ++row) {
       if (!IsOf(which, row)) continue;
-      LargeMatrix::Editable all = block.sigmas.edit();
+      MatrixBuilder::Map all = changed.map();
       auto sigmas = all.row(row).array();
       sigmas =
           change.scale * (sigmas.square() + change.added * change.added).sqrt();
     }
+    block.sigmas = changed.Freeze();
     for (Eigen::MatrixXd& whitener : block.whiteners) {
       if (whitener.size() == 0) continue;
       whitener = ChangedWhitener(whitener, which, change);
@@ -194,7 +198,7 @@ struct ErrorsOfClass {
   std::vector<Row> rows;
   std::vector<int> dimensions;  // rows of each observation
 
-  ErrorsOfClass(const LargeVector& errors, const Dataset& data) {
+  ErrorsOfClass(const SharedVector& errors, const Dataset& data) {
     std::vector<std::vector<Row>> rows_of(data.blocks.size());
     std::vector<std::vector<int>> dimensions_of(data.blocks.size());
     Eigen::Index first = 0;
@@ -281,7 +285,7 @@ std::vector<std::string> WithoutJoints(const std::vector<std::string>& names,
 
 double TypicalResidual(const MeasurementModel& model, const Dataset& data,
                        const Eigen::VectorXd& values) {
-  const LargeVector squared = SquaredNorms(model.Errors(values, data), data);
+  const SharedVector squared = SquaredNorms(model.Errors(values, data), data);
   std::vector<std::vector<double>> lists(data.blocks.size());
   Eigen::Index count = 0;
   for (std::size_t k = 0; k < lists.size(); ++k) {

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "alidade/error.h"
-#include "alidade/memory.h"
 #include "alidade/version.h"
 #include "src/cli/command.h"
 #include "src/cli/launch.h"
+#include "src/common/memory.h"
 
 DEFINE_string(out, "", "where results are written");
 DEFINE_string(arm, "", "the arm that data are of");
@@ -26,7 +26,8 @@ DEFINE_bool(keep_going, false, "run all jobs, whatever becomes of one");
 DEFINE_bool(fail_fast, false, "start no more jobs once one is not done");
 DEFINE_int32(threads, 1, "threads to work with; results do not depend on it");
 DEFINE_uint64(seed, 0, "seed of everything random, instead of the file's");
-DEFINE_uint64(memory, 0, "MB of memory for data; 0: as base/memory.h says");
+DEFINE_uint64(memory, 0,
+              "MB of memory for data; 0: half of what the process may have");
 DEFINE_int32(verbosity, 0, "0: warnings, 1: what is done, 2: details");
 
 namespace alidade::internal {

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <cstddef>
 
-#include "alidade/large_matrix.h"
+#include "alidade/shared_matrix.h"
 
 namespace alidade {
 namespace {
 
 // What SortedPercentile is of the same values in order; changes their order.
-double Percentile(double fraction, LargeVector::Editable values) {
+double Percentile(double fraction, VectorBuilder::Map values) {
   double* const first = values.data();
   double* const end = first + values.size();
   const double position = fraction * static_cast<double>(values.size() - 1);
@@ -43,9 +43,9 @@ Accuracy SummarizeErrors(const Eigen::Ref<const Eigen::VectorXd>& errors) {
     accuracy.stddev =
         (errors.array() - accuracy.mean).matrix().norm() / std::sqrt(n - 1.0);
   }
-  LargeVector selected = errors;
-  accuracy.median = Percentile(0.5, selected.edit());
-  accuracy.p95 = Percentile(0.95, selected.edit());
+  VectorBuilder selected(errors);
+  accuracy.median = Percentile(0.5, selected.map());
+  accuracy.p95 = Percentile(0.95, selected.map());
   accuracy.min = errors.minCoeff();
   accuracy.max = errors.maxCoeff();
   return accuracy;

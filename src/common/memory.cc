@@ -1,4 +1,4 @@
-#include "alidade/memory.h"
+#include "src/common/memory.h"
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -10,7 +10,6 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstdlib>
-#include <fstream>
 #include <limits>
 #include <new>
 #include <string>
@@ -18,45 +17,13 @@
 
 #include "alidade/error.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 constexpr std::size_t kUnlimited = std::numeric_limits<std::size_t>::max();
 constexpr std::size_t kAlignment = 64;
 // What is smaller is not counted: it would cost more than it tells.
 constexpr std::size_t kFewestCounted = std::size_t{1} << 20;
-
-// The number in a file; what says "max" or is not there sets no limit.
-std::size_t LimitIn(const std::string& path) {
-  std::ifstream file(path);
-  std::size_t limit = 0;
-  return file >> limit ? limit : kUnlimited;
-}
-
-// The least limit of the control group and of those above it, of version 2
-// ("0::/path") or 1 ("4:memory:/path").
-std::size_t GroupLimit() {
-  std::ifstream groups("/proc/self/cgroup");
-  std::size_t least = kUnlimited;
-  for (std::string line; std::getline(groups, line);) {
-    const std::size_t first = line.find(':');
-    const std::size_t second = line.find(':', first + 1);
-    if (second == std::string::npos) continue;
-    const std::string controllers = line.substr(first + 1, second - first - 1);
-    const bool is_second = controllers.empty();
-    if (!is_second && controllers.find("memory") == std::string::npos) continue;
-    const std::string root = is_second ? "" : "/memory";
-    const std::string name =
-        is_second ? "/memory.max" : "/memory.limit_in_bytes";
-    std::string path = line.substr(second + 1);
-    while (true) {
-      least = std::min(least, LimitIn("/sys/fs/cgroup" + root + path + name));
-      if (path.empty()) break;
-      path.resize(path.rfind('/') == std::string::npos ? 0 : path.rfind('/'));
-    }
-  }
-  return least;
-}
 
 std::size_t OwnLimit() {
   rlimit limit{};
@@ -74,8 +41,8 @@ std::size_t MachineMemory() {
 }
 
 std::atomic<std::size_t>& Limit() {
-  static std::atomic<std::size_t> limit{
-      std::min({GroupLimit(), OwnLimit(), MachineMemory()}) / 2};
+  static std::atomic<std::size_t> limit{std::min(OwnLimit(), MachineMemory()) /
+                                        2};
   return limit;
 }
 
@@ -249,4 +216,4 @@ std::shared_ptr<const double> RepeatLarge(const double* first, std::size_t size,
   return memory;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

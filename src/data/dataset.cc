@@ -80,7 +80,7 @@ Eigen::Index Dataset::num_rows() const {
 Eigen::Index Dataset::num_equations() const {
   Eigen::Index count = 0;
   for (const ObservationBlock& block : blocks) {
-    count += block.sigmas.array().isFinite().count();
+    count += block.sigmas.map().array().isFinite().count();
   }
   return count;
 }
@@ -134,12 +134,12 @@ std::string SourceOf(const Dataset& data, int pose) {
 bool HaveOneSigma(const ObservationBlock& block, Eigen::Index first,
                   Eigen::Index count) {
   if (count < 2) return true;
-  const LargeMatrix& sigmas = block.sigmas;
+  const SharedMatrix& sigmas = block.sigmas;
   const auto bytes = [&](Eigen::Index columns) {
     return sizeof(double) * static_cast<std::size_t>(columns * sigmas.rows());
   };
   const double* const begin = sigmas.col(first).data();
-  if (sigmas.outerStride() == sigmas.rows()) {
+  if (sigmas.stride() == sigmas.rows()) {
     // Each column is the one before it.
     return std::memcmp(begin, sigmas.col(first + 1).data(), bytes(count - 1)) ==
            0;
@@ -152,8 +152,8 @@ bool HaveOneSigma(const ObservationBlock& block, Eigen::Index first,
   return true;
 }
 
-Dataset MakePositions(LargeMatrix joint_values, LargeMatrix points,
-                      LargeMatrix sigmas) {
+Dataset MakePositions(SharedMatrix joint_values, SharedMatrix points,
+                      SharedMatrix sigmas) {
   Dataset data;
   data.joint_values = std::move(joint_values);
   data.positions() = std::move(points);

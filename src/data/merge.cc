@@ -79,13 +79,13 @@ ObservationBlock MergeBlocks(const std::vector<PartBlock>& parts,
         has_target || std::any_of(targets.begin(), targets.end(), is_other);
     has_whitener = has_whitener || !part.block->whiteners.empty();
   }
-  all.measured.resize(all.rows_each(), size);
-  all.sigmas.resize(all.rows_each(), size);
+  MatrixBuilder measured(all.rows_each(), size);
+  MatrixBuilder sigmas(all.rows_each(), size);
   Eigen::Index first = 0;
   for (const PartBlock& part : parts) {
     const ObservationBlock& block = *part.block;
-    all.measured.edit().middleCols(first, block.size()) = block.measured;
-    all.sigmas.edit().middleCols(first, block.size()) = block.sigmas;
+    measured.map().middleCols(first, block.size()) = block.measured.map();
+    sigmas.map().middleCols(first, block.size()) = block.sigmas.map();
     first += block.size();
     AppendPoses(part, &all.poses);
     if (has_target) AppendList(block.targets, block.size(), 0, &all.targets);
@@ -101,6 +101,8 @@ ObservationBlock MergeBlocks(const std::vector<PartBlock>& parts,
                          block.whiteners.end());
     all.whiteners.resize(static_cast<std::size_t>(first));
   }
+  all.measured = measured.Freeze();
+  all.sigmas = sigmas.Freeze();
   DropTrivialPoses(num_poses, &all);
   return all;
 }
@@ -110,7 +112,7 @@ Dataset MergeDatasets(std::vector<Dataset> parts) {
   Dataset all;
   Eigen::Index num_poses = 0;
   for (const Dataset& part : parts) num_poses += part.num_poses();
-  all.joint_values.resize(parts.front().num_joints(), num_poses);
+  MatrixBuilder joint_values(parts.front().num_joints(), num_poses);
   const bool has_sources =
       std::all_of(parts.begin(), parts.end(), [](const Dataset& part) {
         return part.num_poses() == 0 || !part.sources.empty();
@@ -120,8 +122,8 @@ Dataset MergeDatasets(std::vector<Dataset> parts) {
   for (const Dataset& part : parts) {
     all.shards.push_back({first, {}});
     all.name += (all.name.empty() ? "" : ", ") + part.name;
-    all.joint_values.edit().middleCols(first, part.num_poses()) =
-        part.joint_values;
+    joint_values.map().middleCols(first, part.num_poses()) =
+        part.joint_values.map();
     const auto first_file = static_cast<int>(all.files.size());
     if (has_sources) {
       all.sources.Append(part.sources, first_file);
@@ -134,6 +136,7 @@ Dataset MergeDatasets(std::vector<Dataset> parts) {
     }
     first += part.num_poses();
   }
+  all.joint_values = joint_values.Freeze();
   for (const std::vector<PartBlock>& blocks : by_kind) {
     all.blocks.push_back(MergeBlocks(blocks, num_poses));
     AddToShards(blocks, &all.shards);

@@ -10,14 +10,14 @@ ObservationBlock MakeBlock(const std::vector<const Observation*>& observations,
   ObservationBlock block;
   block.kind = observations.front()->kind;
   const auto size = static_cast<Eigen::Index>(observations.size());
-  block.measured.resize(block.rows_each(), size);
-  block.sigmas.resize(block.rows_each(), size);
+  MatrixBuilder measured(block.rows_each(), size);
+  MatrixBuilder sigmas(block.rows_each(), size);
   bool has_whitener = false;
   bool has_target = false;
   for (Eigen::Index i = 0; i < size; ++i) {
     const Observation& observation = *observations[i];
-    block.measured.edit().col(i) = observation.measured;
-    block.sigmas.edit().col(i) = observation.sigmas;
+    measured.map().col(i) = observation.measured;
+    sigmas.map().col(i) = observation.sigmas;
     block.poses.push_back(observation.pose);
     block.targets.push_back(observation.target);
     has_target = has_target || observation.target != 0;
@@ -27,6 +27,8 @@ ObservationBlock MakeBlock(const std::vector<const Observation*>& observations,
     }
     if (HasSecond(block.kind)) block.seconds.push_back(observation.second);
   }
+  block.measured = measured.Freeze();
+  block.sigmas = sigmas.Freeze();
   DropTrivialPoses(num_poses, &block);
   if (!has_target) block.targets.clear();
   if (has_whitener) {

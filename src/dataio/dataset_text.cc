@@ -133,7 +133,7 @@ class DatasetText {
 
   // Cells are empty where nothing was measured.
   static void AppendLengths(const ObservationBlock& block,
-                            const LargeMatrix& numbers, Eigen::Index i,
+                            const SharedMatrix& numbers, Eigen::Index i,
                             std::string* text) {
     for (int row = 0; row < 3; ++row) {
       *text += ",";
@@ -143,7 +143,7 @@ class DatasetText {
   }
 
   static void AppendAngles(const ObservationBlock& block,
-                           const LargeMatrix& numbers, Eigen::Index i,
+                           const SharedMatrix& numbers, Eigen::Index i,
                            std::string* text) {
     for (int row = 3; row < 6; ++row) {
       *text += ",";
@@ -154,7 +154,7 @@ class DatasetText {
 
   const Dataset& data_;
   const Arm& arm_;
-  const LargeMatrix motors_;
+  const SharedMatrix motors_;
   const int joint_decimals_;
   const bool has_orientations_;
   const StatedSigmas sigmas_;

@@ -215,26 +215,26 @@ class RecordsInPlace {
   std::optional<LoadedData> Read(const Arm& arm, const ReadOptions& options) {
     const RowSlots& slots = layout_.slots;
     const int n = layout_.num_joints();
-    const std::optional<LargeMatrix> joints = Columns(0, n);
-    const std::optional<LargeMatrix> positions = Columns(slots.position, 3);
-    const std::optional<LargeMatrix> stated =
+    const std::optional<SharedMatrix> joints = Columns(0, n);
+    const std::optional<SharedMatrix> positions = Columns(slots.position, 3);
+    const std::optional<SharedMatrix> stated =
         layout_.states_sigmas ? Columns(slots.position_sigma, 3)
-                              : LargeMatrix();
+                              : SharedMatrix();
     const bool is_as_it_stands =
         IsAligned() && layout_.kind() == MeasurementKind::kPosition &&
         !layout_.has_target && layout_.target == 0 && !layout_.has_set &&
         !HasMotorMap(arm) && joints && positions && stated;
     if (!is_as_it_stands) return std::nullopt;
-    const LargeMatrix sigmas =
+    const SharedMatrix sigmas =
         layout_.states_sigmas ? *stated
-                              : LargeMatrix::Repeated(layout_.DefaultSigmas(),
-                                                      records_.num_rows());
+                              : SharedMatrix::Repeated(layout_.DefaultSigmas(),
+                                                       records_.num_rows());
     std::atomic<bool> is_in_doubt{false};
     ParallelFor(
         options.num_threads, records_.num_rows(), kRowsAtOnce,
         [&](std::int64_t begin, std::int64_t end) {
-          const auto rows = [&](const LargeMatrix& all) {
-            return all.middleCols(begin, end - begin).array();
+          const auto rows = [&](const SharedMatrix& all) {
+            return all.map().middleCols(begin, end - begin).array();
           };
           if (!(rows(*joints).isFinite().all() &&
                 rows(*positions).isFinite().all() &&
@@ -265,7 +265,7 @@ class RecordsInPlace {
   }
 
   // The columns of `count` slots from `slot` on.
-  std::optional<LargeMatrix> Columns(int slot, int count) const {
+  std::optional<SharedMatrix> Columns(int slot, int count) const {
     const auto first = std::find_if(
         layout_.columns.begin(), layout_.columns.end(),
         [&](const PlainColumn& column) {
@@ -282,9 +282,9 @@ class RecordsInPlace {
     const auto* const numbers =
         reinterpret_cast<const double*>(records_.first()) +
         (first - layout_.columns.begin());
-    return LargeMatrix(std::shared_ptr<const double>(file_, numbers), count,
-                       records_.num_rows(),
-                       static_cast<Eigen::Index>(layout_.columns.size()));
+    return SharedMatrix(std::shared_ptr<const double>(file_, numbers), count,
+                        records_.num_rows(),
+                        static_cast<Eigen::Index>(layout_.columns.size()));
   }
 
   const std::shared_ptr<const MappedFile> file_;

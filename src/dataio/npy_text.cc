@@ -52,7 +52,7 @@ std::vector<std::string> ColumnsInSi(const Arm& arm, bool has_orientations,
 }
 
 // Three rows of a matrix of the block; NaN where it was not measured.
-void AppendRows(const ObservationRef& one, const LargeMatrix& numbers,
+void AppendRows(const ObservationRef& one, const SharedMatrix& numbers,
                 int first, std::string* bytes) {
   for (int row = first; row < first + 3; ++row) {
     const bool is_measured =
@@ -87,7 +87,7 @@ std::string FormatNpy(const Dataset& dataset, const Arm& arm,
   const std::vector<std::string> names =
       ColumnsInSi(arm, has_orientations, sigmas);
   const std::vector<ObservationRef> rows = InOrderOfPoses(dataset);
-  const LargeMatrix motors = MotorsFromJoints(arm, dataset.joint_values);
+  const SharedMatrix motors = MotorsFromJoints(arm, dataset.joint_values);
   std::string bytes =
       FormatNpyHeader(names, static_cast<std::int64_t>(rows.size()));
   bytes.reserve(bytes.size() + 8 * names.size() * rows.size());

@@ -22,7 +22,7 @@ std::vector<ObservationRef> InOrderOfPoses(const Dataset& data) {
 StatedSigmas FindStatedSigmas(const Dataset& data) {
   StatedSigmas stated;
   for (const ObservationBlock& block : data.blocks) {
-    const auto above_zero = block.sigmas.array() > 0.0;
+    const auto above_zero = block.sigmas.map().array() > 0.0;
     stated.positions = stated.positions && above_zero.topRows(3).all();
     if (block.kind != MeasurementKind::kPose) continue;
     stated.orientations = stated.orientations && above_zero.bottomRows(3).all();

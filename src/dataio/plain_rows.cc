@@ -13,12 +13,11 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // A matrix keeps its columns `kept`, in their order.
-void KeepColumns(const std::vector<Eigen::Index>& kept, LargeMatrix* matrix) {
+void KeepColumns(const std::vector<Eigen::Index>& kept, MatrixBuilder* matrix) {
   const auto count = static_cast<Eigen::Index>(kept.size());
-  LargeMatrix less(matrix->rows(), count);
-  LargeMatrix::Editable columns = less.edit();
+  MatrixBuilder less(matrix->rows(), count);
   for (Eigen::Index to = 0; to < count; ++to) {
-    columns.col(to) = matrix->col(kept[static_cast<std::size_t>(to)]);
+    less.map().col(to) = matrix->map().col(kept[static_cast<std::size_t>(to)]);
   }
   *matrix = std::move(less);
 }
@@ -43,30 +42,24 @@ PlainRows::PlainRows(const PlainLayout& layout, Eigen::Index size)
       targets_(layout.has_target || layout.target != 0 ? size : 0,
                layout.target),
       sets_(layout.has_set ? size : 0) {
-  motor_numbers_ = motors_.edit().data();
-  measured_numbers_ = measured_.edit().data();
-  if (layout.states_sigmas) {
-    sigmas_.resize(rows_each_, size);
-    sigma_numbers_ = sigmas_.edit().data();
-  } else {
-    sigmas_ = LargeMatrix::Repeated(layout.DefaultSigmas(), size);
-  }
+  if (layout.states_sigmas) sigmas_.emplace(rows_each_, size);
 }
 
 // The sigmas of a row. As long as all rows have the same, there is one column
 // of them.
 double* PlainRows::SigmasOf(Eigen::Index i) {
   std::call_once(has_own_sigmas_, [this] {
-    if (sigma_numbers_ == nullptr) sigma_numbers_ = sigmas_.edit().data();
+    if (sigmas_) return;
+    sigmas_.emplace(layout_.DefaultSigmas().replicate(1, motors_.cols()));
   });
-  return sigma_numbers_ + i * rows_each_;
+  return sigmas_->map().col(i).data();
 }
 
 PlainRows::State PlainRows::Set(Eigen::Index i, const double* row) {
   // A call of memmove for a handful of numbers takes longer than the loop.
-  double* const motors = motor_numbers_ + i * layout_.num_joints();
+  double* const motors = motors_.map().col(i).data();
   for (int j = 0; j < layout_.num_joints(); ++j) motors[j] = row[j];
-  double* const measured = measured_numbers_ + i * rows_each_;
+  double* const measured = measured_.map().col(i).data();
   const double* const position = row + layout_.slots.position;
   const double* const sigma = row + layout_.slots.position_sigma;
   int count = 0;
@@ -109,8 +102,7 @@ bool PlainRows::SetOrientation(Eigen::Index i, const double* row) {
                    ? RotationOfVector(three)
                    : RotationOf(*layout_.convention, three);
   }
-  Eigen::Map<Eigen::Vector3d>(measured_numbers_ + i * rows_each_ + 3) =
-      MeasuredVector(rotation);
+  measured_.map().col(i).tail<3>() = MeasuredVector(rotation);
   return true;
 }
 
@@ -126,7 +118,7 @@ void PlainRows::Drop(const std::vector<Eigen::Index>& rows) {
   }
   KeepColumns(kept, &motors_);
   KeepColumns(kept, &measured_);
-  KeepColumns(kept, &sigmas_);
+  if (sigmas_) KeepColumns(kept, &*sigmas_);
   KeepEntries(kept, &targets_);
   KeepEntries(kept, &sets_);
   PoseSources sources;
@@ -150,11 +142,13 @@ LoadedData PlainRows::Finish(const std::string& path, const Arm& arm,
   data.name = path;
   data.files = {path};
   data.sources = std::move(sources_);
-  data.joint_values = JointsFromMotors(arm, motors_);
+  data.joint_values = JointsFromMotors(arm, motors_.Freeze());
   ObservationBlock block;
   block.kind = layout_.kind();
-  block.measured = std::move(measured_);
-  block.sigmas = std::move(sigmas_);
+  block.measured = measured_.Freeze();
+  block.sigmas =
+      sigmas_ ? sigmas_->Freeze()
+              : SharedMatrix::Repeated(layout_.DefaultSigmas(), block.size());
   const auto is_other = [](int target) { return target != 0; };
   if (std::any_of(targets_.begin(), targets_.end(), is_other)) {
     block.targets = std::move(targets_);

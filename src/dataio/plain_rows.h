@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -53,13 +54,9 @@ class PlainRows {
 
   const PlainLayout& layout_;
   const int rows_each_;
-  LargeMatrix motors_;
-  LargeMatrix measured_;
-  LargeMatrix sigmas_;
-  // The numbers of these.
-  double* motor_numbers_ = nullptr;
-  double* measured_numbers_ = nullptr;
-  double* sigma_numbers_ = nullptr;  // null: one column for all rows
+  MatrixBuilder motors_;
+  MatrixBuilder measured_;
+  std::optional<MatrixBuilder> sigmas_;  // none: the same for all rows
   std::once_flag has_own_sigmas_;
   std::vector<int> targets_;       // empty: no column
   std::vector<std::string> sets_;  // empty: no column

@@ -100,10 +100,12 @@ class DataAnalyzer {
   int RankWithJointMoved(int joint) const {
     constexpr std::uint64_t kSeed = 1;
     Dataset moved = subset_;
-    moved.joint_values.edit().row(joint) =
-        DrawJointValues(model_.nominal(),
-                        static_cast<int>(moved.joint_values.cols()), kSeed)
+    MatrixBuilder joint_values(subset_.joint_values);
+    joint_values.map().row(joint) =
+        DrawJointValues(model_.nominal(), static_cast<int>(moved.num_poses()),
+                        kSeed)
             .row(joint);
+    moved.joint_values = joint_values.Freeze();
     return RankOf(moved);
   }
 
@@ -191,7 +193,7 @@ double OneSigma(const Dataset& data) {
   double mine = 0.0;
   if (has_any && block.kind == MeasurementKind::kPosition &&
       block.whiteners.empty() && std::isfinite(block.sigmas(0, 0)) &&
-      (block.sigmas.array() == block.sigmas(0, 0)).all()) {
+      (block.sigmas.map().array() == block.sigmas(0, 0)).all()) {
     mine = block.sigmas(0, 0);
   }
   Team* const team = data.share.team;

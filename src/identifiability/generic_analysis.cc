@@ -138,10 +138,10 @@ class Generic {
     for (const auto& [column, coefficient] : dependency.terms) {
       moved[column] -= coefficient * step;
     }
-    const Eigen::VectorXd difference =
-        model_.Errors(moved, data_) -
-        model_.Errors(model_.NominalValues(), data_);
-    return std::sqrt(SquaredNorms(difference, data_).maxCoeff()) <=
+    const SharedVector difference =
+        model_.Errors(moved, data_).map() -
+        model_.Errors(model_.NominalValues(), data_).map();
+    return std::sqrt(SquaredNorms(difference, data_).map().maxCoeff()) <=
            kRelationTolerance * kRelationStep;
   }
 

@@ -120,7 +120,7 @@ ObservationBlock Repeat(const ObservationBlock& block, int num_poses) {
   ObservationBlock repeated;
   repeated.kind = block.kind;
   repeated.measured = Eigen::MatrixXd::Zero(block.rows_each(), count);
-  repeated.sigmas = Eigen::MatrixXd::Ones(block.rows_each(), count);
+  MatrixBuilder sigmas(Eigen::MatrixXd::Ones(block.rows_each(), count));
   for (const auto& [pattern, observations] : patterns) {
     const auto& [target, reference, axes] = pattern;
     for (int pose = 0; pose < num_poses; ++pose) {
@@ -133,11 +133,11 @@ ObservationBlock Repeat(const ObservationBlock& block, int num_poses) {
       }
       for (int row = 0; row < block.rows_each(); ++row) {
         if ((axes >> static_cast<unsigned>(row) & 1U) != 0U) continue;
-        repeated.sigmas.edit()(row, i) =
-            std::numeric_limits<double>::infinity();
+        sigmas.map()(row, i) = std::numeric_limits<double>::infinity();
       }
     }
   }
+  repeated.sigmas = sigmas.Freeze();
   return repeated;
 }
 
@@ -146,14 +146,16 @@ void MeasureOrientations(const MeasurementModel& model, Dataset* data) {
   const Eigen::VectorXd values = model.NominalValues();
   for (ObservationBlock& block : data->blocks) {
     if (block.kind != MeasurementKind::kPose) continue;
+    MatrixBuilder measured(block.measured);
     for (Eigen::Index i = 0; i < block.size(); ++i) {
       Eigen::Matrix3d rotation;
       TargetPose<double>(model.nominal(),
                          ViewOf(model.layout(), values.data(), block.target(i)),
                          data->joint_values.col(block.pose(i)).data(),
                          &rotation);
-      block.measured.edit().col(i).tail<3>() = VectorFromRotation(rotation);
+      measured.map().col(i).tail<3>() = VectorFromRotation(rotation);
     }
+    block.measured = measured.Freeze();
   }
 }
 
@@ -181,13 +183,14 @@ Dataset WithUnitSigmas(const MeasurementModel& model, Dataset data) {
   const double angle = 1.0 / ArmReach(model.nominal());
   for (ObservationBlock& block : data.blocks) {
     block.whiteners.clear();
-    LargeMatrix::Editable sigmas = block.sigmas.edit();
+    MatrixBuilder sigmas(block.sigmas);
     for (Eigen::Index i = 0; i < block.size(); ++i) {
       for (int row = 0; row < block.rows_each(); ++row) {
-        double& sigma = sigmas(row, i);
+        double& sigma = sigmas.map()(row, i);
         if (std::isfinite(sigma)) sigma = row < 3 ? 1.0 : angle;
       }
     }
+    block.sigmas = sigmas.Freeze();
   }
   return data;
 }

@@ -36,7 +36,7 @@ class FrameSearch {
   }
 
  private:
-  static Poses LastFrames(const Arm& arm, const LargeMatrix& joint_values) {
+  static Poses LastFrames(const Arm& arm, const SharedMatrix& joint_values) {
     Arm in_base = arm;
     in_base.instrument_from_base.setIdentity();
     Poses frames;

@@ -53,10 +53,10 @@ class ScaledCondition {
 
 std::string VectorInstructions() { return kernel::TargetName(); }
 
-double RobustChiSquare(const LargeVector& errors, const Dataset& data,
+double RobustChiSquare(const SharedVector& errors, const Dataset& data,
                        const std::vector<RobustLoss>& losses) {
-  const LargeVector squared = SquaredNorms(errors, data);
-  if (losses.empty()) return squared.sum();
+  const SharedVector squared = SquaredNorms(errors, data);
+  if (losses.empty()) return squared.map().sum();
   const Eigen::VectorXi dimensions = Dimensions(data);
   double cost = 0.0;
   for (Eigen::Index i = 0; i < squared.size(); ++i) {

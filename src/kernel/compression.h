@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "alidade/dataset.h"
-#include "alidade/memory.h"
 #include "alidade/robust_loss.h"
+#include "src/common/memory.h"
 #include "src/kernel/measurement_model.h"
 
 namespace alidade::internal {
@@ -34,7 +34,7 @@ std::string VectorInstructions();
 
 /// The sum of rho(|r_i|^2) over the observations, from the stacked errors of a
 /// model; `losses` of 1, 2 ... rows, empty for chi-square.
-double RobustChiSquare(const LargeVector& errors, const Dataset& data,
+double RobustChiSquare(const SharedVector& errors, const Dataset& data,
                        const std::vector<RobustLoss>& losses);
 
 /// A least-squares problem in few rows that has the cost, the gradient and the

@@ -89,13 +89,13 @@ void Gather(const List& from, const std::vector<Eigen::Index>& indices,
   for (const Eigen::Index i : indices) to->push_back(from[i]);
 }
 
-void GatherColumns(const LargeMatrix& from,
-                   const std::vector<Eigen::Index>& indices, LargeMatrix* to) {
-  to->resize(from.rows(), static_cast<Eigen::Index>(indices.size()));
-  LargeMatrix::Editable columns = to->edit();
+SharedMatrix GatherColumns(const SharedMatrix& from,
+                           const std::vector<Eigen::Index>& indices) {
+  MatrixBuilder columns(from.rows(), static_cast<Eigen::Index>(indices.size()));
   for (std::size_t i = 0; i < indices.size(); ++i) {
-    columns.col(static_cast<Eigen::Index>(i)) = from.col(indices[i]);
+    columns.map().col(static_cast<Eigen::Index>(i)) = from.col(indices[i]);
   }
+  return columns.Freeze();
 }
 
 // Observation i stays that of pose i, unless it may go for its second pose.
@@ -244,8 +244,8 @@ ObservationBlock TakeObservations(const ObservationBlock& block,
   Gather(block.references, indices, &taken.references);
   Gather(block.seconds, indices, &taken.seconds);
   Gather(block.whiteners, indices, &taken.whiteners);
-  GatherColumns(block.measured, indices, &taken.measured);
-  GatherColumns(block.sigmas, indices, &taken.sigmas);
+  taken.measured = GatherColumns(block.measured, indices);
+  taken.sigmas = GatherColumns(block.sigmas, indices);
   return taken;
 }
 
@@ -254,7 +254,7 @@ Dataset SelectPoses(const Dataset& data,
   Dataset selected;
   selected.name = data.name;
   selected.files = data.files;
-  GatherColumns(data.joint_values, poses, &selected.joint_values);
+  selected.joint_values = GatherColumns(data.joint_values, poses);
   Gather(data.sources, poses, &selected.sources);
   std::vector<int> new_pose(data.num_poses(), -1);
   for (std::size_t i = 0; i < poses.size(); ++i) {

@@ -102,19 +102,19 @@ References MeasurementModel::ReferencesAt(const Eigen::VectorXd& values) const {
 }
 
 Eigen::Matrix3Xd MeasurementModel::Predict(const Eigen::VectorXd& values,
-                                           const LargeMatrix& joint_values,
+                                           const SharedMatrix& joint_values,
                                            int target) const {
   // Errors of what was measured at the origin.
   const Eigen::Index poses = joint_values.cols();
   Dataset at_origin = MakePositions(
-      joint_values, LargeMatrix::Repeated(Eigen::Vector3d::Zero(), poses),
-      LargeMatrix::Repeated(Eigen::Vector3d::Ones(), poses));
+      joint_values, SharedMatrix::Repeated(Eigen::Vector3d::Zero(), poses),
+      SharedMatrix::Repeated(Eigen::Vector3d::Ones(), poses));
   if (target != 0) at_origin.blocks.front().targets.assign(poses, target);
-  return Errors(values, at_origin).reshaped(3, poses);
+  return Errors(values, at_origin).map().reshaped(3, poses);
 }
 
-LargeVector MeasurementModel::Errors(const Eigen::VectorXd& values,
-                                     const Dataset& data) const {
+SharedVector MeasurementModel::Errors(const Eigen::VectorXd& values,
+                                      const Dataset& data) const {
   Tiles tiles(nominal_, data, 0, RowScale::kUnit);
   const kernel::Columns no_columns(layout_, {});
   kernel::Constants constants;
@@ -125,8 +125,8 @@ LargeVector MeasurementModel::Errors(const Eigen::VectorXd& values,
     first_rows.push_back(num_rows);
     num_rows += block.size() * block.rows_each();
   }
-  LargeVector errors(num_rows);
-  double* const first_error = errors.edit().data();
+  VectorBuilder errors(num_rows);
+  double* const first_error = errors.map().data();
   const auto work = [&](std::int64_t begin, std::int64_t end) {
     TileRows rows(&tiles, layout_.num_joints(), 0);
     for (std::int64_t tile = begin; tile < end; ++tile) {
@@ -142,7 +142,7 @@ LargeVector MeasurementModel::Errors(const Eigen::VectorXd& values,
     }
   };
   ParallelFor(num_threads_, tiles.size(), kTilesPerBlock, work);
-  return errors;
+  return errors.Freeze();
 }
 
 void MeasurementModel::Linearize(const Eigen::VectorXd& values,
@@ -167,35 +167,35 @@ double MeasurementModel::RoundingError() const {
   return std::numeric_limits<double>::epsilon() * Reach(nominal_);
 }
 
-LargeVector SquaredNorms(const LargeVector& errors, const Dataset& data) {
-  LargeVector norms(data.num_observations());
-  double* norm = norms.edit().data();
+SharedVector SquaredNorms(const SharedVector& errors, const Dataset& data) {
+  VectorBuilder norms(data.num_observations());
+  double* norm = norms.map().data();
   ForEachObservation(data, [&](const ObservationBlock& block, Eigen::Index i,
                                Eigen::Index first) {
     Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> rows =
-        errors.segment(first, block.rows_each());
+        errors.map().segment(first, block.rows_each());
     Whiten(block, i, 1, rows);
     *norm++ = rows.squaredNorm();
   });
-  return norms;
+  return norms.Freeze();
 }
 
-double ChiSquare(const LargeVector& errors, const Dataset& data) {
-  return SquaredNorms(errors, data).sum();
+double ChiSquare(const SharedVector& errors, const Dataset& data) {
+  return SquaredNorms(errors, data).map().sum();
 }
 
-LargeVector LengthErrors(const LargeVector& errors, const Dataset& data) {
-  LargeVector norms(data.num_observations());
-  double* norm = norms.edit().data();
+SharedVector LengthErrors(const SharedVector& errors, const Dataset& data) {
+  VectorBuilder norms(data.num_observations());
+  double* norm = norms.map().data();
   ForEachObservation(data, [&](const ObservationBlock& block, Eigen::Index,
                                Eigen::Index first) {
     const int height = std::min(3, block.rows_each());
-    *norm++ = errors.segment(first, height).norm();
+    *norm++ = errors.map().segment(first, height).norm();
   });
-  return norms;
+  return norms.Freeze();
 }
 
-LargeVector RotationErrors(const LargeVector& errors, const Dataset& data) {
+SharedVector RotationErrors(const SharedVector& errors, const Dataset& data) {
   const auto is_measured = [](const ObservationBlock& block, Eigen::Index i) {
     return block.kind == MeasurementKind::kPose &&
            block.sigmas.col(i).tail<3>().array().isFinite().any();
@@ -205,14 +205,14 @@ LargeVector RotationErrors(const LargeVector& errors, const Dataset& data) {
       data, [&](const ObservationBlock& block, Eigen::Index i, Eigen::Index) {
         if (is_measured(block, i)) ++count;
       });
-  LargeVector norms(count);
-  double* norm = norms.edit().data();
+  VectorBuilder norms(count);
+  double* norm = norms.map().data();
   ForEachObservation(data, [&](const ObservationBlock& block, Eigen::Index i,
                                Eigen::Index first) {
     if (!is_measured(block, i)) return;
-    *norm++ = errors.segment<3>(first + 3).norm();
+    *norm++ = errors.map().segment<3>(first + 3).norm();
   });
-  return norms;
+  return norms.Freeze();
 }
 
 Eigen::VectorXi Dimensions(const Dataset& data) {

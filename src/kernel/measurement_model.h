@@ -58,12 +58,12 @@ class MeasurementModel {
 
   /// Predicted positions of a target (3 x N, m) at joint values (n x N).
   Eigen::Matrix3Xd Predict(const Eigen::VectorXd& values,
-                           const LargeMatrix& joint_values,
+                           const SharedMatrix& joint_values,
                            int target = 0) const;
 
   /// Predicted minus measured, stacked, not whitened (m, rad). Zero in rows
   /// that were not measured.
-  LargeVector Errors(const Eigen::VectorXd& values, const Dataset& data) const;
+  SharedVector Errors(const Eigen::VectorXd& values, const Dataset& data) const;
 
   /// Residuals, and the Jacobian's columns `columns` in that order, without
   /// repeats. O(N n) time.
@@ -83,17 +83,17 @@ class MeasurementModel {
 
 /// Squared norm of each observation's whitened residual, from the stacked
 /// errors of a model.
-LargeVector SquaredNorms(const LargeVector& errors, const Dataset& data);
+SharedVector SquaredNorms(const SharedVector& errors, const Dataset& data);
 
 /// Chi-square of stacked errors: the sum of squared whitened residuals.
-double ChiSquare(const LargeVector& errors, const Dataset& data);
+double ChiSquare(const SharedVector& errors, const Dataset& data);
 
 /// Norm of each observation's error in lengths (m): of the position rows.
-LargeVector LengthErrors(const LargeVector& errors, const Dataset& data);
+SharedVector LengthErrors(const SharedVector& errors, const Dataset& data);
 
 /// Norm of the rotation vector of each measured orientation (rad), in the
 /// order of observations; none for data sets without poses.
-LargeVector RotationErrors(const LargeVector& errors, const Dataset& data);
+SharedVector RotationErrors(const SharedVector& errors, const Dataset& data);
 
 /// Degrees of freedom of each observation: the rows that were measured.
 Eigen::VectorXi Dimensions(const Dataset& data);

@@ -101,8 +101,8 @@ class Whole {
 ObservationBlock EmptyBlock(MeasurementKind kind) {
   ObservationBlock block;
   block.kind = kind;
-  block.measured.resize(block.rows_each(), 0);
-  block.sigmas.resize(block.rows_each(), 0);
+  block.measured = Eigen::MatrixXd(block.rows_each(), 0);
+  block.sigmas = block.measured;
   return block;
 }
 
@@ -185,21 +185,21 @@ ObservationBlock GetBlock(MeasurementKind kind, ByteReader* reader) {
 }
 
 // Columns of every member, one member after the other.
-LargeMatrix SideBySide(Eigen::Index rows,
-                       const std::vector<std::string>& members) {
+SharedMatrix SideBySide(Eigen::Index rows,
+                        const std::vector<std::string>& members) {
   std::vector<Eigen::MatrixXd> parts;
   Eigen::Index count = 0;
   for (const std::string& bytes : members) {
     parts.push_back(ByteReader(bytes).GetMatrix());
     count += parts.back().cols();
   }
-  LargeMatrix all(rows, count);
+  MatrixBuilder all(rows, count);
   Eigen::Index first = 0;
   for (const Eigen::MatrixXd& part : parts) {
-    all.edit().middleCols(first, part.cols()) = part;
+    all.map().middleCols(first, part.cols()) = part;
     first += part.cols();
   }
-  return all;
+  return all.Freeze();
 }
 
 // What was taken out of all shares as one. `mine` tells the names.
@@ -209,18 +209,19 @@ Dataset JoinMembers(const std::vector<Dataset>& parts, Dataset mine) {
   all.files = std::move(mine.files);
   Eigen::Index num_poses = 0;
   for (const Dataset& part : parts) num_poses += part.num_poses();
-  all.joint_values.resize(mine.num_joints(), num_poses);
+  MatrixBuilder joint_values(mine.num_joints(), num_poses);
   std::vector<std::vector<PartBlock>> blocks(mine.blocks.size());
   Eigen::Index first = 0;
   for (const Dataset& part : parts) {
-    all.joint_values.edit().middleCols(first, part.num_poses()) =
-        part.joint_values;
+    joint_values.map().middleCols(first, part.num_poses()) =
+        part.joint_values.map();
     all.sources.Append(part.sources, 0);
     for (std::size_t k = 0; k < blocks.size(); ++k) {
       blocks[k].push_back({&part.blocks[k], static_cast<int>(first)});
     }
     first += part.num_poses();
   }
+  all.joint_values = joint_values.Freeze();
   for (const std::vector<PartBlock>& parts_of_kind : blocks) {
     all.blocks.push_back(MergeBlocks(parts_of_kind, num_poses));
   }
@@ -310,41 +311,41 @@ Dataset GatherData(const Dataset& data, Dataset mine) {
   return JoinMembers(parts, std::move(mine));
 }
 
-LargeMatrix PosesInOrder(const Dataset& data, LargeMatrix mine) {
+SharedMatrix PosesInOrder(const Dataset& data, SharedMatrix mine) {
   if (data.share.team == nullptr) return mine;
   const Eigen::Index rows = mine.rows();
   ByteWriter writer;
   writer.PutMatrix(mine);
-  mine.resize(rows, 0);
+  mine = {};
   return SideBySide(rows, data.share.team->GatherToFirst(writer.Take()));
 }
 
-LargeMatrix ObservationsInOrder(const Dataset& data, LargeMatrix mine) {
+SharedMatrix ObservationsInOrder(const Dataset& data, SharedMatrix mine) {
   if (data.share.team == nullptr) return mine;
-  LargeMatrix all(mine.rows(), KnowsAll(data) ? data.all_observations() : 0);
+  MatrixBuilder all(mine.rows(), KnowsAll(data) ? data.all_observations() : 0);
   Eigen::Index mine_first = 0;
   Eigen::Index first = 0;
   for (std::size_t block = 0; block < data.blocks.size(); ++block) {
     const Eigen::Index size = data.blocks[block].size();
     ByteWriter writer;
-    writer.PutMatrix(mine.middleCols(mine_first, size));
+    writer.PutMatrix(mine.map().middleCols(mine_first, size));
     mine_first += size;
-    const LargeMatrix columns =
+    const SharedMatrix columns =
         SideBySide(mine.rows(), data.share.team->GatherToFirst(writer.Take()));
-    all.edit().middleCols(first, columns.cols()) = columns;
+    all.map().middleCols(first, columns.cols()) = columns.map();
     first += columns.cols();
   }
-  return all;
+  return all.Freeze();
 }
 
-LargeVector EntriesInOrder(const Dataset& data, LargeVector mine) {
+SharedVector EntriesInOrder(const Dataset& data, SharedVector mine) {
   if (data.share.team == nullptr) return mine;
-  return ObservationsInOrder(data, mine.transpose()).transpose();
+  return ObservationsInOrder(data, mine.map().transpose()).map().transpose();
 }
 
-double SumInOrder(const Dataset& data, LargeVector mine) {
-  const LargeVector all = EntriesInOrder(data, std::move(mine));
-  return ComputeOnFirst(data, [&] { return all.sum(); });
+double SumInOrder(const Dataset& data, SharedVector mine) {
+  const SharedVector all = EntriesInOrder(data, std::move(mine));
+  return ComputeOnFirst(data, [&] { return all.map().sum(); });
 }
 
 Eigen::Index ObservationInAll(const Dataset& data, std::size_t block,

@@ -95,14 +95,14 @@ std::vector<T> InOrder(const Dataset& data,
 
 /// A column of `mine` for each observation: those of the whole, in order. On
 /// member 0; as many rows and no column on others.
-LargeMatrix ObservationsInOrder(const Dataset& data, LargeMatrix mine);
+SharedMatrix ObservationsInOrder(const Dataset& data, SharedMatrix mine);
 /// The same with an entry for each observation.
-LargeVector EntriesInOrder(const Dataset& data, LargeVector mine);
+SharedVector EntriesInOrder(const Dataset& data, SharedVector mine);
 /// The sum of entries, one for each observation, added up in the order of the
 /// whole; on every member.
-double SumInOrder(const Dataset& data, LargeVector mine);
+double SumInOrder(const Dataset& data, SharedVector mine);
 /// The same as ObservationsInOrder with a column for each pose.
-LargeMatrix PosesInOrder(const Dataset& data, LargeMatrix mine);
+SharedMatrix PosesInOrder(const Dataset& data, SharedMatrix mine);
 
 /// The number of the whole's observation that is observation i of a block here.
 Eigen::Index ObservationInAll(const Dataset& data, std::size_t block,

@@ -38,7 +38,8 @@ SigmaTotals Sum(const ObservationBlock& block, const Piece& piece) {
   if (piece.count > 1 && HaveOneSigma(block, piece.first, piece.count)) {
     return Times(piece.count, Sum(block, {piece.block, piece.first, 1}));
   }
-  const auto sigmas = block.sigmas.middleCols(piece.first, piece.count).array();
+  const auto sigmas =
+      block.sigmas.map().middleCols(piece.first, piece.count).array();
   SigmaTotals totals;
   totals.are_positive = (sigmas > 0.0).all();
   totals.equations = sigmas.isFinite().count();

@@ -83,7 +83,7 @@ bool Tiles::HasOneSigma(const Group& group) const {
       !block.whiteners.empty()) {
     return false;
   }
-  const LargeMatrix& sigmas = block.sigmas;
+  const SharedMatrix& sigmas = block.sigmas;
   if (orders_[group.block].empty()) {
     return HaveOneSigma(block, group.first, group.size);
   }

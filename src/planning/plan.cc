@@ -292,8 +292,10 @@ class Planner {
                                   : config_.candidates.joint_decimals;
     outcome_.sheet =
         MakePlannedData(model_, result().joint_values, config_.measurement);
-    outcome_.sheet.blocks.front().sigmas.edit().setConstant(kInfinity);
-    outcome_.sheet.blocks.front().measured.edit().setZero();
+    ObservationBlock& block = outcome_.sheet.blocks.front();
+    block.measured = Eigen::MatrixXd::Zero(block.rows_each(), block.size());
+    block.sigmas =
+        Eigen::MatrixXd::Constant(block.rows_each(), block.size(), kInfinity);
   }
 
   void WarnIfUncovered() {

@@ -17,15 +17,15 @@ Dataset MakePlannedData(const MeasurementModel& model,
   block.kind = measurement.orientation ? MeasurementKind::kPose
                                        : MeasurementKind::kPosition;
   const Eigen::Index count = joint_values.cols() * num_targets;
-  block.measured.resize(block.rows_each(), count);
-  block.sigmas.resize(block.rows_each(), count);
-  LargeMatrix::Editable sigmas = block.sigmas.edit();
-  sigmas.setConstant(measurement.rotation_sigma);
+  Eigen::MatrixXd measured(block.rows_each(), count);
+  Eigen::VectorXd sigmas =
+      Eigen::VectorXd::Constant(block.rows_each(), measurement.rotation_sigma);
   for (int axis = 0; axis < 3; ++axis) {
-    sigmas.row(axis).setConstant(measurement.axes[axis]
-                                     ? measurement.sigma
-                                     : std::numeric_limits<double>::infinity());
+    sigmas[axis] = measurement.axes[axis]
+                       ? measurement.sigma
+                       : std::numeric_limits<double>::infinity();
   }
+  block.sigmas = SharedMatrix::Repeated(sigmas, count);
   const Eigen::VectorXd values = model.NominalValues();
   for (Eigen::Index i = 0; i < count; ++i) {
     const auto pose = static_cast<int>(i / num_targets);
@@ -33,13 +33,14 @@ Dataset MakePlannedData(const MeasurementModel& model,
     block.poses.push_back(pose);
     block.targets.push_back(target);
     Eigen::Matrix3d rotation;
-    block.measured.edit().col(i).head<3>() = TargetPose<double>(
+    measured.col(i).head<3>() = TargetPose<double>(
         model.nominal(), ViewOf(model.layout(), values.data(), target),
         joint_values.col(pose).data(), &rotation);
     if (measurement.orientation) {
-      block.measured.edit().col(i).tail<3>() = VectorFromRotation(rotation);
+      measured.col(i).tail<3>() = VectorFromRotation(rotation);
     }
   }
+  block.measured = std::move(measured);
   Dataset data;
   data.name = "planned poses";
   data.joint_values = joint_values;

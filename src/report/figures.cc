@@ -55,14 +55,14 @@ std::vector<double> InMillimetres(
   return values;
 }
 
-ChartSeries ErrorByPose(const LargeVector& errors) {
+ChartSeries ErrorByPose(const SharedVector& errors) {
   ChartSeries series;
   series.marker = MarkerStyle::kStem;
   const Eigen::Index n = errors.size();
   const Eigen::Index step = std::max<Eigen::Index>(1, n / kMostDrawn);
   for (Eigen::Index first = 0; first < n; first += step) {
     Eigen::Index worst = 0;
-    errors.segment(first, std::min(step, n - first)).maxCoeff(&worst);
+    errors.map().segment(first, std::min(step, n - first)).maxCoeff(&worst);
     series.x.push_back(static_cast<double>(first + worst + 1));
     series.y.push_back(errors[first + worst] / kMillimetre);
   }
@@ -70,7 +70,7 @@ ChartSeries ErrorByPose(const LargeVector& errors) {
 }
 
 LineChart PoseChart(const std::string& title, const Accuracy& accuracy,
-                    const LargeVector& errors, const std::string& poses) {
+                    const SharedVector& errors, const std::string& poses) {
   LineChart chart;
   chart.title = title;
   chart.subtitle = Headline(accuracy) + " (" + Count(accuracy.n, poses) + ")";
@@ -83,16 +83,16 @@ LineChart PoseChart(const std::string& title, const Accuracy& accuracy,
 
 bool LiesInHorizontalPlane(const EvaluatedSet& set) {
   if (set.positions.cols() < 3 || set.positions.cols() > kMostDrawn ||
-      !set.positions.allFinite()) {
+      !set.positions.map().allFinite()) {
     return false;
   }
-  const Eigen::Vector3d extent =
-      set.positions.rowwise().maxCoeff() - set.positions.rowwise().minCoeff();
+  const Eigen::Vector3d extent = set.positions.map().rowwise().maxCoeff() -
+                                 set.positions.map().rowwise().minCoeff();
   return extent.z() < kFlat * extent.head<2>().maxCoeff();
 }
 
 MapChart PlaneChart(const std::string& title, const Accuracy& accuracy,
-                    const EvaluatedSet& set, const LargeVector& errors) {
+                    const EvaluatedSet& set, const SharedVector& errors) {
   MapChart chart;
   chart.title = title;
   const double height = set.positions.row(2).mean() / kMillimetre;
@@ -104,13 +104,13 @@ MapChart PlaneChart(const std::string& title, const Accuracy& accuracy,
   chart.colour.label = "position error [mm]";
   chart.px = InMillimetres(set.positions.row(0).transpose());
   chart.py = InMillimetres(set.positions.row(1).transpose());
-  chart.value = InMillimetres(errors);
+  chart.value = InMillimetres(errors.map());
   return chart;
 }
 
 std::string ValidationFigure(const std::string& when, const Accuracy& accuracy,
                              const EvaluatedSet& set,
-                             const LargeVector& errors) {
+                             const SharedVector& errors) {
   const std::string title = "Position error " + when + ", validation poses";
   if (LiesInHorizontalPlane(set)) {
     return RenderSvg(PlaneChart(title, accuracy, set, errors));

@@ -183,7 +183,7 @@ DataFormat ReadFormat(const YamlMap& map, const Units& units, const Arm& arm,
 LoadedData Merge(std::vector<LoadedData> parts, int num_joints) {
   LoadedData all;
   if (parts.empty()) {
-    all.data.joint_values.resize(num_joints, 0);
+    all.data.joint_values = Eigen::MatrixXd(num_joints, 0);
     return all;
   }
   std::vector<Dataset> data;
@@ -258,7 +258,8 @@ LoadedData SimulatedData(const SimulationConfig& config,
   LoadedData loaded;
   loaded.data = Simulate(config);
   if (!(config.noise_sigma > 0.0)) {
-    loaded.data.sigmas().edit().setConstant(defaults.sigma);
+    loaded.data.sigmas() = SharedMatrix::Repeated(
+        Eigen::Vector3d::Constant(defaults.sigma), loaded.data.num_poses());
   }
   // Poses count as lines, so that these may stand in a list with files.
   loaded.data.files = {config.output};

@@ -91,7 +91,7 @@ void ReadMeasured(JobContext* context, PlanConfig* plan) {
   JobConfig job;
   job.arm = plan->job.arm;
   job.data.references = ReadReferences(*context);
-  job.data.training.joint_values.resize(job.arm.num_joints(), 0);
+  job.data.training.joint_values = Eigen::MatrixXd(job.arm.num_joints(), 0);
   if (const auto value = context->file.Optional("measured")) {
     const MeasurementSigmas sigmas = {plan->measurement.sigma,
                                       plan->measurement.rotation_sigma};

@@ -288,7 +288,7 @@ class MonteCarlo {
     const bool misses =
         study_.joint_angle_sigma > 0.0 || study_.joint_length_sigma > 0.0;
     if (misses || study_.truth == SimulatedTruth::kPriors) {
-      LargeMatrix joint_values = data.joint_values;
+      SharedMatrix joint_values = data.joint_values;
       if (misses) {
         joint_values =
             MissedJointValues(study_, task_.arm, joint_values, &random);
@@ -336,7 +336,7 @@ class MonteCarlo {
                    const RepeatedCalibration::Outcome& outcome) const {
     Dataset scaled = data;
     for (ObservationBlock& block : scaled.blocks) {
-      block.sigmas.edit() *= outcome.sigma_factor;
+      block.sigmas = block.sigmas.map() * outcome.sigma_factor;
       for (Eigen::MatrixXd& w : block.whiteners) w /= outcome.sigma_factor;
     }
     const CalibrationProblem problem = calibration_.ProblemOf(scaled);

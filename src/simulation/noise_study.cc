@@ -101,12 +101,13 @@ class NoiseStudy {
              Eigen::VectorXd* values) const {
     Dataset noisy = exact_;
     Random random(study_.seed, static_cast<std::uint64_t>(trial));
-    LargeMatrix::Editable positions = noisy.positions().edit();
+    MatrixBuilder positions(exact_.positions());
     for (Eigen::Index i = 0; i < noisy.num_poses(); ++i) {
       for (int axis = 0; axis < 3; ++axis) {
-        positions(axis, i) += noisy.sigmas()(axis, i) * random.Normal();
+        positions.map()(axis, i) += noisy.sigmas()(axis, i) * random.Normal();
       }
     }
+    noisy.positions() = positions.Freeze();
     const CalibrationProblem problem{model_, noisy, method.free_columns,
                                      method.start_rank, method.priors};
     SolverOptions options = task_.options.solver_options;
@@ -121,7 +122,7 @@ class NoiseStudy {
 
   double DataRms(const Eigen::VectorXd& values) const {
     return RootMeanSquare(model_.Predict(values, exact_.joint_values) -
-                          exact_.positions());
+                          exact_.positions().map());
   }
 
   double WorkspaceRms(const Eigen::VectorXd& values) const {

@@ -19,7 +19,7 @@ double Freedom(const Dataset& data, const ParameterCovariance& covariance,
 
 void ScaleSigmas(double factor, Dataset* data) {
   for (ObservationBlock& block : data->blocks) {
-    block.sigmas.edit() *= factor;
+    block.sigmas = block.sigmas.map() * factor;
     for (Eigen::MatrixXd& whitener : block.whiteners) whitener /= factor;
   }
 }

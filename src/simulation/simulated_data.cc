@@ -9,12 +9,11 @@
 namespace alidade::internal {
 namespace {
 
-// Adds a change to measured values: lengths by addition, an orientation by a
-// turn on the left.
-void Move(const Eigen::VectorXd& change, ObservationBlock* block,
-          Eigen::Index i) {
-  auto measured = block->measured.edit().col(i);
-  if (block->kind != MeasurementKind::kPose) {
+// Adds a change to the measured values of an observation: lengths by addition,
+// an orientation by a rotation on the left.
+void Move(const Eigen::VectorXd& change, MeasurementKind kind,
+          Eigen::Ref<Eigen::VectorXd> measured) {
+  if (kind != MeasurementKind::kPose) {
     measured += change;
     return;
   }
@@ -52,23 +51,27 @@ bool IsLength(int row) { return row < 3; }
 
 void MeasureExactly(const MeasurementModel& model,
                     const Eigen::VectorXd& values,
-                    const LargeMatrix& joint_values, Dataset* data) {
-  const LargeMatrix stated = data->joint_values;
+                    const SharedMatrix& joint_values, Dataset* data) {
+  const SharedMatrix stated = data->joint_values;
   data->joint_values = joint_values;
-  const LargeVector errors = model.Errors(values, *data);
+  const SharedVector errors = model.Errors(values, *data);
   data->joint_values = stated;
   Eigen::Index row = 0;
   for (ObservationBlock& block : data->blocks) {
+    MatrixBuilder measured(block.measured);
     for (Eigen::Index i = 0; i < block.size(); ++i) {
-      Move(errors.segment(row, block.rows_each()), &block, i);
+      Move(errors.map().segment(row, block.rows_each()), block.kind,
+           measured.map().col(i));
       row += block.rows_each();
     }
+    block.measured = measured.Freeze();
   }
 }
 
 void AddNoise(const MonteCarloOptions& config, double reach, Random* random,
               Dataset* data) {
   for (ObservationBlock& block : data->blocks) {
+    MatrixBuilder measured(block.measured);
     for (Eigen::Index i = 0; i < block.size(); ++i) {
       Eigen::VectorXd noise = DrawNoise(block, i, random);
       if (config.outlier_fraction > 0.0 &&
@@ -80,16 +83,17 @@ void AddNoise(const MonteCarloOptions& config, double reach, Random* random,
           noise[row] += size * random->Normal();
         }
       }
-      Move(noise, &block, i);
+      Move(noise, block.kind, measured.map().col(i));
     }
+    block.measured = measured.Freeze();
   }
 }
 
 Eigen::MatrixXd MissedJointValues(const MonteCarloOptions& config,
                                   const Arm& arm,
-                                  const LargeMatrix& joint_values,
+                                  const SharedMatrix& joint_values,
                                   Random* random) {
-  Eigen::MatrixXd missed = joint_values.eval();
+  Eigen::MatrixXd missed = joint_values.map();
   for (Eigen::Index i = 0; i < missed.cols(); ++i) {
     for (int j = 0; j < arm.num_joints(); ++j) {
       const double sigma = arm.joints[j].type == JointType::kRevolute

@@ -15,7 +15,7 @@ namespace alidade::internal {
 /// kPlane), whose measured values are zero by definition.
 void MeasureExactly(const MeasurementModel& model,
                     const Eigen::VectorXd& values,
-                    const LargeMatrix& joint_values, Dataset* data);
+                    const SharedMatrix& joint_values, Dataset* data);
 
 /// Adds Gaussian noise of the data's own sigmas (or covariances) to every
 /// measured row, and gross errors to some observations.
@@ -25,7 +25,7 @@ void AddNoise(const MonteCarloOptions& config, double reach, Random* random,
 /// Joint values that the arm really takes: off by its repeatability.
 Eigen::MatrixXd MissedJointValues(const MonteCarloOptions& config,
                                   const Arm& arm,
-                                  const LargeMatrix& joint_values,
+                                  const SharedMatrix& joint_values,
                                   Random* random);
 
 }  // namespace alidade::internal

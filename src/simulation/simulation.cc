@@ -30,7 +30,7 @@ double ValueAt(const Range& range, int i) {
 // Joint values as a data set with so many decimals states them, to the bits
 // that its reader makes of them: the arm is measured exactly where the file
 // says.
-void RoundJointValues(const Arm& arm, int decimals, LargeMatrix::Editable q) {
+void RoundJointValues(const Arm& arm, int decimals, MatrixBuilder::Map q) {
   const double scale = std::pow(10.0, decimals);
   for (Eigen::Index i = 0; i < q.cols(); ++i) {
     for (int j = 0; j < arm.num_joints(); ++j) {
@@ -115,15 +115,15 @@ Eigen::MatrixXd PlanPoses(const SimulationConfig& config) {
   return std::get<PosesFromFile>(config.poses).joint_values;
 }
 
-LargeMatrix TruePositions(const SimulationConfig& config,
-                          const LargeMatrix& joint_values) {
+MatrixBuilder TruePositions(const SimulationConfig& config,
+                            const SharedMatrix& joint_values) {
   using Real = long double;
   const ParameterLayout layout(config.arm);
   const Eigen::Matrix<Real, Eigen::Dynamic, 1> values =
       config.true_values.cast<Real>();
   const GeometryView<Real> geometry = ViewOf(layout, values.data());
-  LargeMatrix positions(3, joint_values.cols());
-  LargeMatrix::Editable columns = positions.edit();
+  MatrixBuilder positions(3, joint_values.cols());
+  MatrixBuilder::Map columns = positions.map();
   for (Eigen::Index i = 0; i < joint_values.cols(); ++i) {
     columns.col(i) =
         TargetPosition(config.arm, geometry, joint_values.col(i).data())
@@ -132,7 +132,7 @@ LargeMatrix TruePositions(const SimulationConfig& config,
   return positions;
 }
 
-void AddNoise(const SimulationConfig& config, LargeMatrix::Editable positions) {
+void AddNoise(const SimulationConfig& config, MatrixBuilder::Map positions) {
   for (Eigen::Index i = 0; i < positions.cols(); ++i) {
     Random random(config.seed, kNoiseStreams + static_cast<std::uint64_t>(i));
     for (int axis = 0; axis < 3; ++axis) {
@@ -146,16 +146,19 @@ void AddNoise(const SimulationConfig& config, LargeMatrix::Editable positions) {
 Dataset Simulate(const SimulationConfig& config) {
   Dataset data;
   data.name = config.output;
-  data.joint_values = PlanPoses(config);
-  RoundJointValues(config.arm, config.joint_decimals, data.joint_values.edit());
-  data.positions() = TruePositions(config, data.joint_values);
-  if (config.noise_sigma > 0.0) AddNoise(config, data.positions().edit());
-  if (!data.joint_values.allFinite() || !data.positions().allFinite()) {
+  MatrixBuilder joint_values(PlanPoses(config));
+  RoundJointValues(config.arm, config.joint_decimals, joint_values.map());
+  data.joint_values = joint_values.Freeze();
+  MatrixBuilder positions = TruePositions(config, data.joint_values);
+  if (config.noise_sigma > 0.0) AddNoise(config, positions.map());
+  data.positions() = positions.Freeze();
+  if (!data.joint_values.map().allFinite() ||
+      !data.positions().map().allFinite()) {
     throw InputError({config.path, 0, 0, ""},
                      "the arm, its limits or its deviations are so large that "
                      "positions are not finite");
   }
-  data.sigmas() = LargeMatrix::Repeated(
+  data.sigmas() = SharedMatrix::Repeated(
       Eigen::Vector3d::Constant(config.noise_sigma > 0.0 ? config.noise_sigma
                                                          : 1.0),
       data.num_poses());

@@ -28,11 +28,11 @@ std::vector<LossKind> StagesTo(LossKind loss) {
 // The equations that still have a say, each observation counted by its weight.
 double EffectiveEquations(const CalibrationProblem& problem,
                           const Eigen::VectorXd& values) {
-  const LargeVector squared =
+  const SharedVector squared =
       SquaredNorms(problem.model.Errors(values, problem.data), problem.data);
   const Eigen::VectorXi dimensions = Dimensions(problem.data);
-  LargeVector all(squared.size());
-  LargeVector::Editable equations = all.edit();
+  VectorBuilder all(squared.size());
+  VectorBuilder::Map equations = all.map();
   equations.setZero();
   for (Eigen::Index i = 0; i < squared.size(); ++i) {
     const int dimension = dimensions[i];
@@ -41,7 +41,7 @@ double EffectiveEquations(const CalibrationProblem& problem,
     if (problem.losses.empty()) continue;
     equations[i] *= problem.losses[dimension - 1].Weight(squared[i]);
   }
-  return SumInOrder(problem.data, std::move(all));
+  return SumInOrder(problem.data, all.Freeze());
 }
 
 // Data of which no more than this part is left are given up.

@@ -82,7 +82,7 @@ LossMoments MomentsOf(const FinishedProblem& fit) {
     double squared_norm;
     int dimension;
   };
-  const LargeVector squared =
+  const SharedVector squared =
       SquaredNorms(fit.model.Errors(fit.values, fit.data), fit.data);
   std::vector<std::vector<Entry>> entries(fit.data.blocks.size());
   Eigen::Index count = 0;

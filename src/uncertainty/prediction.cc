@@ -31,16 +31,17 @@ Dataset PosesOf(const MeasurementModel& model, const Eigen::VectorXd& values,
   block.kind = MeasurementKind::kPose;
   const Eigen::Index n = joint_values.cols();
   block.targets.assign(n, target);
-  block.measured.resize(6, n);
+  Eigen::MatrixXd measured(6, n);
   block.sigmas = Eigen::MatrixXd::Ones(6, n);
   const GeometryView<double> geometry =
       ViewOf(model.layout(), values.data(), target);
   for (Eigen::Index i = 0; i < n; ++i) {
     Eigen::Matrix3d rotation;
-    block.measured.edit().col(i).head<3>() = TargetPose<double>(
+    measured.col(i).head<3>() = TargetPose<double>(
         model.nominal(), geometry, joint_values.col(i).data(), &rotation);
-    block.measured.edit().col(i).tail<3>() = VectorFromRotation(rotation);
+    measured.col(i).tail<3>() = VectorFromRotation(rotation);
   }
+  block.measured = std::move(measured);
   data.blocks.push_back(std::move(block));
   return data;
 }

@@ -11,6 +11,7 @@
 #include "alidade/random.h"
 #include "alidade/rotation.h"
 #include "alidade/units.h"
+#include "tests/support/edit.h"
 #include "tests/support/random_measurements.h"
 
 namespace alidade::internal {
@@ -60,15 +61,17 @@ class EvaluateTest : public ::testing::Test {
 TEST_F(EvaluateTest, CountsEveryKindButPointDistances) {
   EXPECT_EQ(Evaluate().n, kCounted);
   EXPECT_LE(Evaluate().max, kRounding);
-  Block(MeasurementKind::kPointDistance).measured.edit().array() += 0.5;
+  testing::Edit(&Block(MeasurementKind::kPointDistance).measured)->array() +=
+      0.5;
   EXPECT_EQ(Evaluate().n, kCounted);
   EXPECT_LE(Evaluate().max, kRounding);
 }
 
 TEST_F(EvaluateTest, LengthsAreThoseOfErrorsOfPosition) {
   ObservationBlock& positions = Block(MeasurementKind::kPosition);
-  positions.measured.edit().colwise() += Eigen::Vector3d(3e-3, -4e-3, 0.0);
-  Block(MeasurementKind::kDistance).measured.edit()(0, 2) += 2e-3;
+  testing::Edit(&positions.measured)->colwise() +=
+      Eigen::Vector3d(3e-3, -4e-3, 0.0);
+  testing::Edit (&Block(MeasurementKind::kDistance).measured)(0, 2) += 2e-3;
   Accuracy accuracy = Evaluate();
   EXPECT_EQ(accuracy.n, kCounted);
   EXPECT_NEAR(accuracy.max, 5e-3, kRounding);
@@ -76,8 +79,8 @@ TEST_F(EvaluateTest, LengthsAreThoseOfErrorsOfPosition) {
   EXPECT_NEAR(accuracy.rms, std::sqrt((kPoses * 25e-6 + 4e-6) / kCounted),
               kRounding);
   // Of what was measured: here y alone.
-  positions.sigmas.edit().row(0).setConstant(kInfinity);
-  positions.sigmas.edit().row(2).setConstant(kInfinity);
+  testing::Edit(&positions.sigmas)->row(0).setConstant(kInfinity);
+  testing::Edit(&positions.sigmas)->row(2).setConstant(kInfinity);
   accuracy = Evaluate();
   EXPECT_EQ(accuracy.n, kCounted);
   EXPECT_NEAR(accuracy.max, 4e-3, kRounding);
@@ -85,15 +88,17 @@ TEST_F(EvaluateTest, LengthsAreThoseOfErrorsOfPosition) {
 
 TEST_F(EvaluateTest, ObservationsOfOrientationAloneDoNotCount) {
   ObservationBlock& poses = Block(MeasurementKind::kPose);
-  poses.sigmas.edit().col(1).head<3>().setConstant(kInfinity);
-  poses.sigmas.edit().col(4).head<3>().setConstant(kInfinity);
+  testing::Edit(&poses.sigmas)->col(1).head<3>().setConstant(kInfinity);
+  testing::Edit(&poses.sigmas)->col(4).head<3>().setConstant(kInfinity);
   EXPECT_EQ(Evaluate().n, kCounted - 2);
   EXPECT_EQ(EvaluateTurns().n, kPoses);
   // Nor does what was not measured at all.
-  Block(MeasurementKind::kPosition).sigmas.edit().col(0).setConstant(kInfinity);
+  testing::Edit(&Block(MeasurementKind::kPosition).sigmas)
+      ->col(0)
+      .setConstant(kInfinity);
   EXPECT_EQ(Evaluate().n, kCounted - 3);
   data_.blocks = {poses};
-  data_.blocks[0].sigmas.edit().topRows<3>().setConstant(kInfinity);
+  testing::Edit(&data_.blocks[0].sigmas)->topRows<3>().setConstant(kInfinity);
   EXPECT_EQ(Evaluate().n, 0);
   EXPECT_EQ(EvaluateTurns().n, kPoses);
 }
@@ -102,8 +107,11 @@ TEST_F(EvaluateTest, CountedLengthsAreInTheOrderOfObservations) {
   data_.blocks = {Block(MeasurementKind::kPointDistance),
                   Block(MeasurementKind::kPose),
                   Block(MeasurementKind::kPlane)};
-  data_.blocks[1].sigmas.edit().col(1).head<3>().setConstant(kInfinity);
-  data_.blocks[1].measured.edit()(2, 0) += 7e-3;
+  testing::Edit(&data_.blocks[1].sigmas)
+      ->col(1)
+      .head<3>()
+      .setConstant(kInfinity);
+  testing::Edit (&data_.blocks[1].measured)(2, 0) += 7e-3;
   const std::vector<std::vector<double>> lengths =
       CountedLengths(model_.Errors(measured_.values, data_), data_);
   ASSERT_EQ(lengths.size(), 3U);
@@ -120,8 +128,8 @@ TEST_F(EvaluateTest, CountedLengthsAreInTheOrderOfObservations) {
 TEST_F(EvaluateTest, RotationsAreAnglesBetweenOrientations) {
   constexpr double kTurn = 0.01;
   for (Eigen::Index i = 0; i < kPoses; ++i) {
-    LargeMatrix::Editable all = Block(MeasurementKind::kPose).measured.edit();
-    auto measured = all.col(i).tail<3>();
+    auto all = testing::Edit(&Block(MeasurementKind::kPose).measured);
+    auto measured = all->col(i).tail<3>();
     const Eigen::Vector3d turn = kTurn * testing::RandomDirection(&random_);
     measured = VectorFromRotation<double>(
         RotationFromVector<double>(turn) *
@@ -143,7 +151,7 @@ TEST_F(EvaluateTest, SetsLabelEveryObservation) {
   data_.blocks = {Block(MeasurementKind::kDistance),
                   Block(MeasurementKind::kPosition),
                   Block(MeasurementKind::kPointDistance)};
-  data_.blocks[1].measured.edit().col(2).array() += 1e-3;
+  testing::Edit(&data_.blocks[1].measured)->col(2).array() += 1e-3;
   const EvaluatedSet set =
       EvaluateSet(model_, data_, measured_.values, measured_.values);
   ASSERT_EQ(set.labels.size(), 3U * kPoses);
@@ -158,9 +166,10 @@ TEST_F(EvaluateTest, SetsLabelEveryObservation) {
   EXPECT_EQ(set.labels[2 * kPoses].pose, -1);
   EXPECT_EQ(set.labels[2 * kPoses].where, "");
   ASSERT_EQ(set.positions.cols(), 3 * kPoses);
-  EXPECT_FALSE(set.positions.leftCols(kPoses).array().isFinite().any());
-  EXPECT_EQ(set.positions.middleCols(kPoses, kPoses), data_.blocks[1].measured);
-  EXPECT_FALSE(set.positions.rightCols(kPoses).array().isFinite().any());
+  EXPECT_FALSE(set.positions.map().leftCols(kPoses).array().isFinite().any());
+  EXPECT_EQ(set.positions.map().middleCols(kPoses, kPoses),
+            data_.blocks[1].measured);
+  EXPECT_FALSE(set.positions.map().rightCols(kPoses).array().isFinite().any());
   EXPECT_LE(
       (set.residual_after.col(kPoses + 2).array() + 1e-3).abs().maxCoeff(),
       kRounding);
@@ -170,9 +179,10 @@ TEST_F(EvaluateTest, SetsLabelEveryObservation) {
 // Poses of joint values 0, 1, 2 ..., as `configurations` says, and no block.
 Dataset PosesOf(const std::vector<int>& configurations) {
   Dataset data;
-  data.joint_values.resize(2, static_cast<Eigen::Index>(configurations.size()));
+  data.joint_values =
+      Eigen::MatrixXd(2, static_cast<Eigen::Index>(configurations.size()));
   for (std::size_t i = 0; i < configurations.size(); ++i) {
-    data.joint_values.edit().col(static_cast<Eigen::Index>(i))
+    testing::Edit(&data.joint_values)->col(static_cast<Eigen::Index>(i))
         << configurations[i],
         0.5;
   }
@@ -193,12 +203,12 @@ constexpr double kStep = 0x1p-12;  // exact in sums (m)
 Dataset RepeatedPositions() {
   Dataset data = PosesOf({0, 1, 0, 2, 1, 3, 0});
   ObservationBlock block = BlockOf(MeasurementKind::kPosition, 7);
-  block.measured.edit().row(2).setConstant(0.5);
-  block.measured.edit()(0, 0) = kStep;
-  block.measured.edit()(0, 6) = -kStep;
-  block.measured.edit()(1, 1) = 3.0 * kStep;
-  block.measured.edit()(1, 4) = 1.0 * kStep;
-  block.measured.edit()(2, 3) = 0.25;
+  testing::Edit(&block.measured)->row(2).setConstant(0.5);
+  testing::Edit (&block.measured)(0, 0) = kStep;
+  testing::Edit (&block.measured)(0, 6) = -kStep;
+  testing::Edit (&block.measured)(1, 1) = 3.0 * kStep;
+  testing::Edit (&block.measured)(1, 4) = 1.0 * kStep;
+  testing::Edit (&block.measured)(2, 3) = 0.25;
   data.blocks = {block};
   return data;
 }
@@ -229,7 +239,7 @@ TEST(MeasureRepeatsTest, ComparesLikeWithLike) {
   RepeatSpread spread = MeasureRepeats(data);
   EXPECT_EQ(spread.length_freedom, 6);
   EXPECT_NEAR(spread.length / kStep, std::sqrt(2.0 / 6.0), 1e-14);
-  block.sigmas.edit()(2, 6) = kInfinity;
+  testing::Edit (&block.sigmas)(2, 6) = kInfinity;
   spread = MeasureRepeats(data);
   // Left: a step and 0.
   EXPECT_EQ(spread.length_freedom, 3);
@@ -237,10 +247,10 @@ TEST(MeasureRepeatsTest, ComparesLikeWithLike) {
   // Another block, of the same configurations: lengths and differences.
   ObservationBlock distances = BlockOf(MeasurementKind::kDistance, 7);
   distances.references.assign(7, 0);
-  distances.measured.edit().setRandom();
+  testing::Edit(&distances.measured)->setRandom();
   ObservationBlock differences = BlockOf(MeasurementKind::kDifference, 7);
   differences.seconds = {1, 2, 3, 4, 5, 6, 0};
-  differences.measured.edit().setRandom();
+  testing::Edit(&differences.measured)->setRandom();
   data.blocks.push_back(distances);
   data.blocks.push_back(differences);
   const RepeatSpread same = MeasureRepeats(data);
@@ -259,8 +269,9 @@ TEST(MeasureRepeatsTest, SpreadOfOrientationsHasNoWrap) {
   ObservationBlock block = BlockOf(MeasurementKind::kPose, 5);
   const double turns[] = {0.0, 1.0, 0.0, -1.0, 1.0};
   for (int i = 0; i < 5; ++i) {
-    block.measured.edit().col(i).tail<3>() = VectorFromRotation<double>(
-        RotationFromVector<double>(kTurn * turns[i] * axis) * half);
+    testing::Edit(&block.measured)->col(i).tail<3>() =
+        VectorFromRotation<double>(
+            RotationFromVector<double>(kTurn * turns[i] * axis) * half);
   }
   // On either side of half a turn.
   ASSERT_GT((block.measured.col(0) - block.measured.col(1)).norm(), 6.0);

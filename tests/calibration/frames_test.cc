@@ -13,6 +13,7 @@
 #include "src/kernel/measurement_model.h"
 #include "src/model/joint_draw.h"
 #include "tests/support/classic_arms.h"
+#include "tests/support/edit.h"
 
 namespace alidade::internal {
 namespace {
@@ -47,7 +48,8 @@ JobConfig FarArmJob(int num_poses, double sigma) {
   job.data.training.sigmas() = Eigen::MatrixXd::Constant(3, num_poses, kSigma);
   for (Eigen::Index i = 0; i < num_poses; ++i) {
     for (int axis = 0; axis < 3; ++axis) {
-      job.data.training.positions().edit()(axis, i) += sigma * random.Normal();
+      testing::Edit (&job.data.training.positions())(axis, i) +=
+          sigma * random.Normal();
     }
   }
   job.options.identifiability.candidates = {true, true, true};
@@ -91,8 +93,8 @@ TEST(FramesTest, SigmaIsEstimatedFromTheResiduals) {
 TEST(FramesTest, OutliersAreListedWithTheirWeight) {
   JobConfig job = FarArmJob(100, kSigma);
   job.options.loss = LossKind::kTukey;
-  job.data.training.positions().edit()(1, 7) += 4e-3;
-  job.data.training.positions().edit()(2, 30) -= 2e-3;
+  testing::Edit (&job.data.training.positions())(1, 7) += 4e-3;
+  testing::Edit (&job.data.training.positions())(2, 30) -= 2e-3;
   const CalibrationResult outcome = RunJob(job, "test");
   ASSERT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
   const std::vector<Outlier>& outliers = outcome.outliers;
@@ -145,8 +147,9 @@ TEST(FramesTest, WhatTheModelLeavesIsAddedToStatedSigmas) {
   JobConfig job = FarArmJob(300, kNoise);
   job.options.estimate_sigma = true;
   for (Eigen::Index i = 0; i < job.data.training.num_poses(); ++i) {
-    job.data.training.sigmas().edit().col(i).setConstant(i % 5 < 2 ? 2e-6
-                                                                   : 2e-5);
+    testing::Edit(&job.data.training.sigmas())
+        ->col(i)
+        .setConstant(i % 5 < 2 ? 2e-6 : 2e-5);
   }
   const CalibrationResult outcome = RunJob(job, "test");
   ASSERT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;

@@ -8,6 +8,7 @@
 #include "alidade/arm_file.h"
 #include "src/identifiability/analysis.h"
 #include "src/model/joint_draw.h"
+#include "tests/support/edit.h"
 
 namespace alidade::internal {
 namespace {
@@ -69,7 +70,7 @@ TEST(IdentifiabilityCacheTest, NoiseAsksTheSameQuestion) {
   IdentifiabilityCache cache;
   Question question;
   question.Ask(&cache);
-  question.data.blocks[0].measured.edit().array() += 1e-3;
+  testing::Edit(&question.data.blocks[0].measured)->array() += 1e-3;
   EXPECT_TRUE(AreSame(question.Ask(&cache), question.Analyze()));
   EXPECT_EQ(cache.num_made(), 1U);
 }
@@ -83,8 +84,10 @@ TEST(IdentifiabilityCacheTest, AllElseIsAnotherQuestion) {
       [](Question* q) {
         q->arm.targets[0].last_from_target.translation()[0] += 0.1;
       },
-      [](Question* q) { q->data.joint_values.edit()(0, 0) += 1e-6; },
-      [](Question* q) { q->data.blocks[0].sigmas.edit()(1, 3) *= 2.0; },
+      [](Question* q) { testing::Edit (&q->data.joint_values)(0, 0) += 1e-6; },
+      [](Question* q) {
+        testing::Edit (&q->data.blocks[0].sigmas)(1, 3) *= 2.0;
+      },
       [](Question* q) { q->data.blocks[0].targets.assign(20, 0); },
       [](Question* q) {
         q->data.blocks[0].whiteners.assign(20, Eigen::Matrix3d::Identity());
@@ -122,7 +125,7 @@ TEST(IdentifiabilityCacheTest, MeasuredOrientationsArePartOfTheQuestion) {
   block.measured = poses;
   block.sigmas = Eigen::MatrixXd::Constant(6, 20, 1e-4);
   question.Ask(&cache);
-  block.measured.edit()(4, 2) = 0.2;
+  testing::Edit (&block.measured)(4, 2) = 0.2;
   EXPECT_TRUE(AreSame(question.Ask(&cache), question.Analyze()));
   EXPECT_EQ(cache.num_made(), 2U);
 }

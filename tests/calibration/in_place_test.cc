@@ -36,7 +36,7 @@ class InPlaceTest : public ::testing::Test {
     job.data.training =
         LoadDataWith({path_, arm_, format_}, &references, options).data;
     job.data.validation = job.data.training;
-    stride_ = job.data.training.joint_values.outerStride();
+    stride_ = job.data.training.joint_values.stride();
     job.options.num_threads = 2;
     return RunJob(job, "test");
   }

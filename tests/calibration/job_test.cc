@@ -10,6 +10,7 @@
 #include "src/calibration/evaluate.h"
 #include "src/job/run_job.h"
 #include "src/serialization/job_file.h"
+#include "tests/support/edit.h"
 
 namespace alidade::internal {
 namespace {
@@ -96,7 +97,7 @@ TEST(JobTest, RankShortWithoutAChoiceIsRefusedWithTheAnalysis) {
 
 TEST(JobTest, SolverThatCannotSolveIsReportedAndLeavesTheArmNominal) {
   JobConfig config = LoadStudy();
-  config.data.training.positions().edit()(1, 7) =
+  testing::Edit (&config.data.training.positions())(1, 7) =
       std::numeric_limits<double>::quiet_NaN();
   const CalibrationResult outcome = RunJob(config, "test");
   EXPECT_EQ(outcome.status, CalibrationStatus::kFailed);
@@ -108,8 +109,8 @@ TEST(JobTest, ResidualsBeyondTheirSigmasAreAWarning) {
   JobConfig config = LoadStudy();
   EXPECT_THAT(RunJob(config, "test").result.warnings,
               Not(Contains(HasSubstr("as the sigmas say"))));
-  config.data.training.positions().edit().row(2).array() += 0.5e-3;
-  config.data.training.positions().edit()(0, 3) += 5e-3;
+  testing::Edit(&config.data.training.positions())->row(2).array() += 0.5e-3;
+  testing::Edit (&config.data.training.positions())(0, 3) += 5e-3;
   const CalibrationResult outcome = RunJob(config, "test");
   EXPECT_THAT(outcome.warnings, Contains(HasSubstr("sigmas")));
 }
@@ -120,9 +121,10 @@ TEST(JobTest, PositionsThatDependOnWhatIsNotMeasuredAreAWarning) {
   config.options.identifiability.method = IdentifiabilityMethod::kRank;
   EXPECT_THAT(RunJob(config, "test").result.warnings,
               Not(Contains(HasSubstr("positions depend on"))));
-  config.data.training.sigmas().edit().bottomRows(2).setConstant(
-      std::numeric_limits<double>::infinity());
-  EXPECT_THAT(RunJob(config, "test").result.warnings,
+  testing::Edit(&config.data.training.sigmas())
+      ->bottomRows(2)
+      .setConstant(std::numeric_limits<double>::infinity());
+  EXPECT_THAT(RunJob(config, "test").warnings,
               Contains(AllOf(HasSubstr("positions depend on"),
                              HasSubstr("alpha1"), HasSubstr("r1"))));
 }

@@ -18,6 +18,7 @@
 #include "src/job/run_job.h"
 #include "src/model/joint_draw.h"
 #include "tests/calibration/kinds_util.h"
+#include "tests/support/edit.h"
 
 namespace alidade::internal {
 namespace {
@@ -79,8 +80,8 @@ TEST(KindsTest, AxesThatWereNotMeasuredDoNotCount) {
   Dataset data = Bench(real, q).Positions(0).data();
   for (Eigen::Index i = 0; i < 120; i += 2) {
     // Garbage where nothing was measured.
-    data.blocks[0].measured.edit()(1, i) = 123.0;
-    data.blocks[0].sigmas.edit()(1, i) =
+    testing::Edit (&data.blocks[0].measured)(1, i) = 123.0;
+    testing::Edit (&data.blocks[0].sigmas)(1, i) =
         std::numeric_limits<double>::infinity();
   }
   const CalibrationResult result = Calibrate(JobOf(data));
@@ -265,8 +266,8 @@ TEST(KindsTest, SigmasOfLengthsAndOrientationsAreEstimatedApart) {
   const Arm real = RealArm();
   const Eigen::MatrixXd q = DrawJointValues(real, 200, 5);
   JobConfig job = JobOf(Bench(real, q).Poses().data());
-  job.data.training.blocks[0].sigmas.edit().topRows<3>() *= 4.0;
-  job.data.training.blocks[0].sigmas.edit().bottomRows<3>() /= 5.0;
+  testing::Edit(&job.data.training.blocks[0].sigmas)->topRows<3>() *= 4.0;
+  testing::Edit(&job.data.training.blocks[0].sigmas)->bottomRows<3>() /= 5.0;
   job.options.estimate_sigma = true;
   const CalibrationResult result = Calibrate(job);
   EXPECT_NEAR(result.estimated_sigma, kSigma, 0.12 * kSigma);

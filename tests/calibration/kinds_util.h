@@ -18,6 +18,7 @@
 #include "src/kernel/measurement_model.h"
 #include "src/model/joint_draw.h"
 #include "tests/support/classic_arms.h"
+#include "tests/support/edit.h"
 
 namespace alidade::internal {
 
@@ -63,20 +64,22 @@ class Bench {
     ObservationBlock block = Block(MeasurementKind::kPosition);
     block.targets.assign(data_.num_poses(), target);
     for (Eigen::Index i = 0; i < block.size(); ++i) {
-      block.measured.edit().col(i) = Position(i, target) + Noise(kSigma);
+      testing::Edit(&block.measured)->col(i) =
+          Position(i, target) + Noise(kSigma);
     }
     return Append(std::move(block));
   }
 
   Bench& Poses() {
     ObservationBlock block = Block(MeasurementKind::kPose);
-    block.sigmas.edit().bottomRows<3>().setConstant(kRotationSigma);
+    testing::Edit(&block.sigmas)->bottomRows<3>().setConstant(kRotationSigma);
     for (Eigen::Index i = 0; i < block.size(); ++i) {
       Eigen::Matrix3d rotation;
-      block.measured.edit().col(i).head<3>() =
+      testing::Edit(&block.measured)->col(i).head<3>() =
           Pose(i, 0, &rotation) + Noise(kSigma);
-      block.measured.edit().col(i).tail<3>() = VectorFromRotation<double>(
-          RotationFromVector<double>(Noise(kRotationSigma)) * rotation);
+      testing::Edit(&block.measured)->col(i).tail<3>() =
+          VectorFromRotation<double>(
+              RotationFromVector<double>(Noise(kRotationSigma)) * rotation);
     }
     return Append(std::move(block));
   }
@@ -85,7 +88,7 @@ class Bench {
     ObservationBlock block = Block(MeasurementKind::kDistance);
     block.references.assign(data_.num_poses(), point);
     for (Eigen::Index i = 0; i < block.size(); ++i) {
-      block.measured.edit()(0, i) =
+      testing::Edit (&block.measured)(0, i) =
           (Position(i, 0) - anchor).norm() + kSigma * random_.Normal();
     }
     return Append(std::move(block));
@@ -96,7 +99,7 @@ class Bench {
     const auto count = static_cast<int>(data_.num_poses());
     for (int i = 0; i < count; ++i) {
       block.seconds.push_back((i + 1) % count);
-      block.measured.edit().col(i) =
+      testing::Edit(&block.measured)->col(i) =
           Position(i, 0) - Position((i + 1) % count, 0) + Noise(kSigma);
     }
     return Append(std::move(block));

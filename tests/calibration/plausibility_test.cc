@@ -46,42 +46,49 @@ TEST_P(InputMistakeTest, IsNamed) {
 INSTANTIATE_TEST_SUITE_P(
     Mistakes, InputMistakeTest,
     ::testing::Values(
+        InputMistake{"degrees", "in degrees but read as radians",
+                     [](Dataset* data) {
+                       *testing::Edit(&data->joint_values) /= kDegree;
+                     }},
+        InputMistake{"radians", "in radians but read as degrees",
+                     [](Dataset* data) {
+                       *testing::Edit(&data->joint_values) *= kDegree;
+                     }},
         InputMistake{
-            "degrees", "in degrees but read as radians",
-            [](Dataset* data) { data->joint_values.edit() /= kDegree; }},
+            "millimetres", "in mm but read as m",
+            [](Dataset* data) { *testing::Edit(&data->positions()) *= 1e3; }},
         InputMistake{
-            "radians", "in radians but read as degrees",
-            [](Dataset* data) { data->joint_values.edit() *= kDegree; }},
-        InputMistake{"millimetres", "in mm but read as m",
-                     [](Dataset* data) { data->positions().edit() *= 1e3; }},
-        InputMistake{"metres", "in m but read as mm",
-                     [](Dataset* data) { data->positions().edit() /= 1e3; }},
-        InputMistake{"centimetres", "cm read as mm",
-                     [](Dataset* data) { data->positions().edit() *= 0.1; }},
-        InputMistake{"inches", "in inches but read as mm",
-                     [](Dataset* data) { data->positions().edit() /= 25.4; }},
+            "metres", "in m but read as mm",
+            [](Dataset* data) { *testing::Edit(&data->positions()) /= 1e3; }},
+        InputMistake{
+            "centimetres", "cm read as mm",
+            [](Dataset* data) { *testing::Edit(&data->positions()) *= 0.1; }},
+        InputMistake{
+            "inches", "in inches but read as mm",
+            [](Dataset* data) { *testing::Edit(&data->positions()) /= 25.4; }},
         InputMistake{"zero", "zero of joint 2 is elsewhere: add 90 deg",
                      [](Dataset* data) {
-                       data->joint_values.edit().row(1).array() -=
+                       testing::Edit(&data->joint_values)->row(1).array() -=
                            90.0 * kDegree;
                      }},
         InputMistake{"joints", "q2 and q3 are swapped",
                      [](Dataset* data) {
-                       auto q = data->joint_values.edit();
-                       q.row(1).swap(q.row(2));
+                       auto q = testing::Edit(&data->joint_values);
+                       q->row(1).swap(q->row(2));
                      }},
         InputMistake{"axes", "mirror image",
                      [](Dataset* data) {
-                       auto p = data->positions().edit();
-                       p.row(0).swap(p.row(2));
+                       auto p = testing::Edit(&data->positions());
+                       p->row(0).swap(p->row(2));
                      }},
-        InputMistake{
-            "sign", "joint 2 counts the other way",
-            [](Dataset* data) { data->joint_values.edit().row(1) *= -1.0; }},
+        InputMistake{"sign", "joint 2 counts the other way",
+                     [](Dataset* data) {
+                       testing::Edit(&data->joint_values)->row(1) *= -1.0;
+                     }},
         InputMistake{"late", "one row late",
                      [](Dataset* data) {
-                       auto p = data->positions().edit();
-                       p.rightCols(59) = p.leftCols(59).eval();
+                       auto p = testing::Edit(&data->positions());
+                       p->rightCols(59) = p->leftCols(59).eval();
                      }}),
     [](const ::testing::TestParamInfo<InputMistake>& mistake) {
       return std::string(mistake.param.name);
@@ -94,8 +101,8 @@ TEST(PlausibilityTest, DataThatNoMistakeExplainsAreWarnedOf) {
   job.arm = NominalArm();
   job.data.training = Bench(real, q).Positions(0).data();
   job.options.identifiability.candidates = {true, true, true};
-  auto p = job.data.training.positions().edit();
-  p = p.rowwise().reverse().eval();
+  job.data.training.positions() =
+      job.data.training.positions().map().rowwise().reverse();
   const CalibrationResult outcome = RunJob(job, "test");
   ASSERT_FALSE(outcome.warnings.empty());
   EXPECT_NE(outcome.warnings.front().find("No single mistake"),
@@ -119,8 +126,8 @@ TEST(PlausibilityTest, ASmallCloudExplainsNothing) {
   job.arm = NominalArm();
   job.data.training = Bench(real, q).Positions(0).data();
   job.options.identifiability.candidates = {true, true, true};
-  job.data.training.positions().edit() /= 300.0;  // no unit
-  job.data.training.positions().edit().colwise() +=
+  *testing::Edit(&job.data.training.positions()) /= 300.0;  // no unit
+  testing::Edit(&job.data.training.positions())->colwise() +=
       Eigen::Vector3d(0.4, 0.1, 0.3);
   const CalibrationResult outcome = RunJob(job, "test");
   EXPECT_NE(outcome.warnings.front().find("No single mistake"),
@@ -144,7 +151,7 @@ TEST(PlausibilityTest, LostTargetsAndTheWorstMeasurementAreNamed) {
   const CalibrationResult clean = RunJob(job, "test");
   EXPECT_FALSE(IsWarnedOf(clean, "0, 0, 0"));
   EXPECT_FALSE(IsWarnedOf(clean, "fits worst"));
-  job.data.training.positions().edit().col(3).setZero();
+  testing::Edit(&job.data.training.positions())->col(3).setZero();
   const CalibrationResult spoilt = RunJob(job, "test");
   EXPECT_TRUE(IsWarnedOf(
       spoilt, "tracker.csv:5: 1 position is exactly 0, 0, 0, which"));
@@ -163,7 +170,7 @@ TEST(PlausibilityTest, StoppedAndWorseThanBeforeIsAFailure) {
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
   JobConfig job = JobOf(Bench(real, q).Positions(0).data());
   EXPECT_EQ(RunJob(job, "test").status, CalibrationStatus::kDone);
-  job.data.training.positions().edit().col(3).setZero();
+  testing::Edit(&job.data.training.positions())->col(3).setZero();
   const CalibrationResult outcome = RunJob(job, "test");
   EXPECT_EQ(outcome.runs[0].summary.status, SolverStatus::kIterationLimit);
   EXPECT_EQ(outcome.status, CalibrationStatus::kFailed);
@@ -175,10 +182,8 @@ TEST(PlausibilityTest, OrientationsInAnotherConventionAreRefused) {
   const Arm real = RealArm();
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
   JobConfig job = JobOf(Bench(real, q).Poses().data());
-  for (auto column : job.data.training.blocks[0].measured.edit().colwise()) {
-    // The inverse rotation: what reads target and instrument the wrong way.
-    column.tail<3>() *= -1.0;
-  }
+  // The inverse rotation: what reads target and instrument the wrong way.
+  testing::Edit(&job.data.training.blocks[0].measured)->bottomRows<3>() *= -1.0;
   EXPECT_THROW(RunJob(job, "test"), InputError);
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "src/kernel/measurement_model.h"
+#include "tests/support/edit.h"
 
 namespace alidade::internal {
 namespace {
@@ -22,7 +23,7 @@ Dataset MixedData() {
   poses.poses = {0, 2};
   poses.measured = Eigen::MatrixXd::Zero(6, 2);
   poses.sigmas = Eigen::MatrixXd::Constant(6, 2, 0.5);
-  poses.sigmas.edit().col(1).tail<3>().setConstant(kInfinity);
+  testing::Edit(&poses.sigmas)->col(1).tail<3>().setConstant(kInfinity);
   ObservationBlock distances;
   distances.kind = MeasurementKind::kDistance;
   distances.poses = {1};
@@ -32,8 +33,8 @@ Dataset MixedData() {
   ObservationBlock positions;
   positions.poses = {1};
   positions.measured = Eigen::MatrixXd::Zero(3, 1);
-  positions.sigmas.resize(3, 1);
-  positions.sigmas.edit() << 1.0, 1.0, kInfinity;
+  positions.sigmas = Eigen::MatrixXd(3, 1);
+  *testing::Edit(&positions.sigmas) << 1.0, 1.0, kInfinity;
   positions.whiteners.resize(1);
   positions.whiteners[0].setZero(3, 3);
   positions.whiteners[0].topLeftCorner<2, 2>() << 1.0, 2.0, 0.0, 3.0;
@@ -65,8 +66,8 @@ TEST(DatasetTest, CountsObservationsRowsAndEquations) {
 
 TEST(DatasetTest, ABlockWithoutObservationsIsNoKindThatItHas) {
   Dataset data = MixedData();
-  data.blocks[1].measured.resize(1, 0);
-  data.blocks[1].sigmas.resize(1, 0);
+  data.blocks[1].measured = Eigen::MatrixXd(1, 0);
+  data.blocks[1].sigmas = Eigen::MatrixXd(1, 0);
   EXPECT_FALSE(data.Has(MeasurementKind::kDistance));
 }
 
@@ -94,21 +95,21 @@ TEST(DatasetDeathTest, OtherKindsAreNotReadAsPositions) {
 
 TEST(ErrorsTest, LengthsAndRotationsAreApart) {
   const Dataset data = MixedData();
-  const LargeVector lengths = LengthErrors(Errors(), data);
+  const SharedVector lengths = LengthErrors(Errors(), data);
   ASSERT_EQ(lengths.size(), 4);
   EXPECT_DOUBLE_EQ(lengths[0], 3.0);
   EXPECT_DOUBLE_EQ(lengths[1], 5.0);
   EXPECT_DOUBLE_EQ(lengths[2], 6.0);
   EXPECT_DOUBLE_EQ(lengths[3], 1.0);
   // One orientation was measured.
-  const LargeVector rotations = RotationErrors(Errors(), data);
+  const SharedVector rotations = RotationErrors(Errors(), data);
   ASSERT_EQ(rotations.size(), 1);
   EXPECT_DOUBLE_EQ(rotations[0], 0.5);
 }
 
 TEST(ErrorsTest, SquaredNormsAreWhitened) {
   const Dataset data = MixedData();
-  const LargeVector squared = SquaredNorms(Errors(), data);
+  const SharedVector squared = SquaredNorms(Errors(), data);
   ASSERT_EQ(squared.size(), 4);
   EXPECT_DOUBLE_EQ(squared[0], 4.0 * (9.0 + 0.25));
   EXPECT_DOUBLE_EQ(squared[1], 4.0 * 25.0);
@@ -121,9 +122,9 @@ TEST(ErrorsTest, SquaredNormsAreWhitened) {
 TEST(WhitenTest, TakesTheObservationsFromTheFirstOn) {
   ObservationBlock block;
   block.measured = Eigen::MatrixXd::Zero(3, 4);
-  block.sigmas.resize(3, 4);
-  block.sigmas.edit() << 9.0, 1.0, 2.0, 9.0,  //
-      9.0, 4.0, 8.0, 9.0,                     //
+  block.sigmas = Eigen::MatrixXd(3, 4);
+  *testing::Edit(&block.sigmas) << 9.0, 1.0, 2.0, 9.0,  //
+      9.0, 4.0, 8.0, 9.0,                               //
       9.0, kInfinity, 16.0, 9.0;
   Eigen::MatrixXd rows = Eigen::MatrixXd::Constant(6, 2, 16.0);
   Whiten(block, 1, 2, rows);

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -16,11 +17,10 @@ namespace {
 ObservationBlock Block(MeasurementKind kind, int size, double first) {
   ObservationBlock block;
   block.kind = kind;
-  block.measured.resize(RowsOf(kind), size);
-  for (Eigen::Index i = 0; i < block.measured.size(); ++i) {
-    block.measured.edit().data()[i] = first + static_cast<double>(i);
-  }
-  block.sigmas = block.measured.array() + 0.5;
+  Eigen::MatrixXd measured(RowsOf(kind), size);
+  std::iota(measured.data(), measured.data() + measured.size(), first);
+  block.sigmas = (measured.array() + 0.5).matrix();
+  block.measured = std::move(measured);
   return block;
 }
 
@@ -47,10 +47,10 @@ TEST(MergeDatasetsTest, PartsOfOnePositionPerPoseStaySo) {
   EXPECT_TRUE(all.blocks[0].poses.empty());
   EXPECT_TRUE(all.blocks[0].targets.empty());
   EXPECT_TRUE(all.blocks[0].whiteners.empty());
-  EXPECT_EQ(all.positions().leftCols(2), a.positions());
-  EXPECT_EQ(all.positions().rightCols(3), b.positions());
-  EXPECT_EQ(all.sigmas().rightCols(3), b.sigmas());
-  EXPECT_EQ(all.joint_values.rightCols(3), b.joint_values);
+  EXPECT_EQ(all.positions().map().leftCols(2), a.positions());
+  EXPECT_EQ(all.positions().map().rightCols(3), b.positions());
+  EXPECT_EQ(all.sigmas().map().rightCols(3), b.sigmas());
+  EXPECT_EQ(all.joint_values.map().rightCols(3), b.joint_values);
   EXPECT_EQ(all.name, "part, part");
   EXPECT_EQ(all.sources[1].file, 0);
   EXPECT_EQ(all.sources[2].file, 1);

@@ -8,6 +8,7 @@
 
 #include "alidade/random.h"
 #include "alidade/units.h"
+#include "tests/support/edit.h"
 #include "tests/support/io_test_util.h"
 
 namespace alidade::internal {
@@ -43,7 +44,7 @@ TEST(LoadDatasetTest, ReadsColumnsInAnyOrderAndUnit) {
 
 TEST(LoadDatasetTest, TakesTheDefaultSigmaWhereTheFileHasNone) {
   const Dataset data = LoadText("q1_rad,q2_m,x_m,y_m,z_m\n1,2,3,4,5\n");
-  EXPECT_TRUE((data.sigmas().array() == kSigma).all());
+  EXPECT_TRUE((data.sigmas().map().array() == kSigma).all());
 }
 
 TEST(LoadDatasetTest, ReadsSigmas) {
@@ -259,23 +260,22 @@ TEST(LoadJointValuesTest, NeedsEveryJoint) {
 // Joint values that four decimals state exactly, positions of any size.
 Dataset RandomDataset(int num_poses) {
   Random random(1);
-  Dataset data;
-  data.joint_values.resize(2, num_poses);
-  data.positions().resize(3, num_poses);
-  data.sigmas().resize(3, num_poses);
+  Eigen::MatrixXd joint_values(2, num_poses);
+  Eigen::MatrixXd positions(3, num_poses);
+  Eigen::MatrixXd sigmas(3, num_poses);
   for (int i = 0; i < num_poses; ++i) {
-    data.joint_values.edit()(0, i) =
+    joint_values(0, i) =
         std::round(random.Uniform(-180e4, 180e4)) / 1e4 * kDegree;
-    data.joint_values.edit()(1, i) =
-        std::round(random.Uniform(-500e4, 500e4)) / 1e7;
+    joint_values(1, i) = std::round(random.Uniform(-500e4, 500e4)) / 1e7;
     for (int axis = 0; axis < 3; ++axis) {
       const double size = std::pow(10.0, random.Uniform(-20.0, 20.0));
-      data.positions().edit()(axis, i) = random.Normal() * size;
-      data.sigmas().edit()(axis, i) = random.Uniform() + 1e-9;
+      positions(axis, i) = random.Normal() * size;
+      sigmas(axis, i) = random.Uniform() + 1e-9;
     }
   }
-  data.positions().edit()(0, 0) = 0.0;
-  return data;
+  positions(0, 0) = 0.0;
+  return MakePositions(std::move(joint_values), std::move(positions),
+                       std::move(sigmas));
 }
 
 TEST(FormatDatasetTest, ReadsBackToTheSameBits) {
@@ -295,10 +295,10 @@ TEST(FormatDatasetTest, CommentCannotBreakOutOfItsLine) {
 
 TEST(FormatDatasetTest, WritesWhatPeopleExpect) {
   Dataset data;
-  data.joint_values.resize(2, 2);
-  data.joint_values.edit() << -90.0 * kDegree, -1e-9, 0.0125, 0.0;
-  data.positions().resize(3, 2);
-  data.positions().edit() << 0.0721, -0.21, 0.3, 12.0, 0.0, 1e-12;
+  data.joint_values = Eigen::MatrixXd(2, 2);
+  *testing::Edit(&data.joint_values) << -90.0 * kDegree, -1e-9, 0.0125, 0.0;
+  data.positions() = Eigen::MatrixXd(3, 2);
+  *testing::Edit(&data.positions()) << 0.0721, -0.21, 0.3, 12.0, 0.0, 1e-12;
   data.sigmas() = Eigen::MatrixXd::Constant(3, 2, kSigma);
   EXPECT_EQ(FormatDataset(data, TwoJoints(), 2, false, {"Two poses."}),
             "# Two poses.\n"

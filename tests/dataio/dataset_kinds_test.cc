@@ -79,7 +79,7 @@ TEST(LoadDataTest, PositionsAloneAreOneBlockWithoutLists) {
   EXPECT_TRUE(block.references.empty() && block.seconds.empty());
   EXPECT_TRUE(block.whiteners.empty());
   EXPECT_EQ(block.measured.col(1), Vector3d(0.004, 0.005, 0.006));
-  EXPECT_TRUE((block.sigmas.array() == kSigma).all());
+  EXPECT_TRUE((block.sigmas.map().array() == kSigma).all());
   ASSERT_EQ(loaded.data().sources.size(), 2U);
   EXPECT_EQ(loaded.data().sources[1].line, 3);
   EXPECT_EQ(loaded.data().sources[1].file, 0);
@@ -276,7 +276,7 @@ TEST(LoadDataTest, PointsAndPlanesAreTouched) {
   EXPECT_EQ(points.kind, MeasurementKind::kFixedPoint);
   EXPECT_EQ(points.poses, (std::vector<int>{0, 2}));
   EXPECT_EQ(points.references, (std::vector<int>{0, 1}));
-  EXPECT_TRUE(points.measured.isZero(0.0));
+  EXPECT_TRUE(points.measured.map().isZero(0.0));
   EXPECT_EQ(points.sigmas(2, 1), kSigma);
   EXPECT_EQ(planes.kind, MeasurementKind::kPlane);
   EXPECT_EQ(planes.poses, (std::vector<int>{1, 2}));

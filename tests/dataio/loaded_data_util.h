@@ -12,12 +12,11 @@
 namespace alidade::internal {
 
 /// Whether two matrices have the same bits, signs of zeros included.
-template <typename A, typename B>
-bool HaveSameBits(const Eigen::MatrixBase<A>& a,
-                  const Eigen::MatrixBase<B>& b) {
+inline bool HaveSameBits(const Eigen::Ref<const Eigen::MatrixXd>& a,
+                         const Eigen::Ref<const Eigen::MatrixXd>& b) {
   if (a.rows() != b.rows() || a.cols() != b.cols()) return false;
-  const Eigen::MatrixXd x = a.derived().eval();
-  const Eigen::MatrixXd y = b.derived().eval();
+  const Eigen::MatrixXd x = a;
+  const Eigen::MatrixXd y = b;
   return x.size() == 0 ||
          std::memcmp(x.data(), y.data(), sizeof(double) * x.size()) == 0;
 }

@@ -10,6 +10,7 @@
 
 #include "src/identifiability/rules.h"
 #include "tests/support/classic_arms.h"
+#include "tests/support/edit.h"
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/reference_solution.h"
 #include "tests/support/study.h"
@@ -25,7 +26,7 @@ using ::testing::UnorderedElementsAre;
 
 Dataset StudyData(const Arm& arm) {
   Dataset data = testing::MeasureStudyPoses(arm);
-  data.sigmas().edit().setConstant(0.02 * kMillimetre);
+  testing::Edit(&data.sigmas())->setConstant(0.02 * kMillimetre);
   return data;
 }
 
@@ -142,9 +143,9 @@ TEST(AnalysisTest, LargeNoiseMakesParametersImpractical) {
   const Arm arm = testing::Ur10();
   const MeasurementModel model(arm);
   Dataset data = testing::MeasureGenericPoses(arm, model.NominalValues(), 60);
-  data.sigmas().edit().setConstant(1e-6);
+  testing::Edit(&data.sigmas())->setConstant(1e-6);
   EXPECT_THAT(AnalyzeIdentifiability(model, data, {}).weak, IsEmpty());
-  data.sigmas().edit().setConstant(0.5);
+  testing::Edit(&data.sigmas())->setConstant(0.5);
   const IdentifiabilityResult noisy =
       AnalyzeIdentifiability(model, data, WithPolicy(WeakPolicy::kFreeze));
   EXPECT_GT(noisy.weak.size(), 5u);
@@ -168,7 +169,7 @@ Dataset VerticalToolData(const Arm& arm) {
   grid.start *= kDegree;
   config.poses = grid;
   Dataset data = Simulate(config);
-  data.sigmas().edit().setConstant(0.02 * kMillimetre);
+  testing::Edit(&data.sigmas())->setConstant(0.02 * kMillimetre);
   return data;
 }
 
@@ -192,7 +193,7 @@ TEST(AnalysisTest, VerticalToolTellsThirteenOfTheStudysSeventeen) {
 TEST(AnalysisTest, NothingIsLeftWhereTheNoiseDrownsEverything) {
   const Arm arm = testing::Rv2ajWrist();
   Dataset data = StudyData(arm);
-  data.sigmas().edit().setConstant(1e6);
+  testing::Edit(&data.sigmas())->setConstant(1e6);
   for (const WeakPolicy policy :
        {WeakPolicy::kFreeze, WeakPolicy::kPrior, WeakPolicy::kKeep}) {
     const IdentifiabilityResult result =
@@ -216,8 +217,8 @@ TEST(AnalysisTest, RowsInAnyOrderAndThreadsGiveTheSameAnswer) {
   const Arm arm = testing::Rv2ajWrist();
   const Dataset data = StudyData(arm);
   Dataset reversed = data;
-  reversed.joint_values = data.joint_values.rowwise().reverse();
-  reversed.positions() = data.positions().rowwise().reverse();
+  reversed.joint_values = data.joint_values.map().rowwise().reverse();
+  reversed.positions() = data.positions().map().rowwise().reverse();
   const IdentifiabilityResult first =
       AnalyzeIdentifiability(MeasurementModel(arm), data, {});
   for (const IdentifiabilityResult& other :

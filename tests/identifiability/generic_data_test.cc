@@ -14,6 +14,7 @@
 
 #include "alidade/random.h"
 #include "src/model/joint_draw.h"
+#include "tests/support/edit.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_measurements.h"
 
@@ -146,12 +147,12 @@ void ExpectUnitSigmas(const MeasurementModel& model, const Dataset& data) {
 TEST_P(GenericDataTest, RowsAreInMetres) { ExpectUnitSigmas(model_, generic_); }
 
 TEST_P(GenericDataTest, OrientationsAreThoseOfTheNominalArm) {
-  const LargeVector turns =
+  const SharedVector turns =
       RotationErrors(model_.Errors(model_.NominalValues(), generic_), generic_);
   ASSERT_GT(turns.size(), 0);
   // The rotation to a vector and back, and between two of them: some tens of
   // eps. Norms are not below zero.
-  EXPECT_LE(turns.maxCoeff(), 1e-14);
+  EXPECT_LE(turns.map().maxCoeff(), 1e-14);
 }
 
 TEST_P(GenericDataTest, DependsOnTheSeedAlone) {
@@ -197,7 +198,7 @@ TEST(GenericDataOfPositionsTest, HasNoPosesButTheDrawnOnes) {
   data =
       MakePositions(Eigen::MatrixXd::Zero(3, 4), Eigen::Matrix3Xd::Zero(3, 4),
                     Eigen::Matrix3Xd::Constant(3, 4, 1e-4));
-  data.sigmas().edit().col(2) << kInfinity, 1e-4, kInfinity;
+  testing::Edit(&data.sigmas())->col(2) << kInfinity, 1e-4, kInfinity;
   EXPECT_EQ(MakeGenericData(model, data, kPoses, kSeed).num_equations(),
             4 * kPoses);
 }
@@ -205,8 +206,9 @@ TEST(GenericDataOfPositionsTest, HasNoPosesButTheDrawnOnes) {
 // Poses that differ in the first joint, 1e-3 apart, and no observation.
 Dataset DataOf(int num_poses) {
   Dataset data;
-  data.joint_values = Eigen::MatrixXd::Zero(2, num_poses);
-  for (int i = 0; i < num_poses; ++i) data.joint_values.edit()(0, i) = 1e-3 * i;
+  Eigen::MatrixXd joint_values = Eigen::MatrixXd::Zero(2, num_poses);
+  for (int i = 0; i < num_poses; ++i) joint_values(0, i) = 1e-3 * i;
+  data.joint_values = std::move(joint_values);
   return data;
 }
 

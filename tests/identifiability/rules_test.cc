@@ -10,6 +10,7 @@
 #include "alidade/random.h"
 #include "alidade/units.h"
 #include "tests/identifiability/rules_test_util.h"
+#include "tests/support/edit.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"
 #include "tests/support/reference_solution.h"
@@ -130,7 +131,7 @@ TEST(ZeroColumnRuleTest, LooksAtTheMeasuredPosesOnly) {
   EXPECT_EQ(
       FrozenBy(ApplyRules(MeasurementModel(arm), data, {}), "zero_column"),
       Names{"theta2"});
-  data.joint_values.edit().row(1).setZero();
+  testing::Edit(&data.joint_values)->row(1).setZero();
   EXPECT_EQ(
       FrozenBy(ApplyRules(MeasurementModel(arm), data, {}), "zero_column"),
       (Names{"alpha2", "theta2"}));

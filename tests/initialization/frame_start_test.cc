@@ -112,7 +112,7 @@ struct PositionProblem {
 
 void Measure(PositionProblem* problem) {
   const auto num = static_cast<int>(problem->base_from_last.size());
-  problem->measured.resize(3, num);
+  problem->measured = Eigen::MatrixXd(3, num);
   problem->target_of_observation.clear();
   for (int i = 0; i < num; ++i) {
     const int k = i % static_cast<int>(problem->targets.cols());

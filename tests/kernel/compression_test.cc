@@ -11,6 +11,7 @@
 #include "alidade/random.h"
 #include "alidade/robust_loss.h"
 #include "src/kernel/measurement_model.h"
+#include "tests/support/edit.h"
 #include "tests/support/measurement_oracle.h"
 #include "tests/support/random_measurements.h"
 
@@ -36,11 +37,11 @@ void Repeat(int times, ObservationBlock* block, Random* random) {
   RepeatList(times, &block->references);
   RepeatList(times, &block->seconds);
   RepeatList(times, &block->whiteners);
-  block->measured = block->measured.replicate(1, times).eval();
-  block->sigmas = block->sigmas.replicate(1, times).eval();
-  for (double& value : block->measured.edit().reshaped()) {
-    value += 1e-4 * random->Normal();
-  }
+  block->measured = block->measured.map().replicate(1, times).eval();
+  block->sigmas = block->sigmas.map().replicate(1, times).eval();
+  Eigen::MatrixXd noisy = block->measured.map();
+  for (double& value : noisy.reshaped()) value += 1e-4 * random->Normal();
+  block->measured = std::move(noisy);
 }
 
 // All kinds, full whiteners and rows not measured among them; whitened
@@ -241,9 +242,9 @@ TEST(CompressGradientTest, IsThatOfTheRobustCost) {
 TEST(CompressorTest, SummarizesAllKinds) {
   const MeasuredArm measured = ManyMeasurements(30, 7);
   const MeasurementModel model = ModelOf(measured, 2);
-  const LargeVector errors = model.Errors(measured.values, measured.data);
-  const LargeVector lengths = LengthErrors(errors, measured.data);
-  const double rms = lengths.norm() / std::sqrt(double(lengths.size()));
+  const SharedVector errors = model.Errors(measured.values, measured.data);
+  const SharedVector lengths = LengthErrors(errors, measured.data);
+  const double rms = lengths.map().norm() / std::sqrt(double(lengths.size()));
   for (const LossKind kind : {LossKind::kNone, LossKind::kHuber,
                               LossKind::kCauchy, LossKind::kTukey}) {
     const std::vector<RobustLoss> losses = LossesOf(kind);
@@ -251,7 +252,7 @@ TEST(CompressorTest, SummarizesAllKinds) {
     const ResidualSummary summary = compressor.Summarize(measured.values);
     const double cost = RobustChiSquare(errors, measured.data, losses);
     EXPECT_NEAR(summary.cost, cost, 1e-12 * cost);
-    EXPECT_NEAR(summary.max_error, lengths.maxCoeff(), 1e-14);
+    EXPECT_NEAR(summary.max_error, lengths.map().maxCoeff(), 1e-14);
     EXPECT_NEAR(summary.rms_error, rms, 1e-14);
     // The same of an evaluation with derivatives, and kept from it.
     CompressedProblem problem;
@@ -277,7 +278,7 @@ TEST(CompressorTest, PassesOverNanThatWasNotMeasured) {
       for (int row = 0; row < block.rows_each(); ++row) {
         // A half-measured orientation has no meaning: all of it or nothing.
         if (row >= 3 || !std::isinf(block.sigmas(row, i))) continue;
-        block.measured.edit()(row, i) =
+        testing::Edit (&block.measured)(row, i) =
             std::numeric_limits<double>::quiet_NaN();
         ++num_nan;
       }
@@ -311,8 +312,8 @@ TEST(JacobianFactorTest, TilesMayBeFullOrNot) {
     block = all;
     block.poses.resize(size);
     block.targets.assign(size, 0);
-    block.measured = all.measured.leftCols(size);
-    block.sigmas = all.sigmas.leftCols(size);
+    block.measured = all.measured.map().leftCols(size);
+    block.sigmas = all.sigmas.map().leftCols(size);
     if (!all.whiteners.empty()) block.whiteners.resize(size);
     const std::vector<int> columns = {0, 3, 7, 9};
     ExpectFactorOf(ExactNormal(measured, columns, {}).matrix,

@@ -4,6 +4,8 @@
 
 #include <set>
 
+#include "tests/support/edit.h"
+
 namespace alidade::internal {
 namespace {
 
@@ -12,13 +14,15 @@ Dataset RowsAt(const std::vector<double>& configurations) {
   const auto count = static_cast<Eigen::Index>(configurations.size());
   Dataset data;
   data.name = "rows";
-  data.joint_values.resize(2, count);
-  data.positions() = Eigen::MatrixXd::Zero(3, count);
+  Eigen::MatrixXd joint_values(2, count);
+  Eigen::MatrixXd positions = Eigen::MatrixXd::Zero(3, count);
   data.sigmas() = Eigen::MatrixXd::Constant(3, count, 1e-3);
   for (Eigen::Index i = 0; i < count; ++i) {
-    data.joint_values.edit().col(i) << 0.5, configurations[i];
-    data.positions().edit()(0, i) = static_cast<double>(i);
+    joint_values.col(i) << 0.5, configurations[i];
+    positions(0, i) = static_cast<double>(i);
   }
+  data.joint_values = std::move(joint_values);
+  data.positions() = std::move(positions);
   return data;
 }
 
@@ -132,9 +136,9 @@ Dataset MixedData() {
   distances.poses = {5, 0, 5, 2, 7};
   distances.targets = {0, 1, 1, 0, 1};
   distances.references = {3, 1, 4, 1, 5};
-  distances.measured.resize(1, 5);
-  distances.measured.edit() << 50.0, 51.0, 52.0, 53.0, 54.0;
-  distances.sigmas = 1e-3 * distances.measured;
+  distances.measured = Eigen::MatrixXd(1, 5);
+  *testing::Edit(&distances.measured) << 50.0, 51.0, 52.0, 53.0, 54.0;
+  distances.sigmas = 1e-3 * distances.measured.map();
   for (int i = 0; i < 5; ++i) {
     distances.whiteners.push_back(Eigen::MatrixXd::Constant(1, 1, 10.0 + i));
   }
@@ -143,7 +147,7 @@ Dataset MixedData() {
   differences.poses = {0, 3, 6};
   differences.seconds = {3, 1, 2};
   differences.measured = Eigen::MatrixXd::Zero(3, 3);
-  differences.measured.edit().row(0) << 70.0, 71.0, 72.0;
+  testing::Edit(&differences.measured)->row(0) << 70.0, 71.0, 72.0;
   differences.sigmas = Eigen::MatrixXd::Ones(3, 3);
   ObservationBlock bars;
   bars.kind = MeasurementKind::kPointDistance;
@@ -172,7 +176,7 @@ TEST(SelectPosesTest, TakesAllThatWasObservedAtThem) {
   EXPECT_EQ(distances.targets, (std::vector<int>{0, 1, 1, 1}));
   EXPECT_EQ(distances.references, (std::vector<int>{3, 1, 4, 5}));
   EXPECT_EQ(distances.measured, Eigen::RowVector4d(50, 51, 52, 54));
-  EXPECT_EQ(distances.sigmas, 1e-3 * distances.measured);
+  EXPECT_EQ(distances.sigmas, 1e-3 * distances.measured.map());
   ASSERT_EQ(distances.whiteners.size(), 4u);
   EXPECT_EQ(distances.whiteners[3](0, 0), 14.0);
   // Pose 3 without 1 and pose 2 without 6 make no difference.
@@ -227,7 +231,7 @@ TEST(SelectPosesTest, DifferencesWithoutAListOfPosesNeedBothToo) {
 TEST(GroupByConfigurationTest, JoinsThePosesOfDifferences) {
   // 0 - 3, 3 - 1 and 6 - 2; pose 4 repeats pose 1.
   Dataset data = MixedData();
-  data.joint_values.edit().col(4) = data.joint_values.col(1);
+  testing::Edit(&data.joint_values)->col(4) = data.joint_values.col(1);
   EXPECT_EQ(GroupByConfiguration(data),
             (std::vector<int>{0, 0, 1, 0, 0, 2, 1, 3}));
 }

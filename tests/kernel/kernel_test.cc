@@ -13,6 +13,7 @@
 #include "src/kernel/measurement_model.h"
 #include "src/kernel/sine.h"
 #include "src/kernel/tiles.h"
+#include "tests/support/edit.h"
 #include "tests/support/random_measurements.h"
 #include "tests/support/vector_targets.h"
 
@@ -77,15 +78,15 @@ MeasuredArm ManyPoses(int times, Random* random) {
       testing::RandomMeasurements(4, testing::Weighting::kFull, random);
   const Eigen::Index poses = measured.data.num_poses();
   measured.data.joint_values =
-      measured.data.joint_values.replicate(1, times).eval();
-  for (double& value : measured.data.joint_values.edit().reshaped()) {
-    value += random->Uniform(-0.5, 0.5);
-  }
+      measured.data.joint_values.map().replicate(1, times).eval();
+  Eigen::MatrixXd noisy = measured.data.joint_values.map();
+  for (double& value : noisy.reshaped()) value += random->Uniform(-0.5, 0.5);
+  measured.data.joint_values = std::move(noisy);
   for (ObservationBlock& block : measured.data.blocks) {
     const auto size = static_cast<int>(block.size());
     const ObservationBlock once = block;
-    block.measured = block.measured.replicate(1, times).eval();
-    block.sigmas = block.sigmas.replicate(1, times).eval();
+    block.measured = block.measured.map().replicate(1, times).eval();
+    block.sigmas = block.sigmas.map().replicate(1, times).eval();
     block.poses.clear();
     for (int k = 0; k < times; ++k) {
       const int shift = k * static_cast<int>(poses);
@@ -120,7 +121,7 @@ TEST_P(KernelTest, RowsAreThoseOfTheTemplate) {
   Linearization rows;
   model.Linearize(measured.values, measured.data, columns, &rows);
   const auto whitened = [&](const Eigen::VectorXd& values) {
-    Eigen::VectorXd errors = model.Errors(values, measured.data).eval();
+    Eigen::VectorXd errors = model.Errors(values, measured.data).map();
     Eigen::Index row = 0;
     for (const ObservationBlock& block : measured.data.blocks) {
       const Eigen::Index size = block.size() * block.rows_each();

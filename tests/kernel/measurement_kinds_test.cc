@@ -91,14 +91,15 @@ TEST_P(MeasurementKindsTest, ResidualsVanishAtTheTruth) {
   for (int stream = 0; stream < kArms; ++stream) {
     const MeasuredArm measured = MakeArm(stream);
     const MeasurementModel model(measured.arm, measured.references, 1);
-    const LargeVector errors = model.Errors(measured.values, measured.data);
+    const SharedVector errors = model.Errors(measured.values, measured.data);
     const Eigen::VectorXd residuals = LinearizeAll(measured, model).residuals;
     // Far points are twice the reach away: lengths up to about three of it.
     const double unit = kEpsilon * (3.0 + 3.0 * Reach(measured.arm));
     ForEachObservation(measured.data, [&](const ObservationBlock& block,
                                           Eigen::Index i, Eigen::Index row) {
       const int height = block.rows_each();
-      const double largest = errors.segment(row, height).cwiseAbs().maxCoeff();
+      const double largest =
+          errors.map().segment(row, height).cwiseAbs().maxCoeff();
       // Three turns for every joint round once each, in either direction.
       EXPECT_LE(largest, 10.0 * unit);
       EXPECT_LE(residuals.segment(row, height).norm(),
@@ -106,7 +107,7 @@ TEST_P(MeasurementKindsTest, ResidualsVanishAtTheTruth) {
     });
     // And not far below what rounding makes of positions: then the measured
     // values would be no others than those that are predicted.
-    EXPECT_GT(errors.cwiseAbs().maxCoeff(), 0.05 * unit);
+    EXPECT_GT(errors.map().cwiseAbs().maxCoeff(), 0.05 * unit);
   }
 }
 
@@ -115,11 +116,11 @@ TEST_P(MeasurementKindsTest, ResidualsAreThoseOfTheOracle) {
     MeasuredArm measured = MakeArm(stream);
     MoveAway(&measured, &random_);
     const MeasurementModel model(measured.arm, measured.references, 1);
-    const LargeVector errors = model.Errors(measured.values, measured.data);
+    const SharedVector errors = model.Errors(measured.values, measured.data);
     const Eigen::VectorXd residuals = LinearizeAll(measured, model).residuals;
     const testing::VectorXl values = measured.values.cast<long double>();
     const double unit = kEpsilon * (3.0 + 3.0 * Reach(measured.arm));
-    EXPECT_GT(errors.norm(), 1e-2);
+    EXPECT_GT(errors.map().norm(), 1e-2);
     ForEachObservation(measured.data, [&](const ObservationBlock& block,
                                           Eigen::Index i, Eigen::Index row) {
       const int height = block.rows_each();

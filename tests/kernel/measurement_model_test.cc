@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "alidade/random.h"
+#include "tests/support/edit.h"
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"
@@ -45,7 +46,7 @@ Problem RandomProblem(int num_joints, int num_poses, Random* random) {
   problem.data =
       testing::RandomDataset(problem.arm, problem.values, num_poses, random);
   for (Eigen::Index i = 0; i < problem.data.num_poses(); ++i) {
-    problem.data.positions().edit().col(i) +=
+    testing::Edit(&problem.data.positions())->col(i) +=
         testing::RandomVector(0.01, random);
   }
   return problem;
@@ -113,11 +114,11 @@ TEST(MeasurementModelTest, ErrorsArePredictedMinusMeasured) {
   const MeasurementModel model(arm);
   Dataset data = testing::RandomDataset(arm, model.NominalValues(), 8, &random);
   const Eigen::Vector3d offset(0.25, -0.5, 1.0);
-  data.positions().edit().colwise() -= offset;
-  const LargeVector errors = model.Errors(model.NominalValues(), data);
+  testing::Edit(&data.positions())->colwise() -= offset;
+  const SharedVector errors = model.Errors(model.NominalValues(), data);
   ASSERT_EQ(errors.size(), 3 * data.num_poses());
   for (Eigen::Index i = 0; i < data.num_poses(); ++i) {
-    EXPECT_LT((errors.segment<3>(3 * i) - offset).norm(),
+    EXPECT_LT((errors.map().segment<3>(3 * i) - offset).norm(),
               1e-14 * (1.0 + Reach(arm)));
   }
 }
@@ -134,7 +135,7 @@ TEST(MeasurementModelTest, ResidualsVanishAtTheTruth) {
     const Eigen::Map<const Eigen::Matrix3Xd> residuals(
         linearization.residuals.data(), 3, data.num_poses());
     // Rounding of the forward kinematics, whitened.
-    EXPECT_LT(residuals.cwiseProduct(data.sigmas()).cwiseAbs().maxCoeff(),
+    EXPECT_LT(residuals.cwiseProduct(data.sigmas().map()).cwiseAbs().maxCoeff(),
               1e-14 * Reach(arm));
   }
 }
@@ -145,7 +146,7 @@ TEST(MeasurementModelTest, ResidualsAreErrorsInUnitsOfTheirSigmas) {
   const MeasurementModel model(problem.arm);
   const Linearization linearization =
       LinearizeAll(model, problem.values, problem.data);
-  const LargeVector errors = model.Errors(problem.values, problem.data);
+  const SharedVector errors = model.Errors(problem.values, problem.data);
   for (Eigen::Index i = 0; i < problem.data.num_poses(); ++i) {
     for (int axis = 0; axis < 3; ++axis) {
       // The kernel and the template round a length of some metres each.
@@ -164,7 +165,7 @@ TEST(MeasurementModelTest, SigmaOfOneCoordinateScalesItsRowOnly) {
   const int axis = 1;
   const Eigen::Index pose = 3;
   // A power of two, so that the scaled numbers agree to the bit.
-  problem.data.sigmas().edit()(axis, pose) *= 4.0;
+  testing::Edit (&problem.data.sigmas())(axis, pose) *= 4.0;
   expected.residuals[3 * pose + axis] /= 4.0;
   expected.jacobian.row(3 * pose + axis) /= 4.0;
   const Linearization scaled =
@@ -220,7 +221,7 @@ TEST(MeasurementModelTest, ThreadsDoNotChangeABit) {
   const MeasurementModel one(problem.arm, 1);
   const Linearization expected =
       LinearizeAll(one, problem.values, problem.data);
-  const LargeVector expected_errors = one.Errors(problem.values, problem.data);
+  const SharedVector expected_errors = one.Errors(problem.values, problem.data);
   // Several times, as threads may happen to run one after the other.
   for (const int num_threads : {1, 2, 8, 2, 8, 2, 8, 2, 8}) {
     const MeasurementModel model(problem.arm, num_threads);

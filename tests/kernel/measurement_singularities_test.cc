@@ -14,6 +14,7 @@
 #include "src/kernel/measurement_model.h"
 #include "src/kernel/observation_cost.h"
 #include "tests/support/cost_evaluation.h"
+#include "tests/support/edit.h"
 #include "tests/support/measurement_oracle.h"
 #include "tests/support/random_measurements.h"
 
@@ -84,7 +85,7 @@ TEST(ZeroLengthTest, HasNoDerivative) {
   for (const MeasurementKind kind :
        {MeasurementKind::kDistance, MeasurementKind::kPointDistance}) {
     MeasuredArm measured = ExactArm(kind);
-    measured.data.blocks[0].measured.edit()(0, 0) = 0.125;
+    testing::Edit (&measured.data.blocks[0].measured)(0, 0) = 0.125;
     const Rows rows = Evaluate(measured);
     EXPECT_EQ(rows.geometric.residuals[0], -0.125);
     EXPECT_EQ(rows.autodiff.residuals[0], -0.125);
@@ -198,7 +199,7 @@ void SetOrientationError(const Vector3l& error, MeasuredArm* measured) {
                            0)
           .topLeftCorner<3, 3>();
   const testing::Matrix3l off = testing::MatrixFromVector(-error) * r;
-  measured->data.blocks[0].measured.edit().col(0).tail<3>() =
+  testing::Edit(&measured->data.blocks[0].measured)->col(0).tail<3>() =
       testing::LogOfMatrix(off).cast<double>();
 }
 
@@ -255,8 +256,8 @@ INSTANTIATE_TEST_SUITE_P(Angles, OrientationErrorTest,
 
 TEST(OrientationTest, NoErrorAndHalfATurnAreExactWhereTheMatrixIs) {
   MeasuredArm measured = ExactArm(MeasurementKind::kPose);
-  measured.data.blocks[0].measured.edit().col(0) << 0.5, 0.0, 0.25, 0.0, 0.0,
-      0.0;
+  testing::Edit(&measured.data.blocks[0].measured)->col(0) << 0.5, 0.0, 0.25,
+      0.0, 0.0, 0.0;
   EXPECT_TRUE(Evaluate(measured).geometric.residuals.isZero(0.0));
   for (int axis = 0; axis < 3; ++axis) {
     Eigen::Vector3d diagonal(-1.0, -1.0, -1.0);

@@ -12,6 +12,7 @@
 
 #include "alidade/random.h"
 #include "src/kernel/measurement_model.h"
+#include "tests/support/edit.h"
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"
@@ -72,7 +73,8 @@ struct Problem {
         values(testing::ValuesWithRotations(arm, frames ? rotation_length : 0.0,
                                             &random)),
         data(testing::RandomDataset(arm, values, 1, &random)) {
-    data.positions().edit().col(0) += testing::RandomVector(0.01, &random);
+    testing::Edit(&data.positions())->col(0) +=
+        testing::RandomVector(0.01, &random);
   }
 
   ObservationCost MakeCost() const {
@@ -140,7 +142,7 @@ TEST_P(ObservationCostTest, AgreesWithTheGeometricJacobian) {
     MeasurementModel(problem.arm)
         .Linearize(problem.values, problem.data, columns, &geometric);
     // Both are whitened: errors of rounding grow by 1 / sigma.
-    const double largest_weight = 1.0 / problem.data.sigmas().minCoeff();
+    const double largest_weight = 1.0 / problem.data.sigmas().map().minCoeff();
     const double scale = largest_weight * (1.0 + Reach(problem.arm));
     const Eigen::MatrixXd difference = evaluation.jacobian - geometric.jacobian;
     EXPECT_LT(difference.cwiseAbs().maxCoeff(), 5e-14 * scale)
@@ -153,7 +155,7 @@ TEST_P(ObservationCostTest, AgreesWithTheGeometricJacobian) {
 
 TEST_P(ObservationCostTest, ResidualVanishesAtTheTruth) {
   Problem problem(num_joints(), 0.4, with_frames(), 604);
-  problem.data.positions().edit().col(0) =
+  testing::Edit(&problem.data.positions())->col(0) =
       testing::MatrixPosition(problem.arm, problem.values.cast<long double>(),
                               problem.data.joint_values.data())
           .cast<double>();
@@ -180,7 +182,7 @@ TEST_P(ObservationCostTest, SigmaOfOneAxisScalesItsRowOnly) {
   Evaluation expected = problem.EvaluateCost();
   const int axis = 2;
   // A power of two, so that the scaled numbers agree to the bit.
-  problem.data.sigmas().edit()(axis, 0) *= 8.0;
+  testing::Edit (&problem.data.sigmas())(axis, 0) *= 8.0;
   expected.residuals[axis] /= 8.0;
   expected.jacobian.row(axis) /= 8.0;
   const Evaluation scaled = problem.EvaluateCost();
@@ -216,7 +218,8 @@ TEST(ObservationCostFixedTest, WithoutFramesTheArmsOwnBaseAndToolAreUsed) {
   ASSERT_EQ(without.values, with.values);
   const Evaluation expected = with.EvaluateCost();
   const Evaluation actual = without.EvaluateCost();
-  const double scale = (1.0 + Reach(with.arm)) / with.data.sigmas().minCoeff();
+  const double scale =
+      (1.0 + Reach(with.arm)) / with.data.sigmas().map().minCoeff();
   EXPECT_LT((actual.residuals - expected.residuals).norm(), 1e-14 * scale);
   EXPECT_LT(
       (actual.jacobian - expected.jacobian.leftCols(actual.jacobian.cols()))

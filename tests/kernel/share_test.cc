@@ -21,6 +21,7 @@
 #include "src/kernel/sigma_totals.h"
 #include "src/model/joint_draw.h"
 #include "tests/support/classic_arms.h"
+#include "tests/support/edit.h"
 
 namespace alidade::internal {
 namespace {
@@ -37,17 +38,20 @@ Dataset Measure(const MeasurementModel& model, int count, std::uint64_t seed,
   data.joint_values = DrawJointValues(model.nominal(), count, seed);
   Random random(seed);
   ObservationBlock positions;
-  positions.measured = model.Predict(model.NominalValues(), data.joint_values);
-  positions.sigmas = Eigen::MatrixXd::Constant(3, count, 1e-4);
+  Eigen::MatrixXd measured =
+      model.Predict(model.NominalValues(), data.joint_values);
+  Eigen::MatrixXd sigmas = Eigen::MatrixXd::Constant(3, count, 1e-4);
   for (Eigen::Index i = 0; i < count; ++i) {
     for (int axis = 0; axis < 3; ++axis) {
-      positions.measured.edit()(axis, i) += 1e-3 * random.Normal();
+      measured(axis, i) += 1e-3 * random.Normal();
     }
     if (i % 7 == 0) {
-      positions.sigmas.edit()(1, i) = std::numeric_limits<double>::infinity();
+      sigmas(1, i) = std::numeric_limits<double>::infinity();
     }
     data.sources.push_back({0, static_cast<int>(i) + 2});
   }
+  positions.measured = std::move(measured);
+  positions.sigmas = std::move(sigmas);
   ObservationBlock distances;
   distances.kind = MeasurementKind::kDistance;
   for (int i = 0; i < count; i += 3) {
@@ -83,7 +87,7 @@ class ShareTest : public ::testing::Test {
   // hand, so that nothing of what is tested makes it.
   Dataset PartsOf(int rank, int size) const {
     Dataset all;
-    all.joint_values.resize(6, 0);
+    all.joint_values = Eigen::MatrixXd(6, 0);
     for (std::size_t k = 0; k < parts_.size(); ++k) {
       if (static_cast<int>(k) * size / static_cast<int>(parts_.size()) !=
           rank) {
@@ -94,10 +98,10 @@ class ShareTest : public ::testing::Test {
     return all;
   }
 
-  static void AppendColumns(const LargeMatrix& more, LargeMatrix* to) {
-    const LargeMatrix before = *to;
-    to->resize(more.rows(), before.cols() + more.cols());
-    to->edit() << before, more;
+  static void AppendColumns(const SharedMatrix& more, SharedMatrix* to) {
+    Eigen::MatrixXd all(more.rows(), to->cols() + more.cols());
+    all << to->map(), more.map();
+    *to = std::move(all);
   }
 
   static void AppendPart(const Dataset& part, Dataset* all) {
@@ -113,8 +117,8 @@ class ShareTest : public ::testing::Test {
         all->blocks.emplace_back();
         to = &all->blocks.back();
         to->kind = kind;
-        to->measured.resize(RowsOf(kind), 0);
-        to->sigmas.resize(RowsOf(kind), 0);
+        to->measured = Eigen::MatrixXd(RowsOf(kind), 0);
+        to->sigmas = Eigen::MatrixXd(RowsOf(kind), 0);
       }
       all->shards.back().first_observations.push_back(to->size());
       for (const ObservationBlock& block : part.blocks) {
@@ -202,13 +206,14 @@ TEST_F(ShareTest, CompressedProblemsHaveTheBitsOfTheWhole) {
 
 TEST_F(ShareTest, NumbersComeInTheOrderOfTheWhole) {
   const Dataset whole = PartsOf(0, 1);
-  const LargeVector expected =
+  const SharedVector expected =
       LengthErrors(model_.Errors(values_, whole), whole);
   const SigmaTotals totals = SumSigmas(whole, 2);
   EXPECT_EQ(totals.equations, whole.num_equations());
   OnTeams([&](const Dataset& share) {
-    const LargeVector mine = LengthErrors(model_.Errors(values_, share), share);
-    const LargeVector all = EntriesInOrder(share, mine);
+    const SharedVector mine =
+        LengthErrors(model_.Errors(values_, share), share);
+    const SharedVector all = EntriesInOrder(share, mine);
     EXPECT_EQ(share.all_observations(), expected.size());
     if (KnowsAll(share)) {
       EXPECT_EQ(all, expected);
@@ -229,7 +234,7 @@ TEST_F(ShareTest, FractionsAreHeldOutAlike) {
   OnTeams([&](const Dataset& share) {
     const HoldOut split = HoldOutFraction(share, 0.3, 9);
     EXPECT_EQ(split.train.all_poses(), expected.train.num_poses());
-    const LargeMatrix heldout =
+    const SharedMatrix heldout =
         PosesInOrder(split.heldout, split.heldout.joint_values);
     if (KnowsAll(share)) {
       EXPECT_EQ(heldout, expected.heldout.joint_values);

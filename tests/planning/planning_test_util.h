@@ -30,7 +30,7 @@ inline DesignProblem RandomProblem(int parameters, int rows_each, int count,
   problem.candidates = RandomRows(parameters, rows_each, count, random);
   problem.known = known * Eigen::MatrixXd::Identity(parameters, parameters);
   problem.region = RandomRows(parameters, 3, 5, random);
-  problem.joint_values.resize(2, count);
+  problem.joint_values = Eigen::MatrixXd(2, count);
   for (double& entry : problem.joint_values.reshaped()) {
     entry = random->Uniform();
   }

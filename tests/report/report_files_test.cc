@@ -12,6 +12,7 @@
 #include "src/report/report.h"
 #include "tests/report/report_test_util.h"
 #include "tests/report/well_formed.h"
+#include "tests/support/edit.h"
 
 namespace alidade::internal {
 namespace {
@@ -133,7 +134,7 @@ TEST(MakeFiguresTest, ValidationIsAMapOnlyInAHorizontalPlane) {
   CalibrationResult result = MakeResult();
   EXPECT_TRUE(Contains(ContentOf(MakeFigures(result), "validation_after.svg"),
                        ">x [mm]</text>"));
-  result.heldout->positions.edit()(2, 3) += 0.05;
+  testing::Edit (&result.heldout->positions)(2, 3) += 0.05;
   const std::string svg =
       ContentOf(MakeFigures(result), "validation_after.svg");
   EXPECT_FALSE(Contains(svg, ">x [mm]</text>"));
@@ -185,8 +186,8 @@ TEST(MakeCsvFilesTest, LabelsObservationsOfSeveralKinds) {
 TEST(MakeCsvFilesTest, HasNoColumnsOfRotationsWithoutOrientations) {
   CalibrationResult result = MakeResult();
   result.train = MakeMixedSet();
-  result.train.rotation_residual_before.resize(3, 0);
-  result.train.rotation_residual_after.resize(3, 0);
+  result.train.rotation_residual_before = Eigen::MatrixXd(3, 0);
+  result.train.rotation_residual_after = Eigen::MatrixXd(3, 0);
   const std::string text = ContentOf(MakeCsvFiles(result), "residuals.csv");
   EXPECT_FALSE(Contains(text, "rotation"));
   EXPECT_TRUE(Contains(

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "src/report/report.h"
+#include "tests/support/edit.h"
 
 namespace alidade::internal::testing {
 
@@ -55,19 +56,20 @@ inline std::string ContentOf(const std::vector<ReportFile>& files,
 inline EvaluatedSet MakeSet(int num_poses, double before, double after) {
   EvaluatedSet set;
   set.name = "poses.csv";
-  set.joint_values.resize(2, num_poses);
   set.joint_dimensions = {Dimension::kAngle, Dimension::kLength};
-  set.positions.resize(3, num_poses);
-  set.residual_before.resize(3, num_poses);
-  set.residual_after.resize(3, num_poses);
+  Eigen::MatrixXd positions(3, num_poses);
   for (int i = 0; i < num_poses; ++i) {
     const double angle = 2.0 * kPi * i / num_poses;
-    set.joint_values.edit().col(i) << 0.25 * kPi, 0.012;
-    set.positions.edit().col(i) << 0.3 * std::cos(angle), 0.3 * std::sin(angle),
-        0.215;
-    set.residual_before.edit().col(i) << 0.6 * before, 0.0, -0.8 * before;
-    set.residual_after.edit().col(i) << 0.0, after, 0.0;
+    positions.col(i) << 0.3 * std::cos(angle), 0.3 * std::sin(angle), 0.215;
   }
+  const auto repeated = [&](const Eigen::VectorXd& column) {
+    return SharedMatrix::Repeated(column, num_poses);
+  };
+  set.joint_values = repeated(Eigen::Vector2d(0.25 * kPi, 0.012));
+  set.positions = std::move(positions);
+  set.residual_before =
+      repeated(Eigen::Vector3d(0.6 * before, 0.0, -0.8 * before));
+  set.residual_after = repeated(Eigen::Vector3d(0.0, after, 0.0));
   set.before = SummarizeErrors(set.ErrorBefore());
   set.after = SummarizeErrors(set.ErrorAfter());
   return set;
@@ -206,24 +208,26 @@ inline EvaluatedSet MakeMixedSet() {
   EvaluatedSet set;
   set.name = "mixed.csv";
   set.joint_dimensions = {Dimension::kAngle, Dimension::kLength};
-  set.joint_values.resize(2, 2);
-  set.joint_values.edit() << 0.25 * kPi, 0.5 * kPi, 0.012, 0.016;
+  set.joint_values = Eigen::MatrixXd(2, 2);
+  *testing::Edit(&set.joint_values) << 0.25 * kPi, 0.5 * kPi, 0.012, 0.016;
   set.labels = {{"position", 1, "ball, \"left\"", "data,1.csv:12"},
                 {"distance", 0, "smr", "data.csv:7"},
                 {"pose", 1, "", "", false, true},
                 {"point distance", -1, "", ""}};
   set.positions = Eigen::MatrixXd::Constant(3, 4, std::nan(""));
-  set.positions.edit().col(0) << 0.25, 0.5, 0.125;
+  testing::Edit(&set.positions)->col(0) << 0.25, 0.5, 0.125;
   set.residual_before = Eigen::MatrixXd::Zero(3, 4);
-  set.residual_before.edit().col(0) << 0.003, 0.0, 0.004;
-  set.residual_before.edit()(0, 1) = -0.002;
-  set.residual_before.edit()(0, 3) = 0.001;
+  testing::Edit(&set.residual_before)->col(0) << 0.003, 0.0, 0.004;
+  testing::Edit (&set.residual_before)(0, 1) = -0.002;
+  testing::Edit (&set.residual_before)(0, 3) = 0.001;
   set.residual_after = Eigen::MatrixXd::Zero(3, 4);
-  set.residual_after.edit()(0, 1) = 0.0005;
+  testing::Edit (&set.residual_after)(0, 1) = 0.0005;
   set.rotation_residual_before = Eigen::MatrixXd::Zero(3, 4);
-  set.rotation_residual_before.edit().col(2) << 0.0, 0.5 * kDegree, 0.0;
+  testing::Edit(&set.rotation_residual_before)->col(2) << 0.0, 0.5 * kDegree,
+      0.0;
   set.rotation_residual_after = Eigen::MatrixXd::Zero(3, 4);
-  set.rotation_residual_after.edit().col(2) << 0.25 * kDegree, 0.0, 0.0;
+  testing::Edit(&set.rotation_residual_after)->col(2) << 0.25 * kDegree, 0.0,
+      0.0;
   set.before = SummarizeErrors(Eigen::Vector2d(0.005, 0.002));
   set.after = SummarizeErrors(Eigen::Vector2d(0.0, 0.0005));
   set.rotation_before =

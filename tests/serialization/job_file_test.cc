@@ -52,7 +52,7 @@ TEST(LoadJobTest, ReadsTheDataAndWhatIsKnown) {
   EXPECT_EQ(job.title, "A test");
   EXPECT_EQ(job.arm.name, "two joints");
   EXPECT_EQ(job.data.training.num_poses(), 2);
-  EXPECT_TRUE((job.data.training.sigmas().array() == 2e-5).all());
+  EXPECT_TRUE((job.data.training.sigmas().map().array() == 2e-5).all());
   ASSERT_TRUE(job.data.validation.has_value());
   EXPECT_EQ(job.data.validation->positions(), job.data.training.positions());
   ASSERT_TRUE(job.options.true_values.has_value());

@@ -178,7 +178,7 @@ TEST_F(JobMatrixTest, EveryCombinationIsAJobLastAxisFastest) {
                 "child/pseudo_inverse_compare_with-1_sigma-0.25"}));
   const JobConfig job = matrix.Load(1, {});
   EXPECT_EQ(job.options.solver, SolverName::kCeres);
-  EXPECT_TRUE((job.data.training.sigmas().array() == 2.5e-4).all());
+  EXPECT_TRUE((job.data.training.sigmas().map().array() == 2.5e-4).all());
   EXPECT_EQ(job.options.solver_options.max_iterations, 12);
   EXPECT_EQ(job.title, "A test, ceres_compare_with-1_sigma-0.25");
 }
@@ -257,7 +257,7 @@ TEST_F(JobMatrixTest, SimulatedDataAreAskedForWithWhatTheJobSays) {
   EXPECT_EQ(job.data.training.files,
             std::vector<std::string>{"simulated, seed 3"});
   EXPECT_TRUE(
-      (job.data.training.sigmas().array() - 5e-4).cwiseAbs().maxCoeff() <
+      (job.data.training.sigmas().map().array() - 5e-4).cwiseAbs().maxCoeff() <
       1e-18);
   EXPECT_EQ(matrix.OutlineOf(0).data, "simulated");
   // Another seed is another draw of the noise, of the sigma that was asked for.

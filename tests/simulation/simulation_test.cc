@@ -66,9 +66,9 @@ TEST(SimulateTest, ExactPositionsAreThoseOfTheRealArm) {
   const SimulationConfig config = StudySimulation(3);
   const Dataset data = Simulate(config);
   const MeasurementModel model(config.arm);
-  const LargeVector errors = model.Errors(config.true_values, data);
+  const SharedVector errors = model.Errors(config.true_values, data);
   // A few units in the last place of half a metre.
-  EXPECT_LT(errors.cwiseAbs().maxCoeff(), 4e-16);
+  EXPECT_LT(errors.map().cwiseAbs().maxCoeff(), 4e-16);
   EXPECT_GT(model.Errors(model.NominalValues(), data).norm(), 1e-3);
 }
 
@@ -84,7 +84,7 @@ TEST(SimulateTest, NoiseHasItsSigmaAndLeavesThePosesAlone) {
   // The estimate's own standard deviation is sigma / sqrt(2 * 6000): 0.9 %.
   EXPECT_NEAR(sigma / config.noise_sigma, 1.0, 0.04);
   EXPECT_NEAR(noise.mean() / config.noise_sigma, 0.0, 4.0 / std::sqrt(6000.0));
-  EXPECT_EQ(noisy.sigmas().minCoeff(), config.noise_sigma);
+  EXPECT_EQ(noisy.sigmas().map().minCoeff(), config.noise_sigma);
 }
 
 TEST(SimulateTest, SameSeedSameBitsOtherSeedOtherPoses) {

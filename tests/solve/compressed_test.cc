@@ -20,6 +20,7 @@
 #include "src/kernel/compression.h"
 #include "src/solve/solver.h"
 #include "tests/solve/solvers_test_util.h"
+#include "tests/support/edit.h"
 #include "tests/support/measurement_oracle.h"
 #include "tests/support/noisy_positions.h"
 #include "tests/support/random_measurements.h"
@@ -68,11 +69,11 @@ void RepeatWithNoise(int times, ObservationBlock* block, Random* random) {
   RepeatList(times, &block->references);
   RepeatList(times, &block->seconds);
   RepeatList(times, &block->whiteners);
-  block->measured = block->measured.replicate(1, times).eval();
-  block->sigmas = block->sigmas.replicate(1, times).eval();
+  block->measured = block->measured.map().replicate(1, times).eval();
+  block->sigmas = block->sigmas.map().replicate(1, times).eval();
   for (Eigen::Index i = 0; i < block->size(); ++i) {
     const double size = i % 25 == 7 ? 30.0 : 1.0;
-    block->measured.edit().col(i) += NoiseOf(*block, i, size, random);
+    testing::Edit(&block->measured)->col(i) += NoiseOf(*block, i, size, random);
   }
 }
 
@@ -325,7 +326,7 @@ TEST_P(CompressedLossTest, SolvesWithinActiveBounds) {
 TEST_P(CompressedLossTest, SolvesForJointsByPositions) {
   Calibration calibration = testing::NoisyFlangeCalibration(7, 120);
   for (int k = 0; k < 6; ++k) {
-    calibration.data.positions().edit()(k % 3, 20 * k) += 5e-4;
+    testing::Edit (&calibration.data.positions())(k % 3, 20 * k) += 5e-4;
   }
   CalibrationProblem problem = calibration.Problem();
   problem.losses = TunedLosses(GetParam());
@@ -387,7 +388,7 @@ TEST(CompressedRankTest, SolvesWhereColumnsAreRounding) {
   for (const Arm& nominal : {testing::Rv2ajFlange(), testing::Rv2ajWrist()}) {
     Arm real = testing::WithRv2ajDeviations(nominal);
     Dataset data = testing::NoisyPositions(real, 40, kSigma, 12);
-    data.sigmas().edit().topRows(2).setConstant(kInfinity);
+    testing::Edit(&data.sigmas())->topRows(2).setConstant(kInfinity);
     const MeasurementModel model(nominal);
     CalibrationProblem problem{model, data, {}};
     for (int column = 0; column < 25; ++column) {

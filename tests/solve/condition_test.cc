@@ -14,6 +14,7 @@
 #include "src/kernel/compression.h"
 #include "src/model/joint_draw.h"
 #include "src/solve/solver.h"
+#include "tests/support/edit.h"
 #include "tests/support/rv2aj_arms.h"
 
 namespace alidade::internal {
@@ -52,9 +53,9 @@ Measured MakeMeasured(double skew, int poses, int threads = 1) {
   measured.data.positions() =
       measured.model.Predict(truth, measured.data.joint_values);
   measured.data.sigmas() = Eigen::Matrix3Xd::Constant(3, poses, kSigma);
-  for (double& value : measured.data.positions().edit().reshaped()) {
-    value += kSigma * random.Normal();
-  }
+  Eigen::MatrixXd noisy = measured.data.positions().map();
+  for (double& value : noisy.reshaped()) value += kSigma * random.Normal();
+  measured.data.positions() = std::move(noisy);
   return measured;
 }
 

@@ -4,6 +4,7 @@
 
 #include "solvers_test_util.h"
 #include "src/identifiability/rank.h"
+#include "tests/support/edit.h"
 
 namespace alidade::internal {
 namespace {
@@ -18,7 +19,7 @@ constexpr int kOutliers = 10;
 Calibration WithOutliers() {
   Calibration calibration = NoisyFlangeCalibration(3, kPoses);
   for (int k = 0; k < kOutliers; ++k) {
-    calibration.data.positions().edit()(k % 3, 10 * k) += 5e-3;
+    testing::Edit (&calibration.data.positions())(k % 3, 10 * k) += 5e-3;
   }
   return calibration;
 }
@@ -26,8 +27,8 @@ Calibration WithOutliers() {
 // Root mean square error at the poses against the clean measurements (m).
 double RmsAgainst(const Calibration& calibration, const Dataset& clean,
                   const Eigen::VectorXd& values) {
-  const LargeVector errors = calibration.model.Errors(values, clean);
-  return std::sqrt(LengthErrors(errors, clean).array().square().mean());
+  const SharedVector errors = calibration.model.Errors(values, clean);
+  return std::sqrt(LengthErrors(errors, clean).map().array().square().mean());
 }
 
 struct Outcome {
@@ -113,7 +114,7 @@ TEST(SolveRobustTest, CountsTheIterationsOfAllStages) {
 TEST(SolveRobustTest, GivingUpNearlyAllObservationsIsAFailure) {
   Calibration calibration = NoisyFlangeCalibration(3, kPoses);
   // A thousandth of the noise that is there: all residuals are outliers.
-  calibration.data.sigmas().edit() *= 1e-3;
+  *testing::Edit(&calibration.data.sigmas()) *= 1e-3;
   const Outcome robust = Solve(calibration, LossKind::kTukey);
   EXPECT_EQ(robust.summary.status, SolverStatus::kFailed);
   EXPECT_NE(robust.summary.message.find("gives up nearly all"),

@@ -14,6 +14,7 @@
 #include "alidade/random.h"
 #include "src/identifiability/rank.h"
 #include "src/solve/solver.h"
+#include "tests/support/edit.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"
 #include "tests/support/reference_solution.h"
@@ -104,10 +105,10 @@ inline Calibration FlangeCalibration(std::uint64_t seed) {
 
 /// Adds to each coordinate noise of its sigma.
 inline void AddNoise(Random* random, Dataset* data) {
+  auto positions = Edit(&data->positions());
   for (Eigen::Index i = 0; i < data->num_poses(); ++i) {
     for (int axis = 0; axis < 3; ++axis) {
-      data->positions().edit()(axis, i) +=
-          data->sigmas()(axis, i) * random->Normal();
+      positions(axis, i) += data->sigmas()(axis, i) * random->Normal();
     }
   }
 }

@@ -8,6 +8,7 @@
 
 #include "src/solve/solver.h"
 #include "tests/solve/solvers_test_util.h"
+#include "tests/support/edit.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/study.h"
 
@@ -73,10 +74,10 @@ TEST_P(SolverStatusTest, ValuesThatAreNotFiniteInTheDataAreUnusable) {
   for (const double bad : {kNaN, kInfinity}) {
     SCOPED_TRACE(bad);
     Calibration positions = calibration_;
-    positions.data.positions().edit()(1, 17) = bad;
+    testing::Edit (&positions.data.positions())(1, 17) = bad;
     ExpectUnusable(positions, "not finite");
     Calibration joint_values = calibration_;
-    joint_values.data.joint_values.edit()(2, 39) = bad;
+    testing::Edit (&joint_values.data.joint_values)(2, 39) = bad;
     ExpectUnusable(joint_values, "not finite");
   }
 }
@@ -90,11 +91,11 @@ TEST_P(SolverStatusTest, StartThatIsNotFiniteIsUnusable) {
 TEST_P(SolverStatusTest, SigmaThatIsNotPositiveIsUnusable) {
   for (const double bad : {0.0, -1e-5}) {
     Calibration calibration = calibration_;
-    calibration.data.sigmas().edit()(2, 11) = bad;
+    testing::Edit (&calibration.data.sigmas())(2, 11) = bad;
     ExpectUnusable(calibration, "a sigma is not positive");
   }
   Calibration calibration = calibration_;
-  calibration.data.sigmas().edit()(2, 11) = kNaN;
+  testing::Edit (&calibration.data.sigmas())(2, 11) = kNaN;
   ExpectUnusable(calibration, "");
 }
 
@@ -257,7 +258,7 @@ TEST(PseudoInverseStatusTest, LimitWithAGrownCostIsNotUsable) {
 // some kilometres off. Levenberg-Marquardt takes such steps back.
 TEST(PseudoInverseStatusTest, DivergenceToInfinityFails) {
   Calibration calibration = testing::NoisyFlangeCalibration(1, 40);
-  calibration.data.sigmas().edit().setConstant(1e-150);
+  testing::Edit(&calibration.data.sigmas())->setConstant(1e-150);
   int diverged = 0;
   for (int draw = 0; draw < 10; ++draw) {
     Random random(5, draw);

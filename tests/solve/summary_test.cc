@@ -8,6 +8,7 @@
 
 #include "src/solve/solver.h"
 #include "tests/solve/solvers_test_util.h"
+#include "tests/support/edit.h"
 #include "tests/support/reference_solution.h"
 #include "tests/support/study.h"
 
@@ -60,9 +61,9 @@ class SolverSummaryTest : public ::testing::TestWithParam<SolverCase> {
   SolverSummaryTest() {
     // Uneven sigmas tell the cost from the errors, and poses from axes.
     for (Eigen::Index i = 0; i < calibration_.data.num_poses(); ++i) {
-      calibration_.data.sigmas().edit().col(i) *=
+      testing::Edit(&calibration_.data.sigmas())->col(i) *=
           1.0 + 0.05 * static_cast<double>(i);
-      calibration_.data.sigmas().edit()(1, i) *= 2.0;
+      testing::Edit (&calibration_.data.sigmas())(1, i) *= 2.0;
     }
   }
 

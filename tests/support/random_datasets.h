@@ -44,17 +44,19 @@ inline Dataset RandomDataset(const Arm& arm, const Eigen::VectorXd& values,
   Dataset data;
   data.name = "random";
   data.joint_values = RandomJointValues(arm, num_poses, random);
-  data.positions().resize(3, num_poses);
-  data.sigmas().resize(3, num_poses);
+  Eigen::MatrixXd positions(3, num_poses);
+  Eigen::MatrixXd sigmas(3, num_poses);
   const VectorXl exact_values = values.cast<long double>();
   for (int i = 0; i < num_poses; ++i) {
-    data.positions().edit().col(i) =
+    positions.col(i) =
         MatrixPosition(arm, exact_values, data.joint_values.col(i).data())
             .cast<double>();
     for (int axis = 0; axis < 3; ++axis) {
-      data.sigmas().edit()(axis, i) = random->Uniform(1e-5, 1e-3);
+      sigmas(axis, i) = random->Uniform(1e-5, 1e-3);
     }
   }
+  data.positions() = std::move(positions);
+  data.sigmas() = std::move(sigmas);
   return data;
 }
 

@@ -12,6 +12,7 @@
 #include "alidade/parameter_layout.h"
 #include "alidade/random.h"
 #include "alidade/references.h"
+#include "tests/support/edit.h"
 #include "tests/support/measurement_oracle.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"
@@ -109,15 +110,17 @@ inline ObservationBlock MakeBlock(MeasurementKind kind, int count) {
 /// What the values really give, rounded to double.
 inline void Measure(const MeasuredArm& measured, ObservationBlock* block) {
   const VectorXl values = measured.values.cast<long double>();
-  block->measured.edit().setZero();
+  Eigen::MatrixXd exact =
+      Eigen::MatrixXd::Zero(block->rows_each(), block->size());
+  block->measured = exact;
   if (block->kind == MeasurementKind::kFixedPoint ||
       block->kind == MeasurementKind::kPlane) {
     return;
   }
   for (Eigen::Index i = 0; i < block->size(); ++i) {
-    block->measured.edit().col(i) =
-        OracleResidual(measured, values, *block, i).cast<double>();
+    exact.col(i) = OracleResidual(measured, values, *block, i).cast<double>();
   }
+  block->measured = std::move(exact);
 }
 
 /// Sigmas of 0.01 to 1 mm or mrad; of the second observation of three, one row
@@ -125,14 +128,15 @@ inline void Measure(const MeasuredArm& measured, ObservationBlock* block) {
 inline void WeightRows(Weighting weighting, ObservationBlock* block,
                        Random* random) {
   const int height = block->rows_each();
+  auto sigmas = Edit(&block->sigmas);
   for (Eigen::Index i = 0; i < block->size(); ++i) {
     for (int row = 0; row < height; ++row) {
-      block->sigmas.edit()(row, i) = random->Uniform(1e-5, 1e-3);
+      sigmas(row, i) = random->Uniform(1e-5, 1e-3);
     }
     const bool is_masked = weighting != Weighting::kSigmas && i % 3 == 1;
     const auto mask = static_cast<int>(i + 1) % height;
     if (is_masked) {
-      block->sigmas.edit()(mask, i) = std::numeric_limits<double>::infinity();
+      sigmas(mask, i) = std::numeric_limits<double>::infinity();
     }
     if (weighting != Weighting::kFull) continue;
     Eigen::MatrixXd whitener;

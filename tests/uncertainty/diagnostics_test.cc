@@ -9,6 +9,7 @@
 #include "alidade/random.h"
 #include "src/kernel/compression.h"
 #include "src/solve/solver.h"
+#include "tests/support/edit.h"
 #include "tests/support/noisy_positions.h"
 #include "tests/support/reference_solution.h"
 #include "tests/support/rv2aj_arms.h"
@@ -99,7 +100,8 @@ TEST(DiagnosticsTest, CooksDistanceIsHowFarTheEstimateMoves) {
 
 TEST(DiagnosticsTest, ABadPoseIsTheOneThatIsFound) {
   Dataset data = testing::NoisyPositions(testing::Rv2ajFlange(), 40, kSigma, 6);
-  data.positions().edit().col(11) += Eigen::Vector3d(0.3e-3, 0.0, 0.0);
+  testing::Edit(&data.positions())->col(11) +=
+      Eigen::Vector3d(0.3e-3, 0.0, 0.0);
   const ResidualDiagnostics diagnostics = Fitted(data).Diagnose();
   const auto worst =
       std::max_element(diagnostics.poses.begin(), diagnostics.poses.end(),
@@ -118,7 +120,7 @@ TEST(DiagnosticsTest, DriftIsNotWhite) {
   EXPECT_GT(Fitted(still).Diagnose().whiteness.p_value, 0.01);
   Dataset drifting = still;
   for (Eigen::Index i = 0; i < 100; ++i) {
-    drifting.positions().edit().col(i).array() +=
+    testing::Edit(&drifting.positions())->col(i).array() +=
         2.0 * kSigma * std::sin(0.06 * static_cast<double>(i));
   }
   EXPECT_LT(Fitted(drifting).Diagnose().whiteness.p_value, 1e-4);

@@ -12,6 +12,7 @@
 #include "alidade/rotation.h"
 #include "src/kernel/compression.h"
 #include "tests/support/classic_arms.h"
+#include "tests/support/edit.h"
 #include "tests/support/noisy_positions.h"
 
 namespace alidade::internal {
@@ -123,14 +124,15 @@ TEST(PredictionTest, HeldOutMeasurementsAgreeWithWhatIsPredicted) {
     Eigen::VectorXd values = known.model.NominalValues();
     values(known.columns) += known.covariance.root * u;
     Dataset fresh = heldout;
+    Eigen::MatrixXd positions(3, fresh.num_poses());
     for (Eigen::Index i = 0; i < fresh.num_poses(); ++i) {
-      fresh.positions().edit().col(i) =
+      positions.col(i) =
           testing::MatrixPosition(known.model.nominal(),
                                   fresh.joint_values.col(i).data())
               .cast<double>();
-      for (double& x : fresh.positions().edit().col(i))
-        x += kSigma * random.Normal();
+      for (double& x : positions.col(i)) x += kSigma * random.Normal();
     }
+    fresh.positions() = std::move(positions);
     const PredictionCheck check =
         CheckPrediction(known.model, values, known.covariance, fresh, 0.95);
     EXPECT_EQ(check.axes.n, 12);
@@ -179,10 +181,10 @@ TEST(PredictionTest, VerdictsAreWrongAsOftenAsTheyMayBe) {
       }
       Dataset fresh = heldout;
       fresh.positions() = exact;
-      for (double& x : fresh.positions().edit().reshaped()) {
-        x += kSigma * random.Normal();
-      }
-      fresh.sigmas().edit() *= scale;
+      Eigen::MatrixXd noisy = fresh.positions().map();
+      for (double& x : noisy.reshaped()) x += kSigma * random.Normal();
+      fresh.positions() = std::move(noisy);
+      *testing::Edit(&fresh.sigmas()) *= scale;
       known.covariance.root = scale * root;
       known.covariance.degrees_of_freedom = dof;
       ++verdicts[CheckPrediction(known.model, values, known.covariance, fresh,
@@ -200,7 +202,7 @@ TEST(PredictionTest, SmallerErrorsThanPredictedAreCalledSo) {
   const Known known;
   Dataset cautious =
       testing::NoisyPositions(known.model.nominal(), 200, kSigma, 9);
-  cautious.sigmas().edit() *= 2.0;
+  *testing::Edit(&cautious.sigmas()) *= 2.0;
   const PredictionCheck check =
       CheckPrediction(known.model, known.model.NominalValues(),
                       known.covariance, cautious, 0.95);
@@ -210,7 +212,7 @@ TEST(PredictionTest, SmallerErrorsThanPredictedAreCalledSo) {
 TEST(PredictionTest, LargerErrorsThanPredictedAreCalledSo) {
   const Known known;
   Dataset wrong = testing::NoisyPositions(known.model.nominal(), 40, kSigma, 9);
-  wrong.positions().edit().array() += 0.3e-3;
+  testing::Edit(&wrong.positions())->array() += 0.3e-3;
   const PredictionCheck check = CheckPrediction(
       known.model, known.model.NominalValues(), known.covariance, wrong, 0.95);
   EXPECT_EQ(check.verdict, "larger");

@@ -1,4 +1,4 @@
-#include "alidade/large_matrix.h"
+#include "alidade/shared_matrix.h"
 
 #include <gtest/gtest.h>
 
@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "alidade/error.h"
+#include "src/common/memory.h"
 
 namespace alidade::internal {
 namespace {
@@ -18,13 +19,12 @@ namespace {
 // Large enough to be counted and to lie in a file beyond the limit (bytes).
 constexpr Eigen::Index kColumns = 1 << 18;
 
-LargeMatrix Counted(Eigen::Index columns) {
-  LargeMatrix matrix(3, columns);
-  LargeMatrix::Editable numbers = matrix.edit();
+SharedMatrix Counted(Eigen::Index columns) {
+  MatrixBuilder matrix(3, columns);
   for (Eigen::Index i = 0; i < columns; ++i) {
-    numbers.col(i).setConstant(static_cast<double>(i));
+    matrix.map().col(i).setConstant(static_cast<double>(i));
   }
-  return matrix;
+  return matrix.Freeze();
 }
 
 // Restores the limit and the directory of temporary files.
@@ -52,89 +52,102 @@ bool LiesInNamelessFile(const double* first) {
   return false;
 }
 
-TEST(LargeMatrixTest, CopiesShareUntilOneIsEdited) {
-  LargeMatrix a = Eigen::MatrixXd::Random(3, 7);
-  const Eigen::MatrixXd before = a.eval();
-  const LargeMatrix b = a;
+TEST(SharedMatrixTest, CopiesShareAndBuildersCopy) {
+  const Eigen::MatrixXd numbers = Eigen::MatrixXd::Random(3, 7);
+  const SharedMatrix a = numbers;
+  const SharedMatrix b = a;
   EXPECT_EQ(a.data(), b.data());
-  a.edit()(1, 2) = 5.0;
-  EXPECT_NE(a.data(), b.data());
-  EXPECT_EQ(b, before);
-  EXPECT_EQ(a(1, 2), 5.0);
-  EXPECT_EQ(a.rightCols(4), before.rightCols(4));
-  // Alone, it edits in place.
-  const double* const own = a.data();
-  a.edit() *= 2.0;
-  EXPECT_EQ(a.data(), own);
-  EXPECT_EQ(a(1, 2), 10.0);
+  MatrixBuilder builder(a);
+  builder.map()(1, 2) = 5.0;
+  const double* const own = builder.map().data();
+  EXPECT_NE(own, a.data());
+  const SharedMatrix changed = builder.Freeze();
+  EXPECT_EQ(changed.data(), own);
+  EXPECT_EQ(changed(1, 2), 5.0);
+  EXPECT_EQ(changed.Columns(3, 4), numbers.rightCols(4));
+  EXPECT_EQ(a, numbers);
 }
 
-TEST(LargeMatrixTest, TakesOverWhatIsMovedHere) {
+TEST(SharedMatrixTest, EigenSeesTheSameNumbers) {
+  const SharedMatrix matrix = Counted(5).Columns(1, 3);
+  EXPECT_EQ(matrix.map().data(), matrix.data());
+  EXPECT_EQ(matrix.map().sum(), 3.0 * (1.0 + 2.0 + 3.0));
+  EXPECT_EQ(matrix.col(2), Eigen::Vector3d::Constant(3.0));
+  EXPECT_EQ(matrix.row(0), Eigen::RowVector3d(1.0, 2.0, 3.0));
+  const auto address = [](const Eigen::Ref<const Eigen::MatrixXd>& numbers) {
+    return numbers.data();
+  };
+  EXPECT_EQ(address(matrix), matrix.data());
+}
+
+TEST(SharedMatrixTest, EqualityComparesSizesAndNumbers) {
+  EXPECT_EQ(Counted(4), Counted(5).Columns(0, 4));
+  EXPECT_NE(Counted(4), Counted(5));
+  EXPECT_NE(Counted(4), Counted(5).Columns(1, 4));
+  EXPECT_EQ(SharedMatrix(), Eigen::MatrixXd(0, 0));
+}
+
+TEST(SharedMatrixTest, TakesOverWhatIsMovedHere) {
   Eigen::MatrixXd plain = Eigen::MatrixXd::Random(4, 5);
   const double* const numbers = plain.data();
   const Eigen::MatrixXd expected = plain;
-  const LargeMatrix taken = std::move(plain);
+  const SharedMatrix taken = std::move(plain);
   EXPECT_EQ(taken.data(), numbers);
   EXPECT_EQ(taken, expected);
 }
 
-TEST(LargeMatrixTest, IsAssignedWhatReadsFromIt) {
-  LargeMatrix a = Eigen::MatrixXd::Random(3, 6);
-  const Eigen::MatrixXd before = a.eval();
-  a = a.rightCols(2);
+TEST(SharedMatrixTest, IsAssignedWhatReadsFromIt) {
+  const Eigen::MatrixXd before = Eigen::MatrixXd::Random(3, 6);
+  SharedMatrix a = before;
+  a = a.map().rightCols(2);
   EXPECT_EQ(a, before.rightCols(2));
-  a = a.replicate(1, 3) * 2.0;
+  a = a.map().replicate(1, 3) * 2.0;
   EXPECT_EQ(a, before.rightCols(2).replicate(1, 3) * 2.0);
-  LargeMatrix b = Eigen::MatrixXd::Zero(1, 1);
+  SharedMatrix b = Eigen::MatrixXd::Zero(1, 1);
   b = std::move(a);
   EXPECT_EQ(b.cols(), 6);
 }
 
-TEST(LargeMatrixTest, OthersNumbersAreCopiedBeforeTheyAreEdited) {
+TEST(SharedMatrixTest, OthersNumbersMayHaveAStride) {
   const double numbers[] = {1, 2, 9, 3, 4, 9};
-  LargeMatrix view(std::shared_ptr<const double>(numbers, [](const double*) {}),
-                   2, 2, 3);
+  const SharedMatrix view(
+      std::shared_ptr<const double>(numbers, [](const double*) {}), 2, 2, 3);
   EXPECT_EQ(view, (Eigen::Matrix2d() << 1, 3, 2, 4).finished());
-  view.edit()(0, 0) = 7.0;
-  EXPECT_EQ(numbers[0], 1.0);
-  EXPECT_EQ(view, (Eigen::Matrix2d() << 7, 3, 2, 4).finished());
+  EXPECT_EQ(MatrixBuilder(view).Freeze(), view);
 }
 
-TEST(LargeMatrixTest, PartsAndShapesShareTheirNumbers) {
-  const LargeMatrix all = Counted(10);
-  const LargeMatrix part = all.SharedColumns(4, 3);
+TEST(SharedMatrixTest, PartsAndShapesShareTheirNumbers) {
+  const SharedMatrix all = Counted(10);
+  const SharedMatrix part = all.Columns(4, 3);
   EXPECT_EQ(part.data(), all.col(4).data());
-  EXPECT_EQ(part, all.middleCols(4, 3));
-  LargeVector vector(6);
-  vector.edit() << 1, 2, 3, 4, 5, 6;
-  const LargeMatrix shaped = vector.Reshaped(3);
+  EXPECT_EQ(part, all.map().middleCols(4, 3));
+  const SharedVector vector = Eigen::VectorXd::LinSpaced(6, 1.0, 6.0);
+  const SharedMatrix shaped = vector.Reshaped(3);
   EXPECT_EQ(shaped.data(), vector.data());
   EXPECT_EQ(shaped.col(1), Eigen::Vector3d(4, 5, 6));
 }
 
-TEST(LargeMatrixTest, RepeatedColumnsAreThoseOfAnyMatrix) {
+TEST(SharedMatrixTest, RepeatedColumnsAreThoseOfAnyMatrix) {
   const Eigen::Vector3d column(0.1, 0.2, 0.7);
   // A few, and so many that they are pages seen again and again.
   for (const Eigen::Index count : {0, 5, 1000001}) {
-    LargeMatrix repeated = LargeMatrix::Repeated(column, count);
+    const SharedMatrix repeated = SharedMatrix::Repeated(column, count);
     ASSERT_EQ(repeated.cols(), count);
     EXPECT_EQ(repeated, column.replicate(1, count));
     if (count == 0) continue;
-    repeated.edit()(1, count - 1) = 3.0;
-    EXPECT_EQ(repeated(1, count - 1), 3.0);
-    EXPECT_EQ(repeated.leftCols(count - 1), column.replicate(1, count - 1));
+    MatrixBuilder changed(repeated);
+    changed.map()(1, count - 1) = 3.0;
+    EXPECT_EQ(repeated(1, count - 1), column[1]);
   }
 }
 
 TEST_F(MemoryTest, BeyondTheLimitNumbersLieInATemporaryFile) {
-  const LargeMatrix inside = Counted(kColumns);
+  const SharedMatrix inside = Counted(kColumns);
   EXPECT_FALSE(LiesInNamelessFile(inside.data()));
   SetMemoryLimit(1);
-  LargeMatrix outside = Counted(kColumns);
+  const SharedMatrix outside = Counted(kColumns);
   EXPECT_TRUE(LiesInNamelessFile(outside.data()));
   EXPECT_EQ(outside, inside);
-  outside.edit()(0, 0) = 4.0;
-  EXPECT_EQ(outside(0, 0), 4.0);
   // Small ones stay.
   EXPECT_FALSE(LiesInNamelessFile(Counted(10).data()));
 }
@@ -143,9 +156,9 @@ TEST_F(MemoryTest, WhatIsFreedMayBeTakenAgain) {
   constexpr std::size_t kBytes = sizeof(double) * 3 * kColumns;
   SetMemoryLimit(kBytes + kBytes / 2);
   for (int i = 0; i < 3; ++i) {
-    const LargeMatrix first = Counted(kColumns);
+    const SharedMatrix first = Counted(kColumns);
     EXPECT_FALSE(LiesInNamelessFile(first.data()));
-    const LargeMatrix second = Counted(kColumns);
+    const SharedMatrix second = Counted(kColumns);
     EXPECT_TRUE(LiesInNamelessFile(second.data()));
   }
 }

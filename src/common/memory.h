@@ -1,15 +1,15 @@
-#ifndef ALIDADE_MEMORY_H_
-#define ALIDADE_MEMORY_H_
+#ifndef ALIDADE_SRC_COMMON_MEMORY_H_
+#define ALIDADE_SRC_COMMON_MEMORY_H_
 
 #include <cstddef>
 #include <memory>
 
-namespace alidade {
+namespace alidade::internal {
 
 /// What arrays with an entry for each pose or observation may take of the
 /// memory, all together (bytes). What does not fit lies in temporary files.
-/// At first half of what the process may have: the least of the machine's
-/// memory, its control group's and its own limit (ulimit -d).
+/// At first half of what the process may have: the machine's memory, or its
+/// own limit (ulimit -d) where that is less.
 std::size_t MemoryLimit();
 
 /// Another limit, for what is allocated from then on. Results do not depend on
@@ -29,6 +29,6 @@ std::shared_ptr<double> AllocateLarge(std::size_t count);
 std::shared_ptr<const double> RepeatLarge(const double* first, std::size_t size,
                                           std::size_t count);
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
-#endif  // ALIDADE_MEMORY_H_
+#endif  // ALIDADE_SRC_COMMON_MEMORY_H_
