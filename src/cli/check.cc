@@ -38,7 +38,8 @@ class Checker {
         return "plan";
       case FileFormat::kJob:
         return "job, " +
-               std::to_string(LoadJob(path, num_threads_).data.num_poses()) +
+               std::to_string(
+                   LoadJob(path, num_threads_).data.training.num_poses()) +
                " poses";
     }
     return "";

@@ -6,6 +6,7 @@
 #include "alidade/batch_summary.h"
 #include "alidade/team.h"
 #include "src/fleet/batch_plan.h"
+#include "src/serialization/job_config.h"
 
 namespace alidade::internal {
 

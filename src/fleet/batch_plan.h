@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "alidade/batch_summary.h"
-#include "src/calibration/job_config.h"
+#include "src/serialization/job_config.h"
 #include "src/serialization/job_matrix.h"
 
 namespace alidade::internal {

@@ -5,8 +5,9 @@
 
 #include "alidade/dataset.h"
 #include "alidade/team.h"
-#include "src/calibration/job_config.h"
+#include "src/serialization/job_config.h"
 #include "src/serialization/yaml_tree.h"
+#include "src/simulation/simulation.h"
 
 namespace alidade::internal {
 

@@ -4,9 +4,9 @@
 #include <string>
 
 #include "alidade/units.h"
-#include "src/calibration/job_config.h"
 #include "src/serialization/config_file.h"
 #include "src/serialization/yaml_reader.h"
+#include "src/simulation/simulation.h"
 
 namespace alidade::internal {
 

@@ -1,4 +1,4 @@
-#include "src/simulation/monte_carlo.h"
+#include "alidade/monte_carlo.h"
 
 #include <algorithm>
 #include <chrono>
@@ -9,9 +9,9 @@
 
 #include "alidade/error.h"
 #include "alidade/random.h"
+#include "src/calibration/calibration_task.h"
 #include "src/calibration/fit_uncertainty.h"
 #include "src/calibration/frame_fit.h"
-#include "src/calibration/job.h"
 #include "src/calibration/preparation.h"
 #include "src/common/distributions.h"
 #include "src/common/parallel.h"
@@ -59,45 +59,46 @@ void RequireNoContacts(const Dataset& data) {
 }
 
 // The job with its frames where they are, its sigmas as they are.
-JobConfig Prepare(const JobConfig& config, int num_threads) {
-  RequireNoContacts(config.data);
-  if (config.estimate_sigma && config.loss != LossKind::kNone) {
+CalibrationTask Prepare(const CalibrationTask& task) {
+  RequireNoContacts(task.data.training);
+  if (task.options.estimate_sigma && task.options.loss != LossKind::kNone) {
     throw InputError(
-        {config.path, 0, 0, "measurement.sigma"},
+        {"", 0, 0, "measurement.sigma"},
         "trials with a robust loss cannot estimate sigma: expected a sigma "
         "(`calibrate` tells the one that the data have)");
   }
-  JobConfig prepared = config;
-  FitFrames(&prepared, num_threads);
-  if (prepared.estimate_sigma) EstimateSigmas(&prepared, num_threads);
-  prepared.solver_options.on_iteration = {};
-  prepared.solver_options.num_threads = 1;
+  CalibrationTask prepared = task;
+  HoldOutValidation(&prepared);
+  FitFrames(&prepared);
+  if (prepared.options.estimate_sigma) EstimateSigmas(&prepared);
+  prepared.options.solver_options.on_iteration = {};
+  prepared.options.solver_options.num_threads = 1;
   return prepared;
 }
 
-RepeatedCalibration::Options OptionsOf(const JobConfig& config) {
+RepeatedCalibration::Options OptionsOf(const CalibrationTask& task) {
   RepeatedCalibration::Options options;
-  options.loss = config.loss;
-  options.estimate_sigma = config.estimate_sigma;
-  options.solver = config.solver_options;
+  options.loss = task.options.loss;
+  options.estimate_sigma = task.options.estimate_sigma;
+  options.solver = task.options.solver_options;
   return options;
 }
 
 class MonteCarlo {
  public:
-  MonteCarlo(const JobConfig& config, int num_threads,
+  MonteCarlo(const CalibrationTask& task, MonteCarloOptions study,
              const TrialProgress& progress)
-      : config_(Prepare(config, num_threads)),
-        study_(config_.montecarlo),
-        num_threads_(num_threads),
+      : task_(Prepare(task)),
+        study_(std::move(study)),
+        num_threads_(task.options.num_threads),
         progress_(progress),
-        model_(config_.arm, config_.references, 1),
-        pass_(AnalyzeIdentifiability(model_, config_.data,
-                                     config_.identifiability)),
-        calibration_(model_, pass_, OptionsOf(config_)),
-        workspace_(DrawJointValues(config_.arm, study_.workspace_poses,
+        model_(task_.arm, task_.data.references, 1),
+        pass_(AnalyzeIdentifiability(model_, task_.data.training,
+                                     task_.options.identifiability)),
+        calibration_(model_, pass_, OptionsOf(task_)),
+        workspace_(DrawJointValues(task_.arm, study_.workspace_poses,
                                    study_.seed + 1)),
-        reach_(Reach(config_.arm)),
+        reach_(Reach(task_.arm)),
         sums_(num_free()) {}
 
   MonteCarloResult Run() {
@@ -132,21 +133,20 @@ class MonteCarlo {
 
   void FindTruth() {
     truth_ = model_.NominalValues();
-    if (study_.truth == SimulatedTruth::kGiven) truth_ = *config_.truth;
+    if (study_.truth == SimulatedTruth::kGiven)
+      truth_ = *task_.options.true_values;
     if (study_.truth == SimulatedTruth::kIdentified) {
       const RepeatedCalibration::Outcome outcome =
-          calibration_.Run(config_.data);
+          calibration_.Run(task_.data.training);
       if (!outcome.is_usable) {
-        SourceLocation location;
-        location.file = config_.path;
-        throw InputError(location,
+        throw InputError({},
                          "the job finds no usable solution that could be the "
                          "truth of a simulation; `alidade calibrate` tells "
                          "why");
       }
       truth_ = outcome.values;
     }
-    exact_ = config_.data;
+    exact_ = task_.data.training;
     MeasureExactly(model_, truth_, exact_.joint_values, &exact_);
     equivalent_ = Equivalent();
   }
@@ -169,7 +169,7 @@ class MonteCarlo {
     problem.losses.clear();
     values = model_.NominalValues();
     const SolverSummary summary =
-        SolveLevenbergMarquardt(problem, config_.solver_options, &values);
+        SolveLevenbergMarquardt(problem, task_.options.solver_options, &values);
     return summary.IsSolutionUsable() ? values : truth_;
   }
 
@@ -184,7 +184,7 @@ class MonteCarlo {
 
   void ChooseProfiles() {
     is_profile_.assign(num_free(), 0);
-    const UncertaintyOptions& options = config_.uncertainty;
+    const UncertaintyOptions& options = task_.options.uncertainty;
     if (options.intervals == IntervalMethod::kLinear) return;
     FinishedProblem fit = AtTruth();
     const Eigen::VectorXd nonlinearity = MeasureNonlinearity(
@@ -198,12 +198,11 @@ class MonteCarlo {
   }
 
   void Describe() {
-    result_.title = config_.title;
     result_.truth = NameOf(study_.truth);
     result_.seed = study_.seed;
     result_.trials_wanted = study_.trials;
-    result_.confidence = config_.uncertainty.confidence;
-    result_.sigma_estimated = config_.estimate_sigma;
+    result_.confidence = task_.options.uncertainty.confidence;
+    result_.sigma_estimated = task_.options.estimate_sigma;
     result_.workspace_poses = study_.workspace_poses;
     nominal_positions_ = model_.Predict(model_.NominalValues(), workspace_);
   }
@@ -232,7 +231,7 @@ class MonteCarlo {
       const ParameterKind kind = model_.layout().parameter(column).kind;
       if (!ParameterLayout::IsJointKind(kind) || !IsCandidate(column)) continue;
       truth[column] +=
-          config_.identifiability.priors.Of(kind) * random->Normal();
+          task_.options.identifiability.priors.Of(kind) * random->Normal();
     }
     return truth;
   }
@@ -277,7 +276,7 @@ class MonteCarlo {
     CalibrationProblem problem{around, exact, calibration_.free_columns()};
     problem.priors = calibration_.priors();
     const SolverSummary summary =
-        SolveLevenbergMarquardt(problem, config_.solver_options, &values);
+        SolveLevenbergMarquardt(problem, task_.options.solver_options, &values);
     if (!summary.IsSolutionUsable()) return std::nullopt;
     return values;
   }
@@ -292,7 +291,7 @@ class MonteCarlo {
       LargeMatrix joint_values = data.joint_values;
       if (misses) {
         joint_values =
-            MissedJointValues(study_, config_.arm, joint_values, &random);
+            MissedJointValues(study_, task_.arm, joint_values, &random);
       }
       MeasureExactly(model_, truth, joint_values, &data);
     }
@@ -341,7 +340,8 @@ class MonteCarlo {
       for (Eigen::MatrixXd& w : block.whiteners) w /= outcome.sigma_factor;
     }
     const CalibrationProblem problem = calibration_.ProblemOf(scaled);
-    const Resolve resolve = ResolveByCeres(problem, config_.solver_options);
+    const Resolve resolve =
+        ResolveByCeres(problem, task_.options.solver_options);
     Eigen::VectorXd values = outcome.values;
     const std::optional<double> least = resolve(-1, &values);
     values = outcome.values;
@@ -416,8 +416,8 @@ class MonteCarlo {
         std::sqrt(squares / std::max(1.0, static_cast<double>(num_free())));
   }
 
-  const JobConfig config_;
-  const MonteCarloConfig& study_;
+  const CalibrationTask task_;
+  const MonteCarloOptions study_;
   const int num_threads_;
   const TrialProgress& progress_;
   const MeasurementModel model_;
@@ -436,10 +436,15 @@ class MonteCarlo {
 };
 
 }  // namespace
+}  // namespace alidade::internal
 
-MonteCarloResult RunMonteCarlo(const JobConfig& config, int num_threads,
+namespace alidade {
+
+MonteCarloResult RunMonteCarlo(const Arm& arm, const CalibrationData& data,
+                               const CalibrationOptions& options,
+                               const MonteCarloOptions& study,
                                const TrialProgress& progress) {
-  return MonteCarlo(config, num_threads, progress).Run();
+  return internal::MonteCarlo({arm, data, options}, study, progress).Run();
 }
 
-}  // namespace alidade::internal
+}  // namespace alidade

@@ -45,6 +45,7 @@ HEADER_ONLY = {
     'bytes': 'common',
     'forward_kinematics': 'model',
     'large_matrix': 'common',
+    'monte_carlo_options': 'simulation',
     'monte_carlo_result': 'simulation',
     'plan_result': 'planning',
     'rotation': 'model',

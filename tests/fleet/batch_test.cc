@@ -278,8 +278,8 @@ TEST_F(BatchTest, SimulatedDataAreThoseThatAFileWouldHold) {
   WriteWhole(Path("from_file.yaml"),
              "format: alidade-job-1\nextends: fleet.yaml\nmatrix: ~\n"
              "data: {simulate: ~, file: data.csv}\n");
-  const Dataset made_up = LoadJob(Path("made_up.yaml")).data;
-  const Dataset from_file = LoadJob(Path("from_file.yaml")).data;
+  const Dataset made_up = LoadJob(Path("made_up.yaml")).data.training;
+  const Dataset from_file = LoadJob(Path("from_file.yaml")).data.training;
   EXPECT_EQ(made_up.joint_values, from_file.joint_values);
   EXPECT_EQ(made_up.sigmas(), from_file.sigmas());
   // Positions of about 0.5 m are written in mm, to the digits that read back.

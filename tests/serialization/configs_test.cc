@@ -74,13 +74,13 @@ TEST(ConfigsTest, EveryFileLoads) {
 
 TEST(ConfigsTest, StudyIsTheOneOfTheDesign) {
   const JobConfig job = LoadJob(SourcePath("configs/jobs/rv2aj_study.yaml"));
-  EXPECT_EQ(job.data.num_poses(), 56);
-  EXPECT_EQ(job.validation->num_poses(), 3600);
-  EXPECT_EQ(job.solver, SolverName::kCeres);
-  EXPECT_EQ(job.compare_with,
+  EXPECT_EQ(job.data.training.num_poses(), 56);
+  EXPECT_EQ(job.data.validation->num_poses(), 3600);
+  EXPECT_EQ(job.options.solver, SolverName::kCeres);
+  EXPECT_EQ(job.options.compare_with,
             std::vector<SolverName>{SolverName::kPseudoInverse});
-  EXPECT_EQ(job.acceptance.train_max, 1e-6);
-  EXPECT_EQ(job.acceptance.heldout_max, 1e-6);
+  EXPECT_EQ(job.options.acceptance.train_max, 1e-6);
+  EXPECT_EQ(job.options.acceptance.heldout_max, 1e-6);
   ASSERT_TRUE(job.published.has_value());
   EXPECT_NEAR(job.published->baseline_time_s / 60.0, 59.0533, 1e-12);
   EXPECT_EQ(job.published->figures.size(), PublishedQuantityNames().size());
@@ -88,7 +88,7 @@ TEST(ConfigsTest, StudyIsTheOneOfTheDesign) {
 
 TEST(ConfigsTest, FlangeJobHoldsWhatDepends) {
   const JobConfig job = LoadJob(SourcePath("configs/jobs/rv2aj_flange.yaml"));
-  EXPECT_EQ(job.identifiability.fix,
+  EXPECT_EQ(job.options.identifiability.fix,
             (std::vector<std::string>{"alpha5", "theta4"}));
   EXPECT_FALSE(job.published.has_value());
 }
@@ -101,10 +101,10 @@ TEST(ConfigsTest, SimulationsWriteWhatTheJobsRead) {
     const std::string stem = "configs/simulations/rv2aj_" + name;
     const SimulationConfig train =
         LoadSimulation(SourcePath(stem + "_56.yaml"));
-    EXPECT_EQ(train.output, job.data.name);
-    EXPECT_EQ(train.true_values, *job.truth);
+    EXPECT_EQ(train.output, job.data.training.name);
+    EXPECT_EQ(train.true_values, *job.options.true_values);
     EXPECT_EQ(LoadSimulation(SourcePath(stem + "_3600.yaml")).output,
-              job.validation->name);
+              job.data.validation->name);
   }
 }
 
