@@ -60,10 +60,10 @@ void AddFinding(const std::string& key, std::size_t count, std::size_t all,
 
 }  // namespace
 
-std::vector<Finding> DiagnoseSameData(const JobConfig& config) {
+std::vector<Finding> DiagnoseSameData(const CalibrationTask& task) {
   std::vector<Finding> findings;
-  if (IsTooLarge(config.data)) return findings;
-  const Prints fitted = PrintsOf(config.data);
+  if (IsTooLarge(task.data.training)) return findings;
+  const Prints fitted = PrintsOf(task.data.training);
   Prints distinct = fitted;
   distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
   const std::size_t repeated = fitted.size() - distinct.size();
@@ -73,8 +73,9 @@ std::vector<Finding> DiagnoseSameData(const JobConfig& config) {
       "values to the last digit: is a file there twice, or a copy of it? "
       "They count as independent, so that standard deviations are too small",
       &findings);
-  if (!config.validation || IsTooLarge(*config.validation)) return findings;
-  const Prints heldout = PrintsOf(*config.validation);
+  if (!task.data.validation || IsTooLarge(*task.data.validation))
+    return findings;
+  const Prints heldout = PrintsOf(*task.data.validation);
   const auto is_fitted = [&](std::size_t print) {
     return std::binary_search(distinct.begin(), distinct.end(), print);
   };

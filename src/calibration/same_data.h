@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "alidade/calibration_result.h"
-#include "src/calibration/job_config.h"
+#include "src/calibration/calibration_task.h"
 
 namespace alidade::internal {
 
@@ -14,7 +14,7 @@ namespace alidade::internal {
 /// measurements alike, whatever the files are called. Nothing of a share of the
 /// data, and of more than a million observations. The statistic is the fraction
 /// of measurements that are there twice.
-std::vector<Finding> DiagnoseSameData(const JobConfig& config);
+std::vector<Finding> DiagnoseSameData(const CalibrationTask& task);
 
 }  // namespace alidade::internal
 

@@ -66,7 +66,7 @@ void MeasureExactly(const MeasurementModel& model,
   }
 }
 
-void AddNoise(const MonteCarloConfig& config, double reach, Random* random,
+void AddNoise(const MonteCarloOptions& config, double reach, Random* random,
               Dataset* data) {
   for (ObservationBlock& block : data->blocks) {
     for (Eigen::Index i = 0; i < block.size(); ++i) {
@@ -85,7 +85,7 @@ void AddNoise(const MonteCarloConfig& config, double reach, Random* random,
   }
 }
 
-Eigen::MatrixXd MissedJointValues(const MonteCarloConfig& config,
+Eigen::MatrixXd MissedJointValues(const MonteCarloOptions& config,
                                   const Arm& arm,
                                   const LargeMatrix& joint_values,
                                   Random* random) {

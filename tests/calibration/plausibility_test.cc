@@ -9,7 +9,7 @@
 
 #include "alidade/error.h"
 #include "alidade/units.h"
-#include "src/calibration/job.h"
+#include "src/job/run_job.h"
 #include "src/model/joint_draw.h"
 #include "tests/calibration/kinds_util.h"
 
@@ -30,11 +30,11 @@ TEST_P(InputMistakeTest, IsNamed) {
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
   JobConfig job;
   job.arm = NominalArm();
-  job.data = Bench(real, q).Positions(0).data();
-  job.identifiability.candidates = {true, true, true};
-  GetParam().spoil(&job.data);
+  job.data.training = Bench(real, q).Positions(0).data();
+  job.options.identifiability.candidates = {true, true, true};
+  GetParam().spoil(&job.data.training);
   try {
-    RunJob(job, "test", 1);
+    RunJob(job, "test");
     FAIL() << "expected an error";
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find(GetParam().says),
@@ -92,19 +92,19 @@ TEST(PlausibilityTest, DataThatNoMistakeExplainsAreWarnedOf) {
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
   JobConfig job;
   job.arm = NominalArm();
-  job.data = Bench(real, q).Positions(0).data();
-  job.identifiability.candidates = {true, true, true};
-  auto p = job.data.positions().edit();
+  job.data.training = Bench(real, q).Positions(0).data();
+  job.options.identifiability.candidates = {true, true, true};
+  auto p = job.data.training.positions().edit();
   p = p.rowwise().reverse().eval();
-  const JobOutcome outcome = RunJob(job, "test", 1);
-  ASSERT_FALSE(outcome.result.warnings.empty());
-  EXPECT_NE(outcome.result.warnings.front().find("No single mistake"),
+  const CalibrationResult outcome = RunJob(job, "test");
+  ASSERT_FALSE(outcome.warnings.empty());
+  EXPECT_NE(outcome.warnings.front().find("No single mistake"),
             std::string::npos)
-      << outcome.result.warnings.front();
-  ASSERT_EQ(outcome.result.plausibility.size(), 1U);
-  const Finding& finding = outcome.result.plausibility.front();
+      << outcome.warnings.front();
+  ASSERT_EQ(outcome.plausibility.size(), 1U);
+  const Finding& finding = outcome.plausibility.front();
   EXPECT_EQ(finding.key, "plausibility.position_misfit");
-  EXPECT_EQ(finding.sentence, outcome.result.warnings.front());
+  EXPECT_EQ(finding.sentence, outcome.warnings.front());
   EXPECT_GT(finding.statistic, finding.threshold);
   Arm in_base = job.arm;
   in_base.instrument_from_base.setIdentity();
@@ -117,17 +117,18 @@ TEST(PlausibilityTest, ASmallCloudExplainsNothing) {
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
   JobConfig job;
   job.arm = NominalArm();
-  job.data = Bench(real, q).Positions(0).data();
-  job.identifiability.candidates = {true, true, true};
-  job.data.positions().edit() /= 300.0;  // no unit
-  job.data.positions().edit().colwise() += Eigen::Vector3d(0.4, 0.1, 0.3);
-  const JobOutcome outcome = RunJob(job, "test", 1);
-  EXPECT_NE(outcome.result.warnings.front().find("No single mistake"),
+  job.data.training = Bench(real, q).Positions(0).data();
+  job.options.identifiability.candidates = {true, true, true};
+  job.data.training.positions().edit() /= 300.0;  // no unit
+  job.data.training.positions().edit().colwise() +=
+      Eigen::Vector3d(0.4, 0.1, 0.3);
+  const CalibrationResult outcome = RunJob(job, "test");
+  EXPECT_NE(outcome.warnings.front().find("No single mistake"),
             std::string::npos);
 }
 
-bool IsWarnedOf(const JobOutcome& outcome, const std::string& what) {
-  const std::vector<std::string>& warnings = outcome.result.warnings;
+bool IsWarnedOf(const CalibrationResult& outcome, const std::string& what) {
+  const std::vector<std::string>& warnings = outcome.warnings;
   return std::any_of(warnings.begin(), warnings.end(),
                      [&](const std::string& warning) {
                        return warning.find(what) != std::string::npos;
@@ -138,19 +139,19 @@ TEST(PlausibilityTest, LostTargetsAndTheWorstMeasurementAreNamed) {
   const Arm real = RealArm();
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
   JobConfig job = JobOf(Bench(real, q).Positions(0).data());
-  job.data.files = {"tracker.csv"};
-  job.data.sources.Append({0, 2}, 42);
-  const JobOutcome clean = RunJob(job, "test", 1);
+  job.data.training.files = {"tracker.csv"};
+  job.data.training.sources.Append({0, 2}, 42);
+  const CalibrationResult clean = RunJob(job, "test");
   EXPECT_FALSE(IsWarnedOf(clean, "0, 0, 0"));
   EXPECT_FALSE(IsWarnedOf(clean, "fits worst"));
-  job.data.positions().edit().col(3).setZero();
-  const JobOutcome spoilt = RunJob(job, "test", 1);
+  job.data.training.positions().edit().col(3).setZero();
+  const CalibrationResult spoilt = RunJob(job, "test");
   EXPECT_TRUE(IsWarnedOf(
       spoilt, "tracker.csv:5: 1 position is exactly 0, 0, 0, which"));
-  ASSERT_EQ(spoilt.result.plausibility.size(), 1U);
-  EXPECT_EQ(spoilt.result.plausibility[0].statistic, 1.0);
-  EXPECT_NE(spoilt.result.verdict.level, FindingLevel::kPassed)
-      << spoilt.result.verdict.title;
+  ASSERT_EQ(spoilt.plausibility.size(), 1U);
+  EXPECT_EQ(spoilt.plausibility[0].statistic, 1.0);
+  EXPECT_NE(spoilt.verdict.level, FindingLevel::kPassed)
+      << spoilt.verdict.title;
   EXPECT_TRUE(
       IsWarnedOf(spoilt, "tracker.csv:5: the measurement that fits worst is"));
 }
@@ -161,12 +162,11 @@ TEST(PlausibilityTest, StoppedAndWorseThanBeforeIsAFailure) {
   const Arm real = RealArm();
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
   JobConfig job = JobOf(Bench(real, q).Positions(0).data());
-  EXPECT_EQ(RunJob(job, "test", 1).status, JobStatus::kDone);
-  job.data.positions().edit().col(3).setZero();
-  const JobOutcome outcome = RunJob(job, "test", 1);
-  EXPECT_EQ(outcome.result.runs[0].summary.status,
-            SolverStatus::kIterationLimit);
-  EXPECT_EQ(outcome.status, JobStatus::kFailed);
+  EXPECT_EQ(RunJob(job, "test").status, CalibrationStatus::kDone);
+  job.data.training.positions().edit().col(3).setZero();
+  const CalibrationResult outcome = RunJob(job, "test");
+  EXPECT_EQ(outcome.runs[0].summary.status, SolverStatus::kIterationLimit);
+  EXPECT_EQ(outcome.status, CalibrationStatus::kFailed);
   EXPECT_NE(outcome.message.find("further off than before"), std::string::npos)
       << outcome.message;
 }
@@ -175,11 +175,11 @@ TEST(PlausibilityTest, OrientationsInAnotherConventionAreRefused) {
   const Arm real = RealArm();
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
   JobConfig job = JobOf(Bench(real, q).Poses().data());
-  for (auto column : job.data.blocks[0].measured.edit().colwise()) {
+  for (auto column : job.data.training.blocks[0].measured.edit().colwise()) {
     // The inverse rotation: what reads target and instrument the wrong way.
     column.tail<3>() *= -1.0;
   }
-  EXPECT_THROW(RunJob(job, "test", 1), InputError);
+  EXPECT_THROW(RunJob(job, "test"), InputError);
 }
 
 }  // namespace
