@@ -10,13 +10,8 @@
 #include "src/common/format.h"
 #include "src/common/text.h"
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
-
-using internal::Count;
-using internal::FormatLength;
-using internal::FormatSignificant;
-using internal::Join;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
@@ -47,7 +42,7 @@ double MedianOf(std::vector<double> values) {
 std::string SignedQuantity(double value, Dimension dimension) {
   const double unit = dimension == Dimension::kLength ? kMillimetre : kDegree;
   return (value > 0.0 ? "+" : "") + FormatSignificant(value / unit, 3) + " " +
-         internal::UnitForPeople(dimension);
+         UnitForPeople(dimension);
 }
 
 // Deviations of every parameter by result, in the order in which results name
@@ -244,10 +239,33 @@ std::vector<ParameterChange> ListChanges(
 }
 
 }  // namespace
+}  // namespace alidade::internal
+
+namespace alidade {
+
+using internal::Count;
+using internal::FormatLength;
+using internal::FormatSignificant;
+using internal::GeometryDifference;
+using internal::IsEmpty;
+using internal::Join;
+using internal::JudgeArm;
+using internal::JudgedSet;
+using internal::JudgeFleet;
+using internal::kGeometryFloor;
+using internal::kMadToSigma;
+using internal::kNamedChanges;
+using internal::kNone;
+using internal::KnownStd;
+using internal::kRelativeFloor;
+using internal::ListChanges;
+using internal::MedianOf;
+using internal::ScoreParameters;
+using internal::SignedQuantity;
 
 ComparedResult DescribeForComparison(const std::string& label,
                                      const CalibrationResult& result) {
-  const EvaluatedSet& set = internal::JudgedSet(result);
+  const EvaluatedSet& set = JudgedSet(result);
   ComparedResult compared{
       label, set.before, set.after, &set != &result.train, {}};
   for (const ParameterResult& parameter : result.parameters) {
@@ -256,7 +274,7 @@ ComparedResult DescribeForComparison(const std::string& label,
         kind != "r") {
       continue;
     }
-    const double std = internal::KnownStd(result, parameter);
+    const double std = KnownStd(result, parameter);
     compared.parameters.push_back(
         {parameter.name, parameter.dimension, parameter.value,
          parameter.deviation(), std::isfinite(std) ? std : kNone,

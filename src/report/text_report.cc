@@ -161,8 +161,9 @@ std::string FormatReport(const CalibrationResult& result) {
   const std::string title =
       result.title.empty() ? "Calibration of " + result.arm_name : result.title;
   std::string text = Heading(title, '=') + "\n";
-  if (!result.arm_name.empty())
+  if (!result.arm_name.empty()) {
     text += Paragraph("Arm: " + result.arm_name) + "\n";
+  }
   text += Paragraph(result.verdict.title + ". " + result.verdict.sentence);
   for (const Finding& finding : result.verdict.findings) {
     if (IsWarning(finding)) text += Paragraph("Warning: " + finding.sentence);
