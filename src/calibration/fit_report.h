@@ -35,7 +35,7 @@ std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit);
 /// Fits all folds of the job's data, frames and all, and pools the errors of
 /// the poses held out. Nothing where one of the fits is not usable.
 std::optional<CrossValidation> CrossValidate(const JobConfig& config,
-                                             int num_threads);
+                                             const Execution& execution);
 
 /// Free parameters further from nominal than their priors allow, as
 /// "d3 (6.1), ...", in standard deviations; empty where there are none.

@@ -125,7 +125,7 @@ UncertaintyResult AssessFit(const FinishedFit& fit,
                         fit.config.uncertainty};
   input.sigma_estimated = fit.config.estimate_sigma;
   if (fit.config.solver == SolverName::kCeres &&
-      fit.config.data.all_observations() <= kMostForProfiles) {
+      fit.config.data.global_observations() <= kMostForProfiles) {
     input.fit_cost = final_cost;
     input.resolve = ResolveByCeres(problem, fit.config.solver_options);
   }

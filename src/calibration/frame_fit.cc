@@ -13,7 +13,7 @@
 #include "src/calibration/preparation.h"
 #include "src/identifiability/generic_data.h"
 #include "src/initialization/frame_start.h"
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 #include "src/model/chain_axes.h"
 
 namespace alidade::internal {
@@ -314,9 +314,10 @@ class FrameStarter {
 };
 
 double MedianError(const MeasurementModel& model, const Dataset& data) {
-  std::vector<double> errors = InOrder(
-      data, CountedLengths(model.Errors(model.NominalValues(), data), data));
-  return ComputeOnFirst(data, [&] {
+  std::vector<double> errors =
+      InOrder(model.communicator(), data,
+              CountedLengths(model.Errors(model.NominalValues(), data), data));
+  return ComputeOnRoot(model.communicator(), data, [&] {
     if (errors.empty()) return std::numeric_limits<double>::infinity();
     const auto middle =
         errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
@@ -352,24 +353,25 @@ bool HasUnknownFrames(const JobConfig& config) {
                      is_unknown);
 }
 
-bool FitFrames(JobConfig* config, int num_threads) {
+bool FitFrames(JobConfig* config, const Execution& execution) {
   if (!HasUnknownFrames(*config) || config->truth) return false;
   const Arm given = config->arm;
   const References given_references = config->references;
   bool is_found = false;
   if (!HoldsPartOfFrames(*config)) {
-    FrameStarter starter(*config, EvenSubset(config->data, kEnoughForStart));
+    FrameStarter starter(*config, EvenSubset(execution.communicator,
+                                             config->data, kEnoughForStart));
     starter.Run();
     const MeasurementModel found(starter.arm(), starter.references(),
-                                 num_threads);
-    const MeasurementModel stated(given, given_references, num_threads);
+                                 execution);
+    const MeasurementModel stated(given, given_references, execution);
     if (MedianError(found, config->data) < MedianError(stated, config->data)) {
       config->arm = starter.arm();
       config->references = starter.references();
       is_found = true;
     }
   }
-  const MeasurementModel model(config->arm, config->references, num_threads);
+  const MeasurementModel model(config->arm, config->references, execution);
   const Fit fit = FitPart(*config, model,
                           FramesOnly(config->identifiability, model.layout()));
   // A start that was found stays better than none.

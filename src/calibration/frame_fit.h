@@ -21,7 +21,7 @@ bool HasUnknownFrames(const JobConfig& config);
 /// priors become 50 mm and 50 mrad about these places, unless they are
 /// narrower. Nothing is done where the true arm is given, whose deviations are
 /// from the arm as it stands. True: they were fitted, or at least found.
-bool FitFrames(JobConfig* config, int num_threads);
+bool FitFrames(JobConfig* config, const Execution& execution);
 
 }  // namespace alidade::internal
 

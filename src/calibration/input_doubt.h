@@ -23,11 +23,13 @@ struct InputDoubt {
 /// row late or early. A misfit explains nothing unless it is small beside how
 /// far the positions lie apart. Nothing is said where fewer than twelve
 /// positions of the first target were measured. Looks at 60 positions.
-InputDoubt DoubtInput(const Arm& arm, const Dataset& data);
+InputDoubt DoubtInput(const Arm& arm, const Dataset& data,
+                      Communicator* communicator = SingleProcess());
 
 /// What to say of positions that are exactly 0, 0, 0; empty where there are
-/// none. Collective (measurement/share.h).
-std::string DoubtZeros(const Dataset& data);
+/// none. Collective (partition.h).
+std::string DoubtZeros(const Dataset& data,
+                       Communicator* communicator = SingleProcess());
 
 }  // namespace alidade::internal
 

@@ -26,7 +26,7 @@
 #include "src/common/format.h"
 #include "src/identifiability/analysis.h"
 #include "src/identifiability/rules.h"
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 #include "src/solve/solver.h"
 
 namespace alidade::internal {
@@ -111,8 +111,8 @@ std::vector<AcceptanceCheck> CheckAcceptance(const AcceptanceLimits& limits,
 
 // Data that fit nowhere, and would if one slip were mended, are an error of the
 // input, before anything is fitted. Returns what speaks against others.
-std::string RefuseSlips(const JobConfig& config) {
-  InputDoubt doubt = DoubtInput(config.arm, config.data);
+std::string RefuseSlips(const JobConfig& config, Communicator* communicator) {
+  InputDoubt doubt = DoubtInput(config.arm, config.data, communicator);
   if (!doubt.is_explained) return doubt.text;
   SourceLocation location;
   location.file = config.data.name;
@@ -138,7 +138,7 @@ std::string Missed(const CalibrationResult& result) {
 // arm twice as large would touch points twice as far.
 bool LeavesSizeOpen(const JobConfig& config) {
   for (std::size_t k = 0; k < config.data.blocks.size(); ++k) {
-    if (config.data.all_observations(k) == 0) continue;
+    if (config.data.global_observations(k) == 0) continue;
     const MeasurementKind kind = config.data.blocks[k].kind;
     if (kind != MeasurementKind::kFixedPoint &&
         kind != MeasurementKind::kPlane) {
@@ -156,23 +156,22 @@ bool LeavesSizeOpen(const JobConfig& config) {
          2;
 }
 
-// Every file by a member that has read it.
-std::vector<InputFile> HashInputs(const JobConfig& config) {
-  Team* const team = config.data.share.team;
-  const int rank = team == nullptr ? 0 : team->rank();
+// Every file by a rank that has read it.
+std::vector<InputFile> HashInputs(const JobConfig& config,
+                                  Communicator* communicator) {
+  Communicator* const holders = HoldersOf(communicator, config.data);
   std::vector<InputFile> files;
   std::vector<std::string> mine;
   for (std::size_t k = 0; k < config.input_files.size(); ++k) {
     const bool is_mine =
-        (config.readers.empty() ? 0 : config.readers[k]) == rank;
+        (config.readers.empty() ? 0 : config.readers[k]) == holders->rank();
     files.push_back({config.input_files[k], ""});
     if (is_mine) files.back().sha256 = Sha256OfFile(files.back().path);
     mine.push_back(files.back().sha256);
   }
-  if (team == nullptr) return files;
   ByteWriter writer;
   writer.PutTexts(mine);
-  for (const std::string& bytes : team->Gather(writer.Take())) {
+  for (const std::string& bytes : holders->Gather(writer.Take())) {
     const std::vector<std::string> hashes = ByteReader(bytes).GetTexts();
     for (std::size_t k = 0; k < files.size(); ++k) {
       if (!hashes[k].empty()) files[k].sha256 = hashes[k];
@@ -184,15 +183,15 @@ std::vector<InputFile> HashInputs(const JobConfig& config) {
 class JobRunner {
  public:
   /// `doubt`: what was said against the input; empty: nothing.
-  JobRunner(JobConfig config, int num_threads, IdentifiabilityCache* cache,
-            std::string doubt)
+  JobRunner(JobConfig config, const Execution& execution,
+            IdentifiabilityCache* cache, std::string doubt)
       : config_(std::move(config)),
         cache_(cache),
         input_doubt_(std::move(doubt)),
-        frames_fitted_(FitFrames(&config_, num_threads)),
-        sigmas_(config_.estimate_sigma ? EstimateSigmas(&config_, num_threads)
+        frames_fitted_(FitFrames(&config_, execution)),
+        sigmas_(config_.estimate_sigma ? EstimateSigmas(&config_, execution)
                                        : EstimatedSigmas()),
-        model_(config_.arm, config_.references, num_threads) {
+        model_(config_.arm, config_.references, execution) {
     outcome_.calibrated = config_.arm;
   }
 
@@ -233,14 +232,14 @@ class JobRunner {
     result().title = config_.title;
     result().arm = config_.arm.name;
     result().seed = config_.identifiability.seed;
-    result().inputs = HashInputs(config_);
+    result().inputs = HashInputs(config_, model_.communicator());
   }
 
   void DescribeData() {
-    result().sigma = MedianLengthSigma(config_.data);
+    result().sigma = MedianLengthSigma(config_.data, model_.communicator());
     result().estimated_sigma = sigmas_.length;
     result().estimated_rotation_sigma = sigmas_.rotation;
-    result().repeats = MeasureRepeats(config_.data);
+    result().repeats = MeasureRepeats(config_.data, model_.communicator());
     result().rejected = config_.rejected;
     const auto add = [&](const std::string& block, const std::string& name) {
       if (!name.empty()) result().aliases.emplace_back(block, name);
@@ -325,7 +324,7 @@ class JobRunner {
       result().stages = ListStages(fit, result().identifiability.num_free);
     }
     if (config_.folds) {
-      result().cross_validation = CrossValidate(*as_read, model_.num_threads());
+      result().cross_validation = CrossValidate(*as_read, model_.execution());
       if (!result().cross_validation) {
         Warn(
             "cross-validation found no usable fit of one of its folds, or one "
@@ -373,9 +372,8 @@ class JobRunner {
   // reached at all.
   void DoubtResult(const FinishedFit& fit) {
     const SolverSummary& summary = result().runs.front().summary;
-    if (const std::string zeros = DoubtZeros(config_.data); !zeros.empty()) {
-      Warn(zeros);
-    }
+    const std::string zeros = DoubtZeros(config_.data, model_.communicator());
+    if (!zeros.empty()) Warn(zeros);
     if (summary.status == SolverStatus::kIterationLimit) {
       Warn("the solver " + summary.solver +
            " was stopped by the number of iterations and may be far from the "
@@ -386,7 +384,8 @@ class JobRunner {
     if (freedom >= 1.0) {
       const SharedVector squared =
           SquaredNorms(model_.Errors(fit.values, config_.data), config_.data);
-      result().reduced_chi_square = SumInOrder(config_.data, squared) / freedom;
+      result().reduced_chi_square =
+          SumInOrder(model_.communicator(), config_.data, squared) / freedom;
     }
     // Where the loss expects outliers, they are not held against the fit.
     const double ratio =
@@ -554,17 +553,17 @@ class JobRunner {
 
 }  // namespace
 
-JobOutcome RunJob(JobConfig config, const std::string& command, int num_threads,
-                  IdentifiabilityCache* cache) {
-  std::string doubt = RefuseSlips(config);
+JobOutcome RunJob(JobConfig config, const std::string& command,
+                  const Execution& execution, IdentifiabilityCache* cache) {
+  std::string doubt = RefuseSlips(config, execution.communicator);
   std::optional<JobConfig> as_read;
   if (config.folds) as_read = config;
-  return JobRunner(std::move(config), num_threads, cache, std::move(doubt))
+  return JobRunner(std::move(config), execution, cache, std::move(doubt))
       .Run(command, as_read ? &*as_read : nullptr);
 }
 
 IdentifiabilityResult IdentifyJob(const JobConfig& config, int num_threads) {
-  RefuseSlips(config);
+  RefuseSlips(config, SingleProcess());
   JobConfig prepared = config;
   FitFrames(&prepared, num_threads);
   const MeasurementModel model(prepared.arm, prepared.references, num_threads);

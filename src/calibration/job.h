@@ -31,11 +31,11 @@ struct JobOutcome {
 /// evaluates training and held-out poses before and after, sets the published
 /// study beside it, and checks the acceptance limits. Writes nothing.
 /// `command` goes into the result. Data are not copied where `config` is moved
-/// in. Results do not depend on `num_threads`.
+/// in. Results do not depend on `execution`.
 ///
-/// With a share of the data (LoadJob of a team) collective: every member takes
-/// the same steps and has the same outcome, but for what has an entry for each
-/// pose, observation or outlier, which member 0 alone has. It is what one
+/// With parts of the data (LoadJob with a communicator) collective: every rank
+/// takes the same steps and has the same outcome, but for what has an entry for
+/// each pose, observation or outlier, which the root alone has. It is what one
 /// process would find, to the bit.
 ///
 /// `cache`: null, or what jobs of one arm and the same poses share; the outcome
@@ -43,7 +43,8 @@ struct JobOutcome {
 /// @throws InputError where an input file cannot be read again for its hash, or
 /// where the measured positions fit the nominal arm nowhere and one slip
 /// explains it (units, columns, signs), which the message names.
-JobOutcome RunJob(JobConfig config, const std::string& command, int num_threads,
+JobOutcome RunJob(JobConfig config, const std::string& command,
+                  const Execution& execution,
                   IdentifiabilityCache* cache = nullptr);
 
 /// The identifiability part of a job alone.

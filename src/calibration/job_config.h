@@ -114,9 +114,9 @@ struct MonteCarloConfig {
   double precision = 0.0;
 };
 
-/// A calibration job, its files loaded and checked against each other. Members
-/// of a team have a share of `data` and `validation` each
-/// (measurement/share.h), and all else alike.
+/// A calibration job, its files loaded and checked against each other. Ranks
+/// of a communicator have a part of `data` and `validation` each
+/// (partition.h), and all else alike.
 struct JobConfig {
   std::string path;
   std::string title;
@@ -154,7 +154,7 @@ struct JobConfig {
   std::optional<NoiseStudyConfig> noise_study;
   /// Every file read for this job, the job file first.
   std::vector<std::string> input_files;
-  /// The member of the team that has read each of them; empty: there is none.
+  /// The rank that has read each of them; empty: there is one.
   std::vector<int> readers;
 };
 

@@ -65,10 +65,11 @@ struct EstimatedSigmas {
 /// in weight. Where they are too large, all are scaled. Priors weigh against
 /// sigma, so that it is iterated. Lengths of 0 where a fit failed or leaves no
 /// freedom.
-EstimatedSigmas EstimateSigmas(JobConfig* config, int num_threads);
+EstimatedSigmas EstimateSigmas(JobConfig* config, const Execution& execution);
 
 /// Median standard deviation of the measured lengths (m); 0 = there are none.
-double MedianLengthSigma(const Dataset& data);
+double MedianLengthSigma(const Dataset& data,
+                         Communicator* communicator = SingleProcess());
 
 /// Degrees of freedom of a fit: equations less the parameters that the data
 /// rather than their priors decide,

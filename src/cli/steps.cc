@@ -14,11 +14,11 @@ std::string Seconds(double seconds) {
 }  // namespace
 
 void LogReading(const JobConfig& config) {
-  LOG(INFO) << "read " << config.data.all_poses() << " poses, "
-            << config.data.all_observations() << " measurements"
+  LOG(INFO) << "read " << config.data.global_poses() << " poses, "
+            << config.data.global_observations() << " measurements"
             << (config.validation
                     ? ", and " +
-                          std::to_string(config.validation->all_poses()) +
+                          std::to_string(config.validation->global_poses()) +
                           " poses for validation"
                     : "")
             << (config.rejected.empty()

@@ -103,9 +103,8 @@ JobComputer::JobComputer(const BatchPlan& plan, const BatchOptions& options,
     : plan_(plan),
       options_(options),
       times_(*times),
-      places_(plan, options.directory) {
-  reading_.num_threads = threads_each;
-}
+      execution_(threads_each),
+      places_(plan, options.directory) {}
 
 Computed JobComputer::Compute(const PlannedJob& job) const {
   Computed computed;
@@ -142,7 +141,7 @@ Computed JobComputer::Compute(const PlannedJob& job) const {
 JobConfig JobComputer::Read(const PlannedJob& job, BatchRecord* record) const {
   const Stopwatch stopwatch(&times_.reading);
   record->fingerprint = FingerprintOf(plan_, job, options_);
-  JobConfig config = plan_.matrices[job.matrix].Load(job.number, reading_);
+  JobConfig config = plan_.matrices[job.matrix].Load(job.number, execution_);
   for (const std::string& input : config.input_files) places_.Refuse(input);
   if (options_.outputs) config.outputs = *options_.outputs;
   return config;
@@ -151,8 +150,7 @@ JobConfig JobComputer::Read(const PlannedJob& job, BatchRecord* record) const {
 JobOutcome JobComputer::Calibrate(const JobConfig& config,
                                   const PlannedJob& job) const {
   const Stopwatch stopwatch(&times_.calibrating);
-  return RunJob(config, "alidade batch " + job.file, reading_.num_threads,
-                &cache_);
+  return RunJob(config, "alidade batch " + job.file, execution_, &cache_);
 }
 
 void JobComputer::Run(const PlannedJob& job, Computed* computed) const {

@@ -81,7 +81,7 @@ class JobComputer {
   const BatchPlan& plan_;
   const BatchOptions& options_;
   WorkTimes& times_;
-  JobReading reading_;
+  const Execution execution_;
   const BatchPlaces places_;
   mutable IdentifiabilityCache cache_;
 };

@@ -94,7 +94,7 @@ class Compressor::Implementation {
         losses_(losses),
         factorization_(options.factorization),
         may_use_gram_(options.factorization != Factorization::kOrthogonal),
-        is_large_(data.all_observations() >= kFewestForSample) {}
+        is_large_(data.global_observations() >= kFewestForSample) {}
 
   void Compress(const Eigen::VectorXd& values, CompressedProblem* problem) {
     used_gram_ = may_use_gram_ && SampleIsGood(values, problem) &&

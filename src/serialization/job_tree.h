@@ -25,7 +25,7 @@ YamlDocument ReadJobTree(const std::string& path);
 
 /// The job that a tree describes, its files loaded. @pre no `matrix` in it.
 /// @throws InputError.
-JobConfig LoadJobTree(YamlDocument tree, const JobReading& reading);
+JobConfig LoadJobTree(YamlDocument tree, const Execution& execution);
 
 }  // namespace alidade::internal
 

@@ -8,8 +8,8 @@
 
 #include "src/common/names.h"
 #include "src/kernel/holdout.h"
-#include "src/kernel/share.h"
-#include "src/serialization/shared_data.h"
+#include "src/kernel/partition.h"
+#include "src/serialization/partitioned_data.h"
 
 namespace alidade::internal {
 namespace {
@@ -21,7 +21,8 @@ void Take(HoldOut split, JobConfig* job) {
   job->validation = std::move(split.heldout);
 }
 
-void ReadFraction(const YamlMap& map, JobConfig* job) {
+void ReadFraction(const YamlMap& map, Communicator* communicator,
+                  JobConfig* job) {
   HoldOutConfig config;
   const YamlValue fraction = map.Required("fraction");
   config.fraction = fraction.Number();
@@ -30,8 +31,9 @@ void ReadFraction(const YamlMap& map, JobConfig* job) {
                   fraction.Text());
   }
   map.ReadSeed("seed", &config.seed);
-  HoldOut split = HoldOutFraction(job->data, config.fraction, config.seed);
-  if (split.train.all_poses() == 0 || split.heldout.all_poses() == 0) {
+  HoldOut split =
+      HoldOutFraction(job->data, config.fraction, config.seed, communicator);
+  if (split.train.global_poses() == 0 || split.heldout.global_poses() == 0) {
     fraction.Fail(
         "leaves no configuration on one side: the data set has too few "
         "different ones for it");
@@ -56,7 +58,8 @@ void ReadFolds(const YamlMap& map, JobConfig* job) {
 
 // A difference of a pose that is held out and one that is not belongs to
 // neither side.
-void RejectStraddling(const std::vector<bool>& is_heldout, JobConfig* job) {
+void RejectStraddling(const std::vector<bool>& is_heldout,
+                      Communicator* communicator, JobConfig* job) {
   const Dataset& data = job->data;
   std::vector<RejectedRow> rejected;
   for (const ObservationBlock& block : data.blocks) {
@@ -70,26 +73,25 @@ void RejectStraddling(const std::vector<bool>& is_heldout, JobConfig* job) {
            "a difference between a pose that is held out and one that is not"});
     }
   }
-  if (data.share.team != nullptr) {
-    rejected = OfAllMembers(data.share.team, rejected);
-  }
+  rejected = OfAllRanks(HoldersOf(communicator, data), rejected);
   job->rejected.insert(job->rejected.end(), rejected.begin(), rejected.end());
 }
 
 // Holds out the poses, unless that leaves nothing to fit.
 void HoldOutChosen(const std::vector<bool>& is_heldout, const YamlValue& key,
-                   JobConfig* job) {
-  if (OnAllMembers(job->data, std::all_of(is_heldout.begin(), is_heldout.end(),
-                                          [](bool held) { return held; }))) {
+                   Communicator* communicator, JobConfig* job) {
+  const bool are_all = std::all_of(is_heldout.begin(), is_heldout.end(),
+                                   [](bool held) { return held; });
+  if (OnAllRanks(communicator, job->data, are_all)) {
     key.Fail("holds out all poses, expected some to be left for the fit");
   }
-  RejectStraddling(is_heldout, job);
-  Take(HoldOutPoses(job->data, is_heldout), job);
+  RejectStraddling(is_heldout, communicator, job);
+  Take(HoldOutPoses(job->data, is_heldout, communicator), job);
 }
 
 // In the order that they first come in.
 std::vector<std::string> NamesOfSets(const std::vector<std::string>& sets,
-                                     Team* team) {
+                                     Communicator* communicator) {
   std::vector<std::string> names;
   const auto add = [&](const std::string& set) {
     if (set.empty()) return;
@@ -98,23 +100,22 @@ std::vector<std::string> NamesOfSets(const std::vector<std::string>& sets,
     }
   };
   for (const std::string& set : sets) add(set);
-  if (team == nullptr) return names;
   ByteWriter writer;
   writer.PutTexts(names);
   names.clear();
-  for (const std::string& bytes : team->Gather(writer.Take())) {
+  for (const std::string& bytes : communicator->Gather(writer.Take())) {
     for (const std::string& set : ByteReader(bytes).GetTexts()) add(set);
   }
   return names;
 }
 
 void ReadSets(const YamlValue& value, const std::vector<std::string>& sets,
-              JobConfig* job) {
-  if (OnAllMembers(job->data, sets.empty())) {
+              Communicator* communicator, JobConfig* job) {
+  if (OnAllRanks(communicator, job->data, sets.empty())) {
     value.Fail("no data set has a column \"set\", expected one");
   }
   const std::vector<std::string> names =
-      NamesOfSets(sets, job->data.share.team);
+      NamesOfSets(sets, HoldersOf(communicator, job->data));
   std::vector<bool> is_heldout(sets.size(), false);
   std::vector<YamlValue> items = {value};
   if (value.IsList()) items = value.List();
@@ -125,7 +126,7 @@ void ReadSets(const YamlValue& value, const std::vector<std::string>& sets,
       if (sets[i] == name) is_heldout[i] = true;
     }
   }
-  HoldOutChosen(is_heldout, value, job);
+  HoldOutChosen(is_heldout, value, communicator, job);
 }
 
 std::optional<int> ParseIndex(const std::string& text) {
@@ -158,22 +159,25 @@ void ReadFile(const YamlValue& value, const JobContext& context,
     is_heldout.push_back(
         NamesFile(text, resolved, data, data.sources[pose].file));
   }
-  if (OnAllMembers(data, std::none_of(is_heldout.begin(), is_heldout.end(),
-                                      [](bool held) { return held; }))) {
+  Communicator* const communicator = context.execution.communicator;
+  const bool is_none = std::none_of(is_heldout.begin(), is_heldout.end(),
+                                    [](bool held) { return held; });
+  if (OnAllRanks(communicator, data, is_none)) {
     value.Fail(
         "found " + Quote(text) + ", expected one of the files of " +
         "`data` or its place in that list, from 1: " + JoinNames(data.files));
   }
-  HoldOutChosen(is_heldout, value, job);
+  HoldOutChosen(is_heldout, value, communicator, job);
 }
 
-// Which points and planes observations are of; of a share, those of all.
+// Which points and planes observations are of, those of all ranks.
 struct Mentioned {
   std::vector<bool> points;
   std::vector<bool> planes;
 };
 
-void Mention(const Dataset& data, Mentioned* mentioned) {
+void Mention(Communicator* communicator, const Dataset& data,
+             Mentioned* mentioned) {
   for (const ObservationBlock& block : data.blocks) {
     if (block.kind == MeasurementKind::kPointDistance) continue;
     std::vector<bool>& list = block.kind == MeasurementKind::kPlane
@@ -183,13 +187,14 @@ void Mention(const Dataset& data, Mentioned* mentioned) {
   }
   for (std::vector<bool>* list : {&mentioned->points, &mentioned->planes}) {
     for (std::size_t i = 0; i < list->size(); ++i) {
-      (*list)[i] = !OnAllMembers(data, !(*list)[i]);
+      (*list)[i] = !OnAllRanks(communicator, data, !(*list)[i]);
     }
   }
 }
 
 // What the fit does not identify tells nothing of held-out poses.
-void CheckReferences(const YamlValue& value, const JobConfig& job) {
+void CheckReferences(const YamlValue& value, Communicator* communicator,
+                     const JobConfig& job) {
   const References& references = job.references;
   const auto fail = [&](const std::string& name) {
     value.Fail(Quote(name) +
@@ -199,8 +204,8 @@ void CheckReferences(const YamlValue& value, const JobConfig& job) {
   Mentioned heldout{std::vector<bool>(references.points.size()),
                     std::vector<bool>(references.planes.size())};
   Mentioned fitted = heldout;
-  Mention(job.data, &fitted);
-  Mention(*job.validation, &heldout);
+  Mention(communicator, job.data, &fitted);
+  Mention(communicator, *job.validation, &heldout);
   for (std::size_t i = 0; i < references.points.size(); ++i) {
     const ReferencePoint& point = references.points[i];
     if (!heldout.points[i] || fitted.points[i] || point.is_known) continue;
@@ -233,18 +238,19 @@ void ReadValidation(const MeasurementSigmas& sigmas,
         "expected `data`, or `fraction` and `seed`, or `folds` and `seed`, or "
         "`set`, or `file`, not both");
   }
+  Communicator* const communicator = context->execution.communicator;
   if (const auto data = map.Optional("data")) {
     job->validation = ReadData(*data, sigmas, context, job).data;
   } else if (map.Optional("folds")) {
     ReadFolds(map, job);
   } else if (const auto set = map.Optional("set")) {
-    ReadSets(*set, sets, job);
+    ReadSets(*set, sets, communicator, job);
   } else if (const auto file = map.Optional("file")) {
     ReadFile(*file, *context, job);
   } else {
-    ReadFraction(map, job);
+    ReadFraction(map, communicator, job);
   }
-  if (job->validation) CheckReferences(*value, *job);
+  if (job->validation) CheckReferences(*value, communicator, *job);
 }
 
 }  // namespace alidade::internal

@@ -8,7 +8,7 @@
 
 #include "src/common/distributions.h"
 #include "src/kernel/observation_rows.h"
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 #include "src/uncertainty/expected_share.h"
 #include "src/uncertainty/prediction.h"
 
@@ -38,7 +38,7 @@ class HeldOut {
         ellipsoid_(3.0 * FisherQuantile(confidence, 3.0,
                                         covariance.degrees_of_freedom)),
         first_(FirstObservations(data)),
-        stride_((data.all_observations() + kMostSampled - 1) / kMostSampled),
+        stride_((data.global_observations() + kMostSampled - 1) / kMostSampled),
         scores_(data.num_observations()) {}
 
   // `rows`: whitened derivatives of observation i, and its residual.
@@ -67,7 +67,7 @@ class HeldOut {
       scores.held =
           error.dot(of_position.llt().solve(error)) <= ellipsoid_ ? 1 : 0;
     }
-    if (ObservationInAll(data_, b, i - first_[b]) % stride_ != 0) return;
+    if (GlobalObservation(data_, b, i - first_[b]) % stride_ != 0) return;
     for (const Eigen::Index row : measured) {
       for (Eigen::Index k = 0; k < p; ++k) {
         scores.spread.push_back(spread(row, k));
@@ -76,7 +76,7 @@ class HeldOut {
     scores.is_whole_position = is_position;
   }
 
-  // Collective; complete on the first member.
+  // Collective; complete on the root.
   std::vector<double> ZScores() const {
     return Gather([](const Scores& one) { return one.z; });
   }
@@ -98,7 +98,8 @@ class HeldOut {
         std::count_if(scores_.begin(), scores_.end(), [&](const Scores& one) {
           return held_alone ? one.held > 0 : one.held >= 0;
         });
-    return SumOverMembers(data_, static_cast<std::int64_t>(mine));
+    return SumOverRanks(model_.communicator(), data_,
+                        static_cast<std::int64_t>(mine));
   }
 
  private:
@@ -119,7 +120,7 @@ class HeldOut {
         by_block[b].insert(by_block[b].end(), more.begin(), more.end());
       }
     }
-    return InOrder(data_, std::move(by_block));
+    return InOrder(model_.communicator(), data_, std::move(by_block));
   }
 
   Eigen::MatrixXd AsRows(const std::vector<double>& numbers) const {

@@ -20,7 +20,7 @@ clean_tree() {
   plant include/alidade/model/arm.h '#include "alidade/base/error.h"'
   plant include/alidade/solve/options.h '#include <string>'
   plant src/io/reader.h '#include <yaml-cpp/yaml.h>'
-  plant src/cli/mpi_team.cc '#include <mpi.h>' 'void F() { MPI_Finalize(); }'
+  plant src/cli/mpi_communicator.cc '#include <mpi.h>' 'void F() { MPI_Finalize(); }'
   plant src/io/reader.cc '#include "src/io/reader.h"' '' \
     '#include <glog/logging.h>' '#include "alidade/solve/options.h"'
 }
@@ -83,9 +83,9 @@ finds src/batch/job.cc \
   'src/batch/job.cc:1: module batch must not include gflags/gflags.h' \
   '#include <gflags/gflags.h>'
 finds src/batch/job.cc \
-  'src/batch/job.cc:1: mpi.h may be included in src/cli/mpi_team.cc alone' \
+  'src/batch/job.cc:1: mpi.h may be included in src/cli/mpi_communicator.cc alone' \
   '#include <mpi.h>'
-finds src/cli/main.cc 'src/cli/main.cc:2: MPI is used in src/cli/mpi_team.cc' \
+finds src/cli/main.cc 'src/cli/main.cc:2: MPI is used in src/cli/mpi_communicator.cc' \
   'int main() {' '  MPI_Finalize();' '}'
 finds include/alidade/model/arm.h \
   'include/alidade/model/arm.h:1: public headers must not include glog' \
