@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "alidade/error.h"
-#include "src/calibration/job.h"
 #include "src/cli/command.h"
 #include "src/cli/launched_team.h"
 #include "src/cli/progress_line.h"
 #include "src/cli/steps.h"
 #include "src/job/report_page.h"
 #include "src/job/result_directory.h"
+#include "src/job/run_job.h"
 #include "src/report/report.h"
 #include "src/serialization/job_file.h"
 
@@ -52,10 +52,11 @@ ExitStatus Calibrate(const CommandLine& line, Team* team) {
   progress.Show("reading " + path);
   JobConfig config = LoadJob(path, line.threads, team);
   if (team != nullptr) WarnOfIdle(config, *team);
-  ShowIterations(config.data.all_poses(), &progress, &config.solver_options);
-  if (line.seed) config.identifiability.seed = *line.seed;
+  ShowIterations(config.data.training.all_poses(), &progress,
+                 &config.options.solver_options);
+  if (line.seed) config.options.identifiability.seed = *line.seed;
   progress.Clear();
-  LogReading(config);
+  LogReading(config.data, config.input_files, config.rejected.size());
   const std::string directory =
       line.out.empty() ? DefaultDirectory(path) : line.out;
   if (is_first) {
@@ -63,29 +64,28 @@ ExitStatus Calibrate(const CommandLine& line, Team* team) {
                          config.input_files);
   }
   const JobOutputs outputs = config.outputs;
-  const JobOutcome outcome = RunJob(std::move(config), line.text, line.threads);
+  const CalibrationResult result = RunJob(std::move(config), line.text);
   progress.Clear();
   if (!is_first) return kExitDone;
-  LogJob(outcome.result);
-  if (outcome.status == JobStatus::kRefused ||
-      outcome.status == JobStatus::kFailed) {
-    PrintError(path + ": " + outcome.message);
+  LogJob(result);
+  if (!result.IsUsable()) {
+    PrintError(path + ": " + result.message);
     return kExitNumerical;
   }
   progress.Show("writing " + directory);
-  std::vector<ReportFile> files = RenderResult(outcome, outputs);
+  std::vector<ReportFile> files = RenderResult(result, outputs);
   if (line.report) {
     // Before result.json, which comes last.
     const std::string label =
         std::filesystem::absolute(directory).lexically_normal().filename();
     files.insert(files.end() - 1,
-                 MakeResultPage(outcome, RenderResult(outcome), label));
+                 MakeResultPage(result, RenderResult(result), label));
   }
   const std::vector<std::string> paths = WriteResultDirectory(directory, files);
   progress.Clear();
-  PrintSummary(outcome.result, paths);
-  if (outcome.status == JobStatus::kMissedLimits) {
-    PrintError(path + ": " + outcome.message + "; " + directory +
+  PrintSummary(result, paths);
+  if (result.status == CalibrationStatus::kMissedLimits) {
+    PrintError(path + ": " + result.message + "; " + directory +
                "/report.txt tells which");
     return kExitMissedLimits;
   }

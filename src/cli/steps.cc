@@ -13,19 +13,20 @@ std::string Seconds(double seconds) {
 
 }  // namespace
 
-void LogReading(const JobConfig& config) {
-  LOG(INFO) << "read " << config.data.all_poses() << " poses, "
-            << config.data.all_observations() << " measurements"
-            << (config.validation
-                    ? ", and " +
-                          std::to_string(config.validation->all_poses()) +
+void LogReading(const CalibrationData& data,
+                const std::vector<std::string>& input_files,
+                std::size_t rejected_rows) {
+  LOG(INFO) << "read " << data.training.all_poses() << " poses, "
+            << data.training.all_observations() << " measurements"
+            << (data.validation
+                    ? ", and " + std::to_string(data.validation->all_poses()) +
                           " poses for validation"
                     : "")
-            << (config.rejected.empty()
+            << (rejected_rows == 0
                     ? ""
-                    : ", without " + std::to_string(config.rejected.size()) +
+                    : ", without " + std::to_string(rejected_rows) +
                           " rows that measure nothing");
-  for (const std::string& path : config.input_files) VLOG(1) << "  " << path;
+  for (const std::string& path : input_files) VLOG(1) << "  " << path;
 }
 
 void LogIdentifiability(const IdentifiabilityResult& result) {

@@ -159,7 +159,7 @@ class Crew {
           return true;
         }
       }
-      const Stopwatch stopwatch(&times_->writing);
+      const ScopedTimer timer(&times_->writing);
       const std::string staged =
           staging_->Stage(computed.files, &computed.record.files);
       Put(OutcomeMessage(number, computed, staged));

@@ -12,7 +12,7 @@
 #include "src/data/merge.h"
 #include "src/dataio/read_options.h"
 #include "src/serialization/shared_data.h"
-#include "src/serialization/simulation_section.h"
+#include "src/serialization/simulation_file.h"
 #include "src/simulation/simulation.h"
 
 namespace alidade::internal {
@@ -301,7 +301,7 @@ void ReadEntry(const YamlValue& value, const DataFormat& defaults,
     const int reader = share->NextReader();
     context->readers.emplace(path, reader);
     if (reader != share->rank()) return;
-    parts->push_back(LoadData(path, job->arm, format, &job->references,
+    parts->push_back(LoadData(path, job->arm, format, &job->data.references,
                               context->num_threads));
   });
 }
@@ -314,8 +314,8 @@ MeasurementSigmas ReadSigmas(const JobContext& context, JobConfig* job) {
   const YamlValue sigma = map.Required("sigma");
   MeasurementSigmas sigmas;
   sigmas.length = kFirstSigma;
-  job->estimate_sigma = sigma.Text() == "estimate";
-  if (!job->estimate_sigma) {
+  job->options.estimate_sigma = sigma.Text() == "estimate";
+  if (!job->options.estimate_sigma) {
     sigmas.length = PositiveLength(sigma, context.units);
   }
   if (const auto rotation = map.Optional("sigma_rotation")) {
@@ -337,14 +337,14 @@ LoadedData ReadData(const YamlValue& value, const MeasurementSigmas& sigmas,
     share = FileShare(context->team, value, PathsOf(entries, context->files));
   }
   RefuseTwice(entries, context->files);
-  const References known = job->references;
+  const References known = job->data.references;
   std::vector<LoadedData> parts;
   for (const YamlValue& entry : entries) {
     ReadEntry(entry, defaults, context, job, &share, &parts);
   }
   LoadedData all = Merge(std::move(parts), job->arm.num_joints());
   if (context->team != nullptr) {
-    ShareLoaded(context->team, known, &all, &job->references);
+    ShareLoaded(context->team, known, &all, &job->data.references);
   }
   job->rejected.insert(job->rejected.end(), all.rejected.begin(),
                        all.rejected.end());

@@ -6,7 +6,6 @@
 
 #include "alidade/team.h"
 #include "src/serialization/config_file.h"
-#include "src/serialization/job_file.h"
 #include "src/serialization/yaml_reader.h"
 
 namespace alidade::internal {

@@ -5,15 +5,11 @@
 
 #include "alidade/dataset.h"
 #include "alidade/team.h"
-#include "src/calibration/job_config.h"
+#include "src/serialization/job_config.h"
+#include "src/serialization/yaml_tree.h"
+#include "src/simulation/simulation.h"
 
 namespace alidade::internal {
-
-/// What a YAML file says it is in its `format` key.
-enum class FileFormat { kArm, kDeviations, kJob, kSimulation, kPlan };
-
-/// @throws InputError where the file is no YAML map or its format is unknown.
-FileFormat DetectFormat(const std::string& path);
 
 /// How a job is read. What comes out does not depend on the threads.
 struct JobReading {
@@ -34,14 +30,14 @@ JobConfig LoadJob(const std::string& path, const JobReading& reading);
 JobConfig LoadJob(const std::string& path, int num_threads = 1,
                   Team* team = nullptr);
 
+/// The job that a tree describes, its files loaded. @pre no `matrix` in it.
+/// @throws InputError.
+JobConfig LoadJobTree(YamlDocument tree, const JobReading& reading);
+
 /// The same without `validation`, and without limits of held-out poses in
 /// `acceptance`: no pose is held out of `data`. For plans, and for studies that
 /// hold out their own.
 JobConfig LoadWholeJob(const std::string& path);
-
-/// Reads a simulation and every file it names.
-/// @throws InputError with file, line, column and key.
-SimulationConfig LoadSimulation(const std::string& path);
 
 }  // namespace alidade::internal
 

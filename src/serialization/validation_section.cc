@@ -17,47 +17,48 @@ namespace {
 constexpr int kMaxFolds = 1000;
 
 void Take(HoldOut split, JobConfig* job) {
-  job->data = std::move(split.train);
-  job->validation = std::move(split.heldout);
+  job->data.training = std::move(split.train);
+  job->data.validation = std::move(split.heldout);
 }
 
 void ReadFraction(const YamlMap& map, JobConfig* job) {
-  HoldOutConfig config;
+  HoldOutOptions holdout;
   const YamlValue fraction = map.Required("fraction");
-  config.fraction = fraction.Number();
-  if (!(config.fraction > 0.0 && config.fraction < 1.0)) {
+  holdout.fraction = fraction.Number();
+  if (!(holdout.fraction > 0.0 && holdout.fraction < 1.0)) {
     fraction.Fail("expected a fraction between 0 and 1, found " +
                   fraction.Text());
   }
-  map.ReadSeed("seed", &config.seed);
-  HoldOut split = HoldOutFraction(job->data, config.fraction, config.seed);
+  map.ReadSeed("seed", &holdout.seed);
+  HoldOut split =
+      HoldOutFraction(job->data.training, holdout.fraction, holdout.seed);
   if (split.train.all_poses() == 0 || split.heldout.all_poses() == 0) {
     fraction.Fail(
         "leaves no configuration on one side: the data set has too few "
         "different ones for it");
   }
   Take(std::move(split), job);
-  job->holdout = config;
+  job->options.holdout = holdout;
 }
 
 void ReadFolds(const YamlMap& map, JobConfig* job) {
-  FoldsConfig config;
+  FoldsOptions options;
   const YamlValue folds = map.Required("folds");
-  config.folds = static_cast<int>(folds.Integer(2, kMaxFolds));
-  map.ReadSeed("seed", &config.seed);
-  const std::vector<int> groups = GroupByConfiguration(job->data);
+  options.folds = static_cast<int>(folds.Integer(2, kMaxFolds));
+  map.ReadSeed("seed", &options.seed);
+  const std::vector<int> groups = GroupByConfiguration(job->data.training);
   const int count = 1 + *std::max_element(groups.begin(), groups.end());
-  if (config.folds > count) {
+  if (options.folds > count) {
     folds.Fail("the data set has " + std::to_string(count) +
                " different configurations, expected as many folds at most");
   }
-  job->folds = config;
+  job->options.folds = options;
 }
 
 // A difference of a pose that is held out and one that is not belongs to
 // neither side.
 void RejectStraddling(const std::vector<bool>& is_heldout, JobConfig* job) {
-  const Dataset& data = job->data;
+  const Dataset& data = job->data.training;
   std::vector<RejectedRow> rejected;
   for (const ObservationBlock& block : data.blocks) {
     if (block.kind != MeasurementKind::kDifference) continue;
@@ -79,12 +80,13 @@ void RejectStraddling(const std::vector<bool>& is_heldout, JobConfig* job) {
 // Holds out the poses, unless that leaves nothing to fit.
 void HoldOutChosen(const std::vector<bool>& is_heldout, const YamlValue& key,
                    JobConfig* job) {
-  if (OnAllMembers(job->data, std::all_of(is_heldout.begin(), is_heldout.end(),
-                                          [](bool held) { return held; }))) {
+  if (OnAllMembers(job->data.training,
+                   std::all_of(is_heldout.begin(), is_heldout.end(),
+                               [](bool held) { return held; }))) {
     key.Fail("holds out all poses, expected some to be left for the fit");
   }
   RejectStraddling(is_heldout, job);
-  Take(HoldOutPoses(job->data, is_heldout), job);
+  Take(HoldOutPoses(job->data.training, is_heldout), job);
 }
 
 // In the order that they first come in.
@@ -110,11 +112,11 @@ std::vector<std::string> NamesOfSets(const std::vector<std::string>& sets,
 
 void ReadSets(const YamlValue& value, const std::vector<std::string>& sets,
               JobConfig* job) {
-  if (OnAllMembers(job->data, sets.empty())) {
+  if (OnAllMembers(job->data.training, sets.empty())) {
     value.Fail("no data set has a column \"set\", expected one");
   }
   const std::vector<std::string> names =
-      NamesOfSets(sets, job->data.share.team);
+      NamesOfSets(sets, job->data.training.share.team);
   std::vector<bool> is_heldout(sets.size(), false);
   std::vector<YamlValue> items = {value};
   if (value.IsList()) items = value.List();
@@ -149,7 +151,7 @@ bool NamesFile(const std::string& text, const std::string& resolved,
 
 void ReadFile(const YamlValue& value, const JobContext& context,
               JobConfig* job) {
-  const Dataset& data = job->data;
+  const Dataset& data = job->data.training;
   const std::string text = value.Text();
   const std::string resolved = context.files.Resolve(value);
   std::vector<bool> is_heldout;
@@ -190,7 +192,7 @@ void Mention(const Dataset& data, Mentioned* mentioned) {
 
 // What the fit does not identify tells nothing of held-out poses.
 void CheckReferences(const YamlValue& value, const JobConfig& job) {
-  const References& references = job.references;
+  const References& references = job.data.references;
   const auto fail = [&](const std::string& name) {
     value.Fail(Quote(name) +
                " is measured against at held-out poses alone, expected it "
@@ -199,8 +201,8 @@ void CheckReferences(const YamlValue& value, const JobConfig& job) {
   Mentioned heldout{std::vector<bool>(references.points.size()),
                     std::vector<bool>(references.planes.size())};
   Mentioned fitted = heldout;
-  Mention(job.data, &fitted);
-  Mention(*job.validation, &heldout);
+  Mention(job.data.training, &fitted);
+  Mention(*job.data.validation, &heldout);
   for (std::size_t i = 0; i < references.points.size(); ++i) {
     const ReferencePoint& point = references.points[i];
     if (!heldout.points[i] || fitted.points[i] || point.is_known) continue;
@@ -234,7 +236,7 @@ void ReadValidation(const MeasurementSigmas& sigmas,
         "`set`, or `file`, not both");
   }
   if (const auto data = map.Optional("data")) {
-    job->validation = ReadData(*data, sigmas, context, job).data;
+    job->data.validation = ReadData(*data, sigmas, context, job).data;
   } else if (map.Optional("folds")) {
     ReadFolds(map, job);
   } else if (const auto set = map.Optional("set")) {
@@ -244,7 +246,7 @@ void ReadValidation(const MeasurementSigmas& sigmas,
   } else {
     ReadFraction(map, job);
   }
-  if (job->validation) CheckReferences(*value, *job);
+  if (job->data.validation) CheckReferences(*value, *job);
 }
 
 }  // namespace alidade::internal

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "src/common/distributions.h"
-#include "src/kernel/observation_rows.h"
+#include "src/kernel/measurement_model.h"
 #include "src/kernel/share.h"
 #include "src/uncertainty/expected_share.h"
 #include "src/uncertainty/prediction.h"

@@ -17,8 +17,8 @@
 #include "alidade/random.h"
 #include "alidade/team.h"
 #include "alidade/units.h"
-#include "src/calibration/job.h"
 #include "src/job/result_directory.h"
+#include "src/job/run_job.h"
 #include "src/kernel/measurement_model.h"
 #include "src/model/joint_draw.h"
 #include "src/serialization/job_file.h"
@@ -134,10 +134,10 @@ class Bench {
 };
 
 // All files of a result, but for times and the number of threads.
-Files ResultOf(JobOutcome outcome) {
-  EXPECT_NE(outcome.status, JobStatus::kRefused) << outcome.message;
-  EXPECT_NE(outcome.status, JobStatus::kFailed) << outcome.message;
-  CalibrationResult& result = outcome.result;
+Files ResultOf(CalibrationResult outcome) {
+  EXPECT_NE(outcome.status, CalibrationStatus::kRefused) << outcome.message;
+  EXPECT_NE(outcome.status, CalibrationStatus::kFailed) << outcome.message;
+  CalibrationResult& result = outcome;
   result.identify_time_s = 0.0;
   result.total_time_s = 0.0;
   for (SolverRun& run : result.runs) {
@@ -171,12 +171,12 @@ class TeamJobTest : public ::testing::Test {
   // What member 0 of a team finds; size 0: one process.
   static Files Find(const std::string& job, int size, int threads = 1) {
     if (size == 0) {
-      return ResultOf(RunJob(LoadJob(job, threads, nullptr), "test", threads));
+      return ResultOf(RunJob(LoadJob(job, threads, nullptr), "test"));
     }
     Files found;
     RunAsTeam(size, [&](Team* team) {
       const JobConfig config = LoadJob(job, threads, team);
-      JobOutcome outcome = RunJob(config, "test", threads);
+      CalibrationResult outcome = RunJob(config, "test");
       if (team->is_first()) found = ResultOf(std::move(outcome));
     });
     return found;
