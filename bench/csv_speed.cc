@@ -17,7 +17,6 @@
 #include "src/common/numbers.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/dataio/dataset_npy.h"
-#include "src/dataio/load_data.h"
 
 namespace alidade::internal {
 namespace {

@@ -49,12 +49,15 @@ JobConfig JobOf(const FactoryArm& arm, const std::string& label,
   job.title = label + ", simulated measurements";
   job.arm = arm.nominal;
   job.arm.name = arm.model;
-  job.data = MeasureArm(arm.real, MeasurementKind::kPosition, kPoses, seed);
-  job.data.name = "simulated, " + std::to_string(kPoses) + " poses";
-  job.validation = MeasureArm(arm.real, MeasurementKind::kPosition, kHeldOut,
-                              seed + kSeedsOfArm / 2);
-  job.validation->name = "simulated, " + std::to_string(kHeldOut) + " poses";
-  job.identifiability.candidates = {true, true, true};
+  job.data.training =
+      MeasureArm(arm.real, MeasurementKind::kPosition, kPoses, seed);
+  job.data.training.name = "simulated, " + std::to_string(kPoses) + " poses";
+  job.data.validation = MeasureArm(arm.real, MeasurementKind::kPosition,
+                                   kHeldOut, seed + kSeedsOfArm / 2);
+  job.data.validation->name =
+      "simulated, " + std::to_string(kHeldOut) + " poses";
+  job.options.identifiability.candidates = {true, true, true};
+  job.options.num_threads = kThreads;
   return job;
 }
 
@@ -68,8 +71,8 @@ bool Run(const std::vector<std::string>& arguments) {
     const std::string label = LabelOf(arm);
     const std::string directory = out + "/" + DirectoryName(label);
     try {
-      const JobOutcome outcome =
-          RunJob(JobOf(arm, label, seed), "scripts/fleet", kThreads);
+      const CalibrationResult outcome =
+          RunJob(JobOf(arm, label, seed), "scripts/fleet");
       if (!outcome.message.empty()) {
         page.AddFailure(label, outcome.message);
       } else {

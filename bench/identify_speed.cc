@@ -68,9 +68,9 @@ bool Run(const std::vector<std::string>& arguments) {
   const std::string& root = arguments[0];
   for (const char* name : {"rv2aj_study", "rv2aj_noise"}) {
     const JobConfig job = LoadJob(root + "/configs/jobs/" + name + ".yaml");
-    Print(std::string(name) + ", 25 candidates", job.data,
-          MedianTime(MeasurementModel(job.arm), job.data, job.identifiability,
-                     21));
+    Print(std::string(name) + ", 25 candidates", job.data.training,
+          MedianTime(MeasurementModel(job.arm), job.data.training,
+                     job.options.identifiability, 21));
   }
   IdentifiabilityOptions options;
   options.candidates = {true, true, true};

@@ -75,7 +75,9 @@ struct OneTile {
         rows(&tiles, columns.num_joints(), width),
         triangle(AllocateDoubles(kernel::TriangleSize(width))),
         work(AllocateDoubles(kernel::MergeSize(width))) {
-    kernel::ComputeConstants(problem.model, problem.values, &constants);
+    kernel::ComputeConstants(problem.model.nominal(),
+                             problem.model.references(), problem.model.layout(),
+                             problem.values, &constants);
     rows.Evaluate(constants, columns, 0);
     std::fill_n(triangle.get(), kernel::TriangleSize(width), 0.0);
   }

@@ -23,11 +23,11 @@
 #include "alidade/random.h"
 #include "alidade/units.h"
 #include "bench/study_main.h"
-#include "src/calibration/job.h"
 #include "src/common/files.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/identifiability/analysis.h"
 #include "src/identifiability/rules.h"
+#include "src/job/run_job.h"
 #include "src/kernel/holdout.h"
 #include "src/planning/candidates.h"
 #include "src/planning/exchange.h"
@@ -59,8 +59,9 @@ class Rv2ajStudy {
       : root_(root),
         config_(LoadPlan(root + "/configs/plans/rv2aj_flange.yaml")),
         model_(config_.job.arm) {
-    columns_ = FreeColumns(AnalyzeIdentifiability(
-        model_, PlannedData(Draw(1000, true, 1)), config_.job.identifiability));
+    columns_ = FreeColumns(
+        AnalyzeIdentifiability(model_, PlannedData(Draw(1000, true, 1)),
+                               config_.job.options.identifiability));
     dense_ = RowsOf(Draw(200000, true, 99));
     problem_ = ProblemOf(config_.candidates.count);
   }
@@ -285,7 +286,7 @@ class RealArmStudy {
   std::array<Errors, 3> ErrorsOf(int number) const {
     std::array<Errors, 3> errors;
     for (int split = 1; split <= kSplits; ++split) {
-      const HoldOut parts = HoldOutFraction(job_.data, 0.5, split);
+      const HoldOut parts = HoldOutFraction(job_.data.training, 0.5, split);
       for (int draw = 0; draw < kDrawsEach; ++draw) {
         Calibrate(parts, DrawPoses(parts.train, number, 100 * split + draw),
                   &errors[0]);
@@ -319,7 +320,7 @@ class RealArmStudy {
     PlanConfig config;
     config.title = name_;
     config.job = job_;
-    config.job.data = SelectPoses(pool, first);
+    config.job.data.training = SelectPoses(pool, first);
     config.measurement.sigma = 1e-4;
     config.measurement.rotation_sigma = DefaultRotationSigma(1e-4);
     config.measurement.orientation = pool.Has(MeasurementKind::kPose);
@@ -340,7 +341,7 @@ class RealArmStudy {
     if (outcome.status != PlanStatus::kDone) {
       throw InputError({name_, 0, 0, ""}, outcome.message);
     }
-    const Eigen::MatrixXd& planned = outcome.result.joint_values;
+    const Eigen::MatrixXd& planned = outcome.joint_values;
     for (Eigen::Index k = 0; k < planned.cols(); ++k) {
       for (Eigen::Index i = 0; i < pool.num_poses(); ++i) {
         if (pool.joint_values.col(i) != planned.col(k) ||
@@ -357,11 +358,12 @@ class RealArmStudy {
   void Calibrate(const HoldOut& parts, const std::vector<Eigen::Index>& poses,
                  Errors* errors) const {
     JobConfig job = job_;
-    job.data = SelectPoses(parts.train, poses);
-    job.validation = parts.heldout;
-    const JobOutcome outcome = RunJob(job, "plan_study", kThreads);
-    if (!outcome.result.heldout) return;
-    errors->means.push_back(outcome.result.heldout->after.mean / kMillimetre);
+    job.data.training = SelectPoses(parts.train, poses);
+    job.data.validation = parts.heldout;
+    job.options.num_threads = kThreads;
+    const CalibrationResult outcome = RunJob(job, "plan_study");
+    if (!outcome.heldout) return;
+    errors->means.push_back(outcome.heldout->after.mean / kMillimetre);
   }
 
   const std::string name_;

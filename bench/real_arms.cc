@@ -23,8 +23,8 @@
 #include "alidade/error.h"
 #include "alidade/units.h"
 #include "bench/study_main.h"
-#include "src/calibration/job.h"
 #include "src/common/files.h"
+#include "src/job/run_job.h"
 #include "src/kernel/holdout.h"
 #include "src/report/svg_chart.h"
 #include "src/serialization/job_file.h"
@@ -72,7 +72,8 @@ std::vector<std::uint64_t> Seeds() {
 // Rows are counted from 0 behind the header, which is the first line.
 void WriteSplits(const RealArm& arm, const std::string& directory) {
   for (const std::uint64_t seed : Seeds()) {
-    const HoldOut split = HoldOutFraction(arm.job.data, kHeldOut, seed);
+    const HoldOut split =
+        HoldOutFraction(arm.job.data.training, kHeldOut, seed);
     std::string text;
     const PoseSources& sources = split.heldout.sources;
     for (std::size_t pose = 0; pose < sources.size(); ++pose) {
@@ -118,11 +119,12 @@ Means OverSeeds(const RealArm& arm, const JobConfig& options, double share) {
   Means means;
   JobConfig job = options;
   for (const std::uint64_t seed : Seeds()) {
-    HoldOut split = HoldOutFraction(arm.job.data, share, seed);
-    job.data = std::move(split.train);
-    job.validation = std::move(split.heldout);
-    const JobOutcome outcome = RunJob(job, "real_arms", kThreads);
-    if (outcome.result.heldout) means.Add(outcome.result);
+    HoldOut split = HoldOutFraction(arm.job.data.training, share, seed);
+    job.data.training = std::move(split.train);
+    job.data.validation = std::move(split.heldout);
+    job.options.num_threads = kThreads;
+    const CalibrationResult outcome = RunJob(job, "real_arms");
+    if (outcome.heldout) means.Add(outcome);
   }
   means.Divide();
   return means;
@@ -171,8 +173,8 @@ void PrintAccuracy(const RealArm& arm, const PlainFit& plain) {
   const Means ours = OverSeeds(arm, arm.job, kHeldOut);
   const std::string rotation =
       ours.rotation > 0.0 ? Number(ours.rotation) : "-";
-  std::cout << "| `" << arm.name << "` | " << arm.job.data.num_poses() << " | "
-            << ours.rank << " | " << Number(ours.before) << " | "
+  std::cout << "| `" << arm.name << "` | " << arm.job.data.training.num_poses()
+            << " | " << ours.rank << " | " << Number(ours.before) << " | "
             << Number(plain.mean) << " | " << Number(ours.mean) << " | "
             << Number(plain.median) << " | " << Number(ours.median) << " | "
             << Number(plain.max) << " | " << Number(ours.max) << " | "
@@ -190,7 +192,7 @@ std::string Cell(const Means& means) {
 }
 
 JobConfig WithoutPriors(JobConfig job) {
-  job.identifiability.policy = WeakPolicy::kKeep;
+  job.options.identifiability.policy = WeakPolicy::kKeep;
   return job;
 }
 
@@ -217,7 +219,7 @@ void PrintFewPoses(const RealArm& arm, LineChart* with_priors,
   for (const int poses : kFewPoses) {
     const double share =
         1.0 - static_cast<double>(poses) /
-                  static_cast<double>(arm.job.data.num_poses());
+                  static_cast<double>(arm.job.data.training.num_poses());
     if (share <= 0.05) continue;
     const Means ours = OverSeeds(arm, arm.job, share);
     const Means keep = OverSeeds(arm, WithoutPriors(arm.job), share);

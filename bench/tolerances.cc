@@ -11,7 +11,7 @@
 #include "alidade/units.h"
 #include "bench/study_main.h"
 #include "src/identifiability/rules.h"
-#include "src/serialization/job_file.h"
+#include "src/serialization/simulation_file.h"
 #include "src/simulation/simulation.h"
 #include "src/solve/solver.h"
 

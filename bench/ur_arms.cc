@@ -17,9 +17,9 @@
 #include "alidade/units.h"
 #include "bench/study_main.h"
 #include "bench/ur_factory_arms.h"
-#include "src/calibration/job.h"
 #include "src/identifiability/observability.h"
 #include "src/identifiability/rules.h"
+#include "src/job/run_job.h"
 #include "src/kernel/compression.h"
 #include "src/model/joint_draw.h"
 
@@ -35,10 +35,10 @@ double Rms(const Eigen::Matrix3Xd& errors) {
 }
 
 // What the covariance of the fit says of the position error over `poses`.
-double PredictedRms(const JobOutcome& outcome, const Dataset& data,
+double PredictedRms(const CalibrationResult& outcome, const Dataset& data,
                     const Eigen::MatrixXd& poses) {
-  const MeasurementModel model(outcome.calibrated, kThreads);
-  const IdentifiabilityResult& pass = outcome.result.identifiability;
+  const MeasurementModel model(outcome.arm, kThreads);
+  const IdentifiabilityResult& pass = outcome.identifiability;
   const std::vector<int> free = FreeColumns(pass);
   Eigen::VectorXd priors(static_cast<Eigen::Index>(free.size()));
   for (std::size_t k = 0; k < free.size(); ++k) {
@@ -67,21 +67,22 @@ double Calibrate(const std::string& name, const Arm& nominal, const Arm& real,
   constexpr std::uint64_t kWorkspaceSeed = 12;
   JobConfig job;
   job.arm = nominal;
-  job.data = MeasureArm(real, kind, kPoses, seed);
-  job.identifiability.candidates = {true, true, true};
-  const JobOutcome outcome = RunJob(job, "ur_arms", kThreads);
+  job.data.training = MeasureArm(real, kind, kPoses, seed);
+  job.options.identifiability.candidates = {true, true, true};
+  job.options.num_threads = kThreads;
+  const CalibrationResult outcome = RunJob(job, "ur_arms");
   const Eigen::MatrixXd poses =
       DrawJointValues(nominal, kWorkspacePoses, kWorkspaceSeed);
   const MeasurementModel truth(real);
-  const MeasurementModel found(outcome.calibrated);
+  const MeasurementModel found(outcome.arm);
   const double error = Rms(found.Predict(found.NominalValues(), poses) -
                            truth.Predict(truth.NominalValues(), poses));
-  const double predicted = PredictedRms(outcome, job.data, poses);
+  const double predicted = PredictedRms(outcome, job.data.training, poses);
   std::array<char, 16> ratio{};
   std::snprintf(ratio.data(), ratio.size(), "%.2f", error / predicted);
   std::cout << "| " << name << " | " << NameOf(kind) << " | "
-            << outcome.result.identifiability.num_free << " | "
-            << Millimetres(outcome.result.train.before.rms) << " | "
+            << outcome.identifiability.num_free << " | "
+            << Millimetres(outcome.train.before.rms) << " | "
             << Millimetres(error) << " | " << Millimetres(predicted) << " | "
             << ratio.data() << " |" << std::endl;
   return error / predicted;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "alidade/accuracy.h"
+#include "alidade/arm.h"
 #include "alidade/dataset.h"
 #include "alidade/identifiability_result.h"
 #include "alidade/shared_matrix.h"
@@ -195,14 +196,35 @@ struct StudyResult {
   double published_s = 0.0;
 };
 
-/// Everything a calibration found out; what io writes and report prints.
+enum class CalibrationStatus {
+  kNotRun,        ///< sentinel: nothing has happened yet
+  kDone,          ///< calibrated, all acceptance limits met
+  kMissedLimits,  ///< calibrated, but an acceptance limit is missed
+  kRefused,       ///< the identifiability analysis wants a choice by the user
+  kFailed,        ///< the solver found no usable solution
+};
+
+/// "not run", "done", "missed acceptance limits" ...
+const char* ToString(CalibrationStatus status);
+
+/// Everything a calibration found out. It is as complete as the calibration
+/// got: a refused one holds the identifiability analysis, a failed one the
+/// solver's summary too. SI units.
 struct CalibrationResult {
+  CalibrationStatus status = CalibrationStatus::kNotRun;
+  std::string message;  ///< why the status is not kDone, else empty
+
+  /// Where the result comes from. Of these, Calibrate knows the version of
+  /// the library, the name of the arm and the seed; who reads files fills in
+  /// the rest.
   std::string version;
   std::string command;
   std::string title;
-  std::string arm;
+  std::string arm_name;
   std::vector<InputFile> inputs;
   std::uint64_t seed = 0;
+
+  Arm arm;  ///< calibrated; the nominal one where the result is not usable
 
   std::vector<ParameterResult> parameters;
   IdentifiabilityResult identifiability;
@@ -246,6 +268,16 @@ struct CalibrationResult {
   double total_time_s = 0.0;
 
   bool accepted() const;
+  /// Whether a solver found a solution that may be used; acceptance limits do
+  /// not matter.
+  bool IsUsable() const;
+  /// By name ("d3"). @pre the layout has it, and the result is usable.
+  const ParameterResult& Parameter(const std::string& name) const;
+  /// One line: status, and the accuracy before and after.
+  std::string BriefReport() const;
+  /// Status, accuracy, the estimated parameters with their standard deviations,
+  /// and every warning: for a log or a terminal.
+  std::string FullReport() const;
 };
 
 }  // namespace alidade

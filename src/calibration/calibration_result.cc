@@ -1,9 +1,20 @@
 #include "alidade/calibration_result.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "src/common/format.h"
+#include "src/common/text_table.h"
+
 namespace alidade {
+
+using internal::FormatAccuracy;
+using internal::FormatLength;
+using internal::FormatParameter;
+using internal::TextTable;
+using internal::UnitForPeople;
 
 SharedVector EvaluatedSet::ErrorBefore() const {
   return residual_before.map().colwise().norm().transpose();
@@ -21,6 +32,77 @@ double StudyParameter::ErrorPercent(double deviation) const {
 bool CalibrationResult::accepted() const {
   return std::all_of(acceptance.begin(), acceptance.end(),
                      [](const AcceptanceCheck& check) { return check.met(); });
+}
+
+bool CalibrationResult::IsUsable() const {
+  return status == CalibrationStatus::kDone ||
+         status == CalibrationStatus::kMissedLimits;
+}
+
+const ParameterResult& CalibrationResult::Parameter(
+    const std::string& name) const {
+  const auto found = std::find_if(
+      parameters.begin(), parameters.end(),
+      [&name](const ParameterResult& one) { return one.name == name; });
+  CHECK(found != parameters.end()) << "no parameter \"" << name << '"';
+  return *found;
+}
+
+std::string CalibrationResult::BriefReport() const {
+  std::string text = arm_name + ": " + ToString(status);
+  if (!message.empty()) text += ": " + message;
+  if (!IsUsable()) return text;
+  const EvaluatedSet& set = heldout ? *heldout : train;
+  return text + "; rms error at " + (heldout ? "validation" : "training") +
+         " poses " + FormatLength(set.before.rms) + " before, " +
+         FormatLength(set.after.rms) + " after";
+}
+
+std::string CalibrationResult::FullReport() const {
+  std::string text = BriefReport() + "\n";
+  if (!IsUsable()) return text;
+  const auto add = [&text](const char* set, const EvaluatedSet& errors) {
+    text += std::string(set) + " before: " + FormatAccuracy(errors.before) +
+            "\n" + set + " after:  " + FormatAccuracy(errors.after) + "\n";
+  };
+  add("training poses", train);
+  if (heldout) add("validation poses", *heldout);
+  using Align = TextTable::Align;
+  TextTable table({{"parameter"},
+                   {"nominal", Align::kRight},
+                   {"value", Align::kRight},
+                   {"std", Align::kRight},
+                   {"unit"}});
+  constexpr int kDecimals = 6;
+  for (const ParameterResult& one : parameters) {
+    if (one.decision.state != ParameterState::kFree) continue;
+    const auto format = [&one](double value) {
+      return FormatParameter(value, one.dimension, kDecimals);
+    };
+    table.AddRow({one.name, format(one.nominal), format(one.value),
+                  format(one.std), UnitForPeople(one.dimension)});
+  }
+  text += table.ToString();
+  for (const std::string& warning : warnings) {
+    text += "warning: " + warning + "\n";
+  }
+  return text;
+}
+
+const char* ToString(CalibrationStatus status) {
+  switch (status) {
+    case CalibrationStatus::kNotRun:
+      return "not run";
+    case CalibrationStatus::kDone:
+      return "calibrated";
+    case CalibrationStatus::kMissedLimits:
+      return "calibrated, but not within the acceptance limits";
+    case CalibrationStatus::kRefused:
+      return "refused";
+    case CalibrationStatus::kFailed:
+      return "failed";
+  }
+  return "";
 }
 
 }  // namespace alidade

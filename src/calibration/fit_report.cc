@@ -34,12 +34,13 @@ StageResult MakeStage(const FinishedFit& fit, const std::string& name,
   StageResult stage;
   stage.name = name;
   stage.num_free = num_free;
-  stage.train = EvaluateAccuracy(model, fit.config.data, values);
-  stage.train_rotation = EvaluateRotations(model, fit.config.data, values);
-  if (fit.config.validation) {
-    stage.heldout = EvaluateAccuracy(model, *fit.config.validation, values);
+  stage.train = EvaluateAccuracy(model, fit.task.data.training, values);
+  stage.train_rotation =
+      EvaluateRotations(model, fit.task.data.training, values);
+  if (fit.task.data.validation) {
+    stage.heldout = EvaluateAccuracy(model, *fit.task.data.validation, values);
     stage.heldout_rotation =
-        EvaluateRotations(model, *fit.config.validation, values);
+        EvaluateRotations(model, *fit.task.data.validation, values);
   }
   return stage;
 }
@@ -107,14 +108,15 @@ std::vector<Outlier> WithThoseOfOthers(Communicator* communicator,
 }  // namespace
 
 std::vector<StageResult> ListStages(const FinishedFit& fit, int num_free) {
-  const IdentifiabilityOptions& options = fit.config.identifiability;
-  const IdentifiabilityResult frames = AnalyzeIdentifiability(
-      fit.model(), fit.config.data, FramesOnly(options, fit.model().layout()));
+  const IdentifiabilityOptions& options = fit.task.options.identifiability;
+  const IdentifiabilityResult frames =
+      AnalyzeIdentifiability(fit.model(), fit.task.data.training,
+                             FramesOnly(options, fit.model().layout()));
   std::vector<StageResult> stages = {MakeStage(
       fit, "frames only", frames.num_free, fit.model().NominalValues())};
   if (!options.candidates.joints) return stages;
   const Fit offsets =
-      FitPart(fit.config, fit.model(), OffsetsOnly(options, fit.model()));
+      FitPart(fit.task, fit.model(), OffsetsOnly(options, fit.model()));
   if (offsets.summary.IsSolutionUsable()) {
     stages.push_back(
         MakeStage(fit, "joint offsets", offsets.num_free(), offsets.values));
@@ -124,7 +126,7 @@ std::vector<StageResult> ListStages(const FinishedFit& fit, int num_free) {
 }
 
 std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit) {
-  const Dataset& data = fit.config.data;
+  const Dataset& data = fit.task.data.training;
   const SharedVector errors = fit.model().Errors(fit.values, data);
   const SharedVector squared = SquaredNorms(errors, data);
   const SharedVector lengths = LengthErrors(errors, data);
@@ -138,7 +140,7 @@ std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit) {
   }
   constexpr int kPositionRows = 3;
   *limit = std::sqrt(limits[kPositionRows]);
-  const std::vector<RobustLoss> losses = TunedLosses(fit.config.loss);
+  const std::vector<RobustLoss> losses = TunedLosses(fit.task.options.loss);
   std::vector<Outlier> outliers;
   Eigen::Index count = 0;
   for (std::size_t k = 0; k < data.blocks.size(); ++k) {
@@ -154,7 +156,7 @@ std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit) {
     }
   }
   outliers =
-      WithThoseOfOthers(fit.model().communicator(), data, std::move(outliers));
+      WithThoseOfOthers(fit.task.communicator, data, std::move(outliers));
   std::stable_sort(outliers.begin(), outliers.end(),
                    [](const Outlier& a, const Outlier& b) {
                      if (a.standardised != b.standardised) {
@@ -165,25 +167,34 @@ std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit) {
   return outliers;
 }
 
-std::optional<CrossValidation> CrossValidate(const JobConfig& config,
-                                             const Execution& execution) {
+double ReducedChiSquare(const FinishedFit& fit) {
+  const double freedom = DegreesOfFreedom(fit.problem, fit.values);
+  if (freedom < 1.0) return 0.0;
+  const Dataset& data = fit.task.data.training;
+  const SharedVector squared =
+      SquaredNorms(fit.model().Errors(fit.values, data), data);
+  return SumInOrder(fit.task.communicator, data, squared) / freedom;
+}
+
+std::optional<CrossValidation> CrossValidate(const CalibrationTask& task) {
   std::vector<double> lengths;
   std::vector<double> rotations;
-  for (int k = 0; k < config.folds->folds; ++k) {
-    HoldOut split =
-        HoldOutFold(config.data, config.folds->folds, k, config.folds->seed);
+  for (int k = 0; k < task.options.folds->folds; ++k) {
+    HoldOut split = HoldOutFold(task.data.training, task.options.folds->folds,
+                                k, task.options.folds->seed);
     if (!CoversObjects(split)) return std::nullopt;
-    JobConfig fold = config;
-    fold.data = std::move(split.train);
-    if (HasUnknownFrames(fold) && !fold.truth && !FitFrames(&fold, execution)) {
+    CalibrationTask fold = task;
+    fold.data.training = std::move(split.train);
+    if (HasUnknownFrames(fold) && !fold.options.true_values &&
+        !FitFrames(&fold)) {
       return std::nullopt;
     }
-    if (fold.estimate_sigma &&
-        !(EstimateSigmas(&fold, execution).length > 0.0)) {
+    if (fold.options.estimate_sigma && !(EstimateSigmas(&fold).length > 0.0)) {
       return std::nullopt;
     }
-    const MeasurementModel model(fold.arm, fold.references, execution);
-    const Fit fit = FitOnce(fold, model, fold.identifiability);
+    const MeasurementModel model(fold.arm, fold.data.references,
+                                 fold.execution());
+    const Fit fit = FitOnce(fold, model, fold.options.identifiability);
     if (!fit.summary.IsSolutionUsable()) return std::nullopt;
     const SharedVector errors = model.Errors(fit.values, split.heldout);
     for (const std::vector<double>& norms :
@@ -192,7 +203,7 @@ std::optional<CrossValidation> CrossValidate(const JobConfig& config,
     }
     AppendTo(RotationErrors(errors, split.heldout), &rotations);
   }
-  return CrossValidation{config.folds->folds, Summarize(lengths),
+  return CrossValidation{task.options.folds->folds, Summarize(lengths),
                          Summarize(rotations)};
 }
 

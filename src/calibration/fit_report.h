@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "alidade/calibration_result.h"
-#include "src/calibration/job_config.h"
+#include "src/calibration/calibration_task.h"
 #include "src/kernel/measurement_model.h"
 #include "src/solve/solver.h"
 
@@ -15,7 +15,7 @@ namespace alidade::internal {
 
 /// A finished fit, for what is told of it.
 struct FinishedFit {
-  const JobConfig& config;
+  const CalibrationTask& task;
   const CalibrationProblem& problem;
   const Eigen::VectorXd& values;
 
@@ -32,10 +32,13 @@ std::vector<StageResult> ListStages(const FinishedFit& fit, int num_free);
 /// limits of the same probability.
 std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit);
 
+/// Chi-square of the fit over its degrees of freedom, priors accounted for; 0
+/// where fewer than one is left.
+double ReducedChiSquare(const FinishedFit& fit);
+
 /// Fits all folds of the job's data, frames and all, and pools the errors of
 /// the poses held out. Nothing where one of the fits is not usable.
-std::optional<CrossValidation> CrossValidate(const JobConfig& config,
-                                             const Execution& execution);
+std::optional<CrossValidation> CrossValidate(const CalibrationTask& task);
 
 /// Free parameters further from nominal than their priors allow, as
 /// "d3 (6.1), ...", in standard deviations; empty where there are none.

@@ -89,7 +89,8 @@ void WarnOfWhatIsNotMeasured(const FinishedFit& fit,
   const double predicted =
       result->workspace ? result->workspace->summary.rms : 0.0;
   const std::string names = FrozenThatMovePositions(
-      fit.model(), pass, fit.config.identifiability.priors, kShows * predicted);
+      fit.model(), pass, fit.task.options.identifiability.priors,
+      kShows * predicted);
   if (names.empty()) return;
   result->warnings.push_back(
       "positions depend on what these measurements cannot tell (" + names +
@@ -119,21 +120,23 @@ UncertaintyResult AssessFit(const FinishedFit& fit,
                             const IdentifiabilityResult& pass,
                             double final_cost) {
   CalibrationProblem problem = fit.problem;
-  problem.losses = TunedLosses(fit.config.loss);
-  AssessmentInput input{{fit.model(), fit.config.data, problem.free_columns,
-                         problem.priors, problem.losses, fit.values},
-                        fit.config.uncertainty};
-  input.sigma_estimated = fit.config.estimate_sigma;
-  if (fit.config.solver == SolverName::kCeres &&
-      fit.config.data.global_observations() <= kMostForProfiles) {
+  problem.losses = TunedLosses(fit.task.options.loss);
+  AssessmentInput input{
+      {fit.model(), fit.task.data.training, problem.free_columns,
+       problem.priors, problem.losses, fit.values},
+      fit.task.options.uncertainty};
+  input.sigma_estimated = fit.task.options.estimate_sigma;
+  if (fit.task.options.solver == SolverName::kCeres &&
+      fit.task.data.training.global_observations() <= kMostForProfiles) {
     input.fit_cost = final_cost;
-    input.resolve = ResolveByCeres(problem, fit.config.solver_options);
+    input.resolve = ResolveByCeres(problem, fit.task.options.solver_options);
   }
-  if (fit.config.validation) input.heldout = &*fit.config.validation;
-  if (fit.config.truth) input.true_values = *fit.config.truth;
+  if (fit.task.data.validation) input.heldout = &*fit.task.data.validation;
+  if (fit.task.options.true_values)
+    input.true_values = *fit.task.options.true_values;
   UncertaintyResult result = AssessUncertainty(input);
   WarnOfWhatIsNotMeasured(fit, pass, &result);
-  if (fit.config.uncertainty.intervals == IntervalMethod::kProfile &&
+  if (fit.task.options.uncertainty.intervals == IntervalMethod::kProfile &&
       !input.resolve) {
     result.warnings.push_back(
         "intervals are linear: profiles need the solver ceres and " +

@@ -1,18 +1,12 @@
 #ifndef ALIDADE_SRC_CALIBRATION_FRAME_FIT_H_
 #define ALIDADE_SRC_CALIBRATION_FRAME_FIT_H_
 
-#include "alidade/parameter_layout.h"
-#include "src/calibration/job_config.h"
+#include "src/calibration/calibration_task.h"
 
 namespace alidade::internal {
 
-/// Base, targets and references alone, the geometry of the joints held at its
-/// nominal values.
-IdentifiabilityOptions FramesOnly(const IdentifiabilityOptions& options,
-                                  const ParameterLayout& layout);
-
 /// Whether base, targets or references are to be found at all.
-bool HasUnknownFrames(const JobConfig& config);
+bool HasUnknownFrames(const CalibrationTask& task);
 
 /// Puts base, targets and references that are to be identified where they fit
 /// the training data at the nominal geometry, from a start that needs no guess
@@ -21,7 +15,7 @@ bool HasUnknownFrames(const JobConfig& config);
 /// priors become 50 mm and 50 mrad about these places, unless they are
 /// narrower. Nothing is done where the true arm is given, whose deviations are
 /// from the arm as it stands. True: they were fitted, or at least found.
-bool FitFrames(JobConfig* config, const Execution& execution);
+bool FitFrames(CalibrationTask* task);
 
 }  // namespace alidade::internal
 

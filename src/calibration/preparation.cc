@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "alidade/robust_loss.h"
-#include "src/calibration/frame_fit.h"
 #include "src/identifiability/analysis.h"
 #include "src/identifiability/observability.h"
 #include "src/identifiability/rules.h"
@@ -273,6 +272,18 @@ SigmaChange FindChange(LossKind loss, const ErrorsOfClass& errors,
   return {1.0, high};
 }
 
+std::vector<std::string> WithoutJoints(const std::vector<std::string>& names,
+                                       const ParameterLayout& layout) {
+  std::vector<std::string> frames;
+  for (const std::string& name : names) {
+    const std::optional<int> column = layout.Find(name);
+    const bool is_joint =
+        column && ParameterLayout::IsJointKind(layout.parameter(*column).kind);
+    if (!is_joint) frames.push_back(name);
+  }
+  return frames;
+}
+
 }  // namespace
 
 double TypicalResidual(const MeasurementModel& model, const Dataset& data,
@@ -294,52 +305,68 @@ double TypicalResidual(const MeasurementModel& model, const Dataset& data,
   });
 }
 
-CalibrationProblem ProblemOf(const JobConfig& config,
+CalibrationProblem ProblemOf(const CalibrationTask& task,
                              const MeasurementModel& model,
                              const IdentifiabilityResult& pass) {
-  CalibrationProblem problem{model, config.data, FreeColumns(pass),
+  CalibrationProblem problem{model, task.data.training, FreeColumns(pass),
                              pass.nominal_rank, PriorsOf(pass)};
-  if (config.bounds.empty()) return problem;
+  if (task.options.bounds.empty()) return problem;
   const double infinity = std::numeric_limits<double>::infinity();
   problem.lower.setConstant(model.layout().size(), -infinity);
   problem.upper.setConstant(model.layout().size(), infinity);
-  for (const ParameterBounds& bounds : config.bounds) {
-    problem.lower[bounds.column] = bounds.lower;
-    problem.upper[bounds.column] = bounds.upper;
+  for (const ParameterBounds& bounds : task.options.bounds) {
+    const int column = *model.layout().Find(bounds.parameter);
+    problem.lower[column] = bounds.lower;
+    problem.upper[column] = bounds.upper;
   }
   return problem;
 }
 
-Fit FitOnce(const JobConfig& config, const MeasurementModel& model,
+Fit FitOnce(const CalibrationTask& task, const MeasurementModel& model,
             const IdentifiabilityOptions& options) {
   Fit fit;
   fit.values = model.NominalValues();
-  fit.identifiability = AnalyzeIdentifiability(model, config.data, options);
+  fit.identifiability =
+      AnalyzeIdentifiability(model, task.data.training, options);
   const CalibrationProblem problem =
-      ProblemOf(config, model, fit.identifiability);
-  fit.summary =
-      SolveRobust(problem, config.loss, config.solver_options, &fit.values);
+      ProblemOf(task, model, fit.identifiability);
+  fit.summary = SolveRobust(problem, task.options.loss,
+                            task.options.solver_options, &fit.values);
   return fit;
 }
 
-Fit FitPart(const JobConfig& config, const MeasurementModel& model,
+Fit FitPart(const CalibrationTask& task, const MeasurementModel& model,
             const IdentifiabilityOptions& options) {
   constexpr int kRounds = 2;
-  JobConfig coarse = config;
-  if (config.loss != LossKind::kNone) coarse.loss = LossKind::kHuber;
+  CalibrationTask coarse = task;
+  if (task.options.loss != LossKind::kNone)
+    coarse.options.loss = LossKind::kHuber;
   Fit fit;
   fit.values = model.NominalValues();
   for (int round = 0; round < kRounds; ++round) {
-    const double typical = TypicalResidual(model, config.data, fit.values);
-    coarse.data = config.data;
+    const double typical =
+        TypicalResidual(model, task.data.training, fit.values);
+    coarse.data.training = task.data.training;
     if (std::isfinite(typical)) {
-      ScaleAll(std::max(1.0, typical), &coarse.data);
+      ScaleAll(std::max(1.0, typical), &coarse.data.training);
     }
     Fit next = FitOnce(coarse, model, options);
     if (!next.summary.IsSolutionUsable()) return next;
     fit = std::move(next);
   }
   return fit;
+}
+
+IdentifiabilityOptions FramesOnly(const IdentifiabilityOptions& options,
+                                  const ParameterLayout& layout) {
+  IdentifiabilityOptions frames = options;
+  // The published rules know joints alone.
+  frames.method = IdentifiabilityMethod::kRank;
+  frames.candidates.joints = false;
+  frames.fix = WithoutJoints(options.fix, layout);
+  frames.free = WithoutJoints(options.free, layout);
+  frames.prefer = WithoutJoints(options.prefer, layout);
+  return frames;
 }
 
 IdentifiabilityOptions OffsetsOnly(const IdentifiabilityOptions& options,
@@ -380,59 +407,63 @@ bool TellsSigma(double freedom, Eigen::Index equations) {
 // The sigmas that the nominal geometry would have: more than the true ones, so
 // that priors weigh more than they should, and no fit runs away.
 EstimatedSigmas UseNominalResiduals(const MeasurementModel& model,
-                                    const Dataset& stated, JobConfig* config) {
+                                    const Dataset& stated,
+                                    CalibrationTask* task) {
   const double typical = TypicalResidual(model, stated, model.NominalValues());
-  config->data = stated;
+  task->data.training = stated;
   if (!(typical > 0.0) || !std::isfinite(typical)) return {};
-  ScaleAll(typical, &config->data);
-  if (config->validation) ScaleAll(typical, &*config->validation);
-  return {MedianSigma(RowClass::kLength, config->data, model.communicator()),
-          MedianSigma(RowClass::kRotation, config->data, model.communicator()),
-          true};
+  ScaleAll(typical, &task->data.training);
+  if (task->data.validation) ScaleAll(typical, &*task->data.validation);
+  const auto median = [&](RowClass which) {
+    return MedianSigma(which, task->data.training, task->communicator);
+  };
+  return {median(RowClass::kLength), median(RowClass::kRotation), true};
 }
 
 }  // namespace
 
-EstimatedSigmas EstimateSigmas(JobConfig* config, const Execution& execution) {
-  const MeasurementModel model(config->arm, config->references, execution);
-  Communicator* const communicator = execution.communicator;
-  const Dataset stated = config->data;
-  const std::optional<Dataset> stated_validation = config->validation;
+EstimatedSigmas EstimateSigmas(CalibrationTask* task) {
+  const MeasurementModel model(task->arm, task->data.references,
+                               task->execution());
+  Communicator* const communicator = task->communicator;
+  const Dataset stated = task->data.training;
+  const std::optional<Dataset> stated_validation = task->data.validation;
   EstimatedSigmas sigmas;
   for (int round = 0; round < kSigmaRounds; ++round) {
     // The first sigmas may be far too small for what the model leaves.
     const Fit fit = round == 0
-                        ? FitPart(*config, model, config->identifiability)
-                        : FitOnce(*config, model, config->identifiability);
+                        ? FitPart(*task, model, task->options.identifiability)
+                        : FitOnce(*task, model, task->options.identifiability);
     if (!fit.summary.IsSolutionUsable()) return {};
     const CalibrationProblem problem =
-        ProblemOf(*config, model, fit.identifiability);
+        ProblemOf(*task, model, fit.identifiability);
     Dataset next = stated;
     std::optional<Dataset> next_validation = stated_validation;
     for (const RowClass which : {RowClass::kLength, RowClass::kRotation}) {
-      const Dataset current = RowsOfClass(config->data, which);
+      const Dataset current = RowsOfClass(task->data.training, which);
       const Eigen::Index equations = GlobalEquations(communicator, current);
       if (equations == 0) continue;
       const double freedom = FreedomOfRows(problem, fit.values, current);
       if (!TellsSigma(freedom, equations)) {
-        config->validation = stated_validation;
-        return UseNominalResiduals(model, stated, config);
+        task->data.validation = stated_validation;
+        return UseNominalResiduals(model, stated, task);
       }
       const Dataset rows = RowsOfClass(stated, which);
       const ErrorsOfClass errors(communicator, model.Errors(fit.values, rows),
                                  rows);
       const SigmaChange change = ComputeOnRoot(communicator, rows, [&] {
-        return FindChange(config->loss, errors, freedom);
+        return FindChange(task->options.loss, errors, freedom);
       });
       ChangeSigmas(which, change, &next);
       if (!(MedianSigma(which, next, communicator) > kSmallestSigma)) return {};
       if (next_validation) ChangeSigmas(which, change, &*next_validation);
     }
-    config->data = std::move(next);
-    config->validation = std::move(next_validation);
-    sigmas.length = MedianSigma(RowClass::kLength, config->data, communicator);
+    task->data.training = std::move(next);
+    task->data.validation = std::move(next_validation);
+    sigmas.length =
+        MedianSigma(RowClass::kLength, task->data.training, communicator);
     sigmas.rotation =
-        MedianSigma(RowClass::kRotation, config->data, communicator);
+        MedianSigma(RowClass::kRotation, task->data.training, communicator);
   }
   return sigmas;
 }

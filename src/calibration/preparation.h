@@ -5,8 +5,9 @@
 #include <vector>
 
 #include "alidade/identifiability_result.h"
+#include "alidade/parameter_layout.h"
 #include "alidade/solver_summary.h"
-#include "src/calibration/job_config.h"
+#include "src/calibration/calibration_task.h"
 #include "src/kernel/measurement_model.h"
 #include "src/solve/solver.h"
 
@@ -23,14 +24,14 @@ struct Fit {
 
 /// Identifies and solves by Ceres with the job's loss, over its training data.
 /// `options` replace the job's own.
-Fit FitOnce(const JobConfig& config, const MeasurementModel& model,
+Fit FitOnce(const CalibrationTask& task, const MeasurementModel& model,
             const IdentifiabilityOptions& options);
 
 /// The same where the model is known to leave far more than the sigmas say, as
 /// with the joints held at nominal: the sigmas are raised to what the median
 /// residual asks, so that priors have their weight, and a robust fit is
 /// Huber's, since a redescending loss would give up nearly all of the data.
-Fit FitPart(const JobConfig& config, const MeasurementModel& model,
+Fit FitPart(const CalibrationTask& task, const MeasurementModel& model,
             const IdentifiabilityOptions& options);
 
 /// What a typical residual is in sigmas: the median of the norms over that of
@@ -39,9 +40,14 @@ double TypicalResidual(const MeasurementModel& model, const Dataset& data,
                        const Eigen::VectorXd& values);
 
 /// What the solvers are given of a job after its identifiability pass.
-CalibrationProblem ProblemOf(const JobConfig& config,
+CalibrationProblem ProblemOf(const CalibrationTask& task,
                              const MeasurementModel& model,
                              const IdentifiabilityResult& pass);
+
+/// Base, targets and references alone, the geometry of the joints held at its
+/// nominal values.
+IdentifiabilityOptions FramesOnly(const IdentifiabilityOptions& options,
+                                  const ParameterLayout& layout);
 
 /// Base, targets, references and the zeros of the joints.
 IdentifiabilityOptions OffsetsOnly(const IdentifiabilityOptions& options,
@@ -65,11 +71,10 @@ struct EstimatedSigmas {
 /// in weight. Where they are too large, all are scaled. Priors weigh against
 /// sigma, so that it is iterated. Lengths of 0 where a fit failed or leaves no
 /// freedom.
-EstimatedSigmas EstimateSigmas(JobConfig* config, const Execution& execution);
+EstimatedSigmas EstimateSigmas(CalibrationTask* task);
 
 /// Median standard deviation of the measured lengths (m); 0 = there are none.
-double MedianLengthSigma(const Dataset& data,
-                         Communicator* communicator = SingleProcess());
+double MedianLengthSigma(const Dataset& data, Communicator* communicator);
 
 /// Degrees of freedom of a fit: equations less the parameters that the data
 /// rather than their priors decide,

@@ -52,10 +52,10 @@ std::string CountOf(std::size_t count, std::size_t all) {
 
 }  // namespace
 
-std::vector<std::string> DoubtSameData(const JobConfig& config) {
+std::vector<std::string> DoubtSameData(const CalibrationTask& task) {
   std::vector<std::string> doubts;
-  if (IsTooLarge(config.data)) return doubts;
-  const Prints fitted = PrintsOf(config.data);
+  if (IsTooLarge(task.data.training)) return doubts;
+  const Prints fitted = PrintsOf(task.data.training);
   Prints distinct = fitted;
   distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
   const std::size_t repeated = fitted.size() - distinct.size();
@@ -67,8 +67,8 @@ std::vector<std::string> DoubtSameData(const JobConfig& config) {
         "values to the last digit: is a file there twice, or a copy of it? "
         "They count as independent, so that standard deviations are too small");
   }
-  if (!config.validation || IsTooLarge(*config.validation)) return doubts;
-  const Prints heldout = PrintsOf(*config.validation);
+  if (!task.data.validation || IsTooLarge(*task.data.validation)) return doubts;
+  const Prints heldout = PrintsOf(*task.data.validation);
   const auto is_fitted = [&](std::size_t print) {
     return std::binary_search(distinct.begin(), distinct.end(), print);
   };

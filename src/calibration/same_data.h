@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "src/calibration/job_config.h"
+#include "src/calibration/calibration_task.h"
 
 namespace alidade::internal {
 
@@ -13,7 +13,7 @@ namespace alidade::internal {
 /// the data and the validation, which is none then. Noise makes no two
 /// measurements alike, whatever the files are called. Nothing of a part of the
 /// data, and of more than a million observations.
-std::vector<std::string> DoubtSameData(const JobConfig& config);
+std::vector<std::string> DoubtSameData(const CalibrationTask& task);
 
 }  // namespace alidade::internal
 

@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "alidade/error.h"
-#include "src/calibration/job.h"
 #include "src/cli/command.h"
 #include "src/cli/launched_processes.h"
 #include "src/cli/progress_line.h"
 #include "src/cli/steps.h"
 #include "src/job/report_page.h"
 #include "src/job/result_directory.h"
+#include "src/job/run_job.h"
 #include "src/report/report.h"
 #include "src/serialization/job_file.h"
 
@@ -48,16 +48,16 @@ void WarnOfIdle(const JobConfig& config, const Communicator& communicator) {
 // What is printed and written is so by the root.
 ExitStatus Calibrate(const CommandLine& line, Communicator* communicator) {
   const bool is_root = communicator->is_root();
-  const Execution execution(line.threads, communicator);
   const std::string& path = line.files.front();
   ProgressLine progress;
   progress.Show("reading " + path);
-  JobConfig config = LoadJob(path, execution);
+  JobConfig config = LoadJob(path, {line.threads, communicator});
   WarnOfIdle(config, *communicator);
-  ShowIterations(config.data.global_poses(), &progress, &config.solver_options);
-  if (line.seed) config.identifiability.seed = *line.seed;
+  ShowIterations(config.data.training.global_poses(), &progress,
+                 &config.options.solver_options);
+  if (line.seed) config.options.identifiability.seed = *line.seed;
   progress.Clear();
-  LogReading(config);
+  LogReading(config.data, config.input_files, config.rejected.size());
   const std::string directory =
       line.out.empty() ? DefaultDirectory(path) : line.out;
   if (is_root) {
@@ -65,29 +65,28 @@ ExitStatus Calibrate(const CommandLine& line, Communicator* communicator) {
                          config.input_files);
   }
   const JobOutputs outputs = config.outputs;
-  const JobOutcome outcome = RunJob(std::move(config), line.text, execution);
+  const CalibrationResult result = RunJob(std::move(config), line.text);
   progress.Clear();
   if (!is_root) return kExitDone;
-  LogJob(outcome.result);
-  if (outcome.status == JobStatus::kRefused ||
-      outcome.status == JobStatus::kFailed) {
-    PrintError(path + ": " + outcome.message);
+  LogJob(result);
+  if (!result.IsUsable()) {
+    PrintError(path + ": " + result.message);
     return kExitNumerical;
   }
   progress.Show("writing " + directory);
-  std::vector<ReportFile> files = RenderResult(outcome, outputs);
+  std::vector<ReportFile> files = RenderResult(result, outputs);
   if (line.report) {
     // Before result.json, which comes last.
     const std::string label =
         std::filesystem::absolute(directory).lexically_normal().filename();
     files.insert(files.end() - 1,
-                 MakeResultPage(outcome, RenderResult(outcome), label));
+                 MakeResultPage(result, RenderResult(result), label));
   }
   const std::vector<std::string> paths = WriteResultDirectory(directory, files);
   progress.Clear();
-  PrintSummary(outcome.result, paths);
-  if (outcome.status == JobStatus::kMissedLimits) {
-    PrintError(path + ": " + outcome.message + "; " + directory +
+  PrintSummary(result, paths);
+  if (result.status == CalibrationStatus::kMissedLimits) {
+    PrintError(path + ": " + result.message + "; " + directory +
                "/report.txt tells which");
     return kExitMissedLimits;
   }

@@ -7,8 +7,10 @@
 #include "src/cli/command.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/planning/plan_config.h"
+#include "src/serialization/config_file.h"
 #include "src/serialization/job_file.h"
 #include "src/serialization/plan_file.h"
+#include "src/serialization/simulation_file.h"
 #include "src/simulation/simulation.h"
 
 namespace alidade::internal {
@@ -36,7 +38,8 @@ class Checker {
         return "plan";
       case FileFormat::kJob:
         return "job, " +
-               std::to_string(LoadJob(path, num_threads_).data.num_poses()) +
+               std::to_string(
+                   LoadJob(path, num_threads_).data.training.num_poses()) +
                " poses";
     }
     return "";

@@ -1,9 +1,9 @@
 #include <iostream>
 
-#include "src/calibration/job.h"
 #include "src/cli/command.h"
 #include "src/cli/steps.h"
 #include "src/job/result_directory.h"
+#include "src/job/run_job.h"
 #include "src/report/report.h"
 #include "src/serialization/job_file.h"
 #include "src/simulation/noise_study.h"
@@ -17,31 +17,30 @@ ExitStatus RunCompare(const CommandLine& line) {
     CheckResultDirectory(line.out, OutputKind::kComparison, config.input_files);
   }
   if (line.seed) {
-    config.identifiability.seed = *line.seed;
+    config.options.identifiability.seed = *line.seed;
     if (config.noise_study) config.noise_study->seed = *line.seed;
   }
-  config.compare_with = {SolverName::kCeres, SolverName::kPseudoInverse};
+  config.options.compare_with = {SolverName::kCeres,
+                                 SolverName::kPseudoInverse};
   // Solvers are compared on the data; what a study published, and whether the
   // result is good enough, is for calibrate to say.
   config.published.reset();
-  config.acceptance = {};
-  LogReading(config);
-  const JobOutcome outcome = RunJob(config, line.text, line.threads);
-  LogJob(outcome.result);
-  if (outcome.status == JobStatus::kRefused ||
-      outcome.status == JobStatus::kFailed) {
-    PrintError(path + ": " + outcome.message);
+  config.options.acceptance = {};
+  LogReading(config.data, config.input_files, config.rejected.size());
+  const CalibrationResult result = RunJob(config, line.text);
+  LogJob(result);
+  if (!result.IsUsable()) {
+    PrintError(path + ": " + result.message);
     return kExitNumerical;
   }
-  std::string text =
-      outcome.result.title + "\n\n" + FormatComparison(outcome.result);
-  std::vector<ReportFile> files = MakeCsvFiles(outcome.result);
+  std::string text = result.title + "\n\n" + FormatComparison(result);
+  std::vector<ReportFile> files = MakeCsvFiles(result);
   const auto add = [&files](std::vector<ReportFile> more) {
     for (ReportFile& file : more) files.push_back(std::move(file));
   };
-  add(MakeFigures(outcome.result));
+  add(MakeFigures(result));
   if (config.noise_study) {
-    const NoiseStudyResult study = RunNoiseStudy(config, line.threads);
+    const NoiseStudyResult study = RunNoiseStudy(config, *config.noise_study);
     text += "\n" + FormatNoiseStudy(study);
     add(MakeNoiseFiles(study));
   }

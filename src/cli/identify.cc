@@ -4,7 +4,7 @@
 #include "alidade/arm_file.h"
 #include "alidade/error.h"
 #include "alidade/units.h"
-#include "src/calibration/job.h"
+#include "src/calibration/calibration_task.h"
 #include "src/cli/command.h"
 #include "src/cli/steps.h"
 #include "src/dataio/dataset_csv.h"
@@ -25,9 +25,9 @@ JobConfig LoadJobOrPair(const CommandLine& line) {
   config.arm = LoadArm(files[0]);
   DataFormat format;
   format.sigma = kAnySigma;
-  LoadedData loaded =
-      LoadData(files[1], config.arm, format, &config.references, line.threads);
-  config.data = std::move(loaded.data);
+  LoadedData loaded = LoadData(files[1], config.arm, format,
+                               &config.data.references, line.threads);
+  config.data.training = std::move(loaded.data);
   config.rejected = std::move(loaded.rejected);
   return config;
 }
@@ -36,11 +36,13 @@ JobConfig LoadJobOrPair(const CommandLine& line) {
 
 ExitStatus RunIdentify(const CommandLine& line) {
   JobConfig config = LoadJobOrPair(line);
-  if (line.seed) config.identifiability.seed = *line.seed;
-  LogReading(config);
-  const IdentifiabilityResult result = IdentifyJob(config, line.threads);
+  if (line.seed) config.options.identifiability.seed = *line.seed;
+  LogReading(config.data, config.input_files, config.rejected.size());
+  config.options.num_threads = line.threads;
+  const IdentifiabilityResult result = AnalyzeTask(config);
   LogIdentifiability(result);
-  std::cout << config.arm.name << ", " << config.data.num_poses() << " poses\n";
+  std::cout << config.arm.name << ", " << config.data.training.num_poses()
+            << " poses\n";
   if (line.files.size() > 1) {
     std::cout << "where the data state no standard deviation, 1 mm is taken: a "
                  "job states the instrument's\n";

@@ -274,45 +274,39 @@ ExitStatus Main(const std::vector<std::string>& arguments) {
   return RunCommand(first, {arguments.begin() + 1, arguments.end()});
 }
 
-}  // namespace
-}  // namespace alidade::internal
-
-namespace {
-
 // Where the environment contradicts itself Run says so.
 bool IsFirst() {
   try {
-    return alidade::internal::FindLaunch().rank == 0;
-  } catch (const alidade::InputError&) {
+    return FindLaunch().rank == 0;
+  } catch (const InputError&) {
     return true;
   }
 }
 
 // What every way out of the program comes to.
-alidade::internal::ExitStatus Run(const std::vector<std::string>& arguments) {
+ExitStatus Run(const std::vector<std::string>& arguments) {
   try {
-    const alidade::internal::ExitStatus status =
-        alidade::internal::Main(arguments);
+    const ExitStatus status = Main(arguments);
     std::cout.flush();
     if (!std::cout) {
-      alidade::internal::PrintError("standard output cannot be written");
-      return alidade::internal::kExitBadInput;
+      PrintError("standard output cannot be written");
+      return kExitBadInput;
     }
     return status;
-  } catch (const alidade::InputError& error) {
-    alidade::internal::PrintError(error.what());
-    return alidade::internal::kExitBadInput;
+  } catch (const InputError& error) {
+    PrintError(error.what());
+    return kExitBadInput;
   } catch (const std::bad_alloc&) {
-    alidade::internal::PrintError("out of memory");
-    return alidade::internal::kExitNumerical;
+    PrintError("out of memory");
+    return kExitNumerical;
   } catch (const std::exception& error) {
-    alidade::internal::PrintError(std::string("internal error: ") +
-                                  error.what());
-    return alidade::internal::kExitNumerical;
+    PrintError(std::string("internal error: ") + error.what());
+    return kExitNumerical;
   }
 }
 
 }  // namespace
+}  // namespace alidade::internal
 
 int main(int argc, char** argv) {
   // A file that may not grow further (ulimit -f) is told as a full disk is.
@@ -320,9 +314,10 @@ int main(int argc, char** argv) {
   FLAGS_logtostderr = true;
   FLAGS_log_prefix = false;
   google::InitGoogleLogging(argv[0]);
-  const bool is_first = IsFirst();
+  const bool is_first = alidade::internal::IsFirst();
   if (!is_first) alidade::internal::Mute();
-  const alidade::internal::ExitStatus status = Run({argv + 1, argv + argc});
+  const alidade::internal::ExitStatus status =
+      alidade::internal::Run({argv + 1, argv + argc});
   // Processes that were started together end with the status of the first:
   // another one's, if it came earlier, would have the first killed before it
   // has said why.

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <string>
 
+#include "alidade/monte_carlo.h"
 #include "src/cli/command.h"
 #include "src/cli/progress_line.h"
 #include "src/cli/steps.h"
@@ -12,7 +13,6 @@
 #include "src/job/result_directory.h"
 #include "src/report/report.h"
 #include "src/serialization/job_file.h"
-#include "src/simulation/monte_carlo.h"
 
 namespace alidade::internal {
 namespace {
@@ -45,9 +45,11 @@ ExitStatus RunMonteCarlo(const CommandLine& line) {
   }
   if (line.seed) config.montecarlo.seed = *line.seed;
   progress.Clear();
-  LogReading(config);
-  const MonteCarloResult result =
-      RunMonteCarlo(config, line.threads, ShowTrials(&progress));
+  LogReading(config.data, config.input_files, config.rejected.size());
+  MonteCarloResult result =
+      alidade::RunMonteCarlo(config.arm, config.data, config.options,
+                             config.montecarlo, ShowTrials(&progress));
+  result.title = config.title;
   progress.Clear();
   LOG(INFO) << "simulated and calibrated " << result.trials.size() << " of "
             << result.trials_wanted << " times, " << result.failed

@@ -26,7 +26,7 @@ ExitStatus RunPlanCommand(const CommandLine& line) {
           : line.out;
   CheckResultDirectory(directory, OutputKind::kPlan, config.input_files);
   progress.Clear();
-  LogReading(config.job);
+  LogReading(config.job.data, config.input_files);
   progress.Show("planning " + path);
   const PlanOutcome outcome = RunPlan(config, line.text, line.threads);
   progress.Clear();

@@ -13,6 +13,7 @@
 #include "src/common/text_table.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/report/report.h"
+#include "src/serialization/config_file.h"
 #include "src/serialization/job_file.h"
 #include "src/serialization/result_json.h"
 #include "src/simulation/simulation.h"
@@ -152,13 +153,13 @@ void ShowDataset(const Arm& arm, const Dataset& data) {
 void ShowJob(const std::string& path, int num_threads) {
   const JobConfig config = LoadJob(path, num_threads);
   std::cout << config.title << "\n\n";
-  if (config.validation) {
-    std::cout << "held out of the fit: " << config.validation->num_poses()
+  if (config.data.validation) {
+    std::cout << "held out of the fit: " << config.data.validation->num_poses()
               << " poses\n\n";
   }
   ShowArm(config.arm);
   std::cout << "\n";
-  ShowDataset(config.arm, config.data);
+  ShowDataset(config.arm, config.data.training);
 }
 
 void ShowResult(const std::string& path) {

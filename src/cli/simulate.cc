@@ -8,7 +8,7 @@
 #include "src/dataio/dataset_csv.h"
 #include "src/dataio/dataset_npy.h"
 #include "src/job/result_directory.h"
-#include "src/serialization/job_file.h"
+#include "src/serialization/simulation_file.h"
 #include "src/simulation/simulation.h"
 
 namespace alidade::internal {

@@ -13,19 +13,21 @@ std::string Seconds(double seconds) {
 
 }  // namespace
 
-void LogReading(const JobConfig& config) {
-  LOG(INFO) << "read " << config.data.global_poses() << " poses, "
-            << config.data.global_observations() << " measurements"
-            << (config.validation
+void LogReading(const CalibrationData& data,
+                const std::vector<std::string>& input_files,
+                std::size_t rejected_rows) {
+  LOG(INFO) << "read " << data.training.global_poses() << " poses, "
+            << data.training.global_observations() << " measurements"
+            << (data.validation
                     ? ", and " +
-                          std::to_string(config.validation->global_poses()) +
+                          std::to_string(data.validation->global_poses()) +
                           " poses for validation"
                     : "")
-            << (config.rejected.empty()
+            << (rejected_rows == 0
                     ? ""
-                    : ", without " + std::to_string(config.rejected.size()) +
+                    : ", without " + std::to_string(rejected_rows) +
                           " rows that measure nothing");
-  for (const std::string& path : config.input_files) VLOG(1) << "  " << path;
+  for (const std::string& path : input_files) VLOG(1) << "  " << path;
 }
 
 void LogIdentifiability(const IdentifiabilityResult& result) {

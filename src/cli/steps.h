@@ -1,16 +1,18 @@
 #ifndef ALIDADE_SRC_CLI_STEPS_H_
 #define ALIDADE_SRC_CLI_STEPS_H_
 
+#include "alidade/calibration_options.h"
 #include "alidade/calibration_result.h"
 #include "alidade/plan_result.h"
-#include "src/calibration/job_config.h"
 
 namespace alidade::internal {
 
 // What --verbosity=1 tells on standard error, a line a step, and 2 in detail.
 
 /// What a job has read.
-void LogReading(const JobConfig& config);
+void LogReading(const CalibrationData& data,
+                const std::vector<std::string>& input_files,
+                std::size_t rejected_rows = 0);
 
 /// What the identifiability pass has found.
 void LogIdentifiability(const IdentifiabilityResult& result);

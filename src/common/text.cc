@@ -101,24 +101,6 @@ std::vector<std::string> WrapText(std::string_view text, int width) {
   return lines;
 }
 
-void AddWrappedRow(const std::vector<std::string>& cells,
-                   const std::vector<int>& widths, TextTable* table) {
-  std::vector<std::vector<std::string>> columns;
-  std::size_t height = 1;
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    columns.push_back(widths[i] > 0 ? WrapText(cells[i], widths[i])
-                                    : std::vector<std::string>{cells[i]});
-    height = std::max(height, columns.back().size());
-  }
-  for (std::size_t line = 0; line < height; ++line) {
-    std::vector<std::string> row;
-    for (const auto& column : columns) {
-      row.push_back(line < column.size() ? column[line] : "");
-    }
-    table->AddRow(std::move(row));
-  }
-}
-
 std::string Paragraph(std::string_view text, int indent) {
   const std::string margin(static_cast<std::size_t>(indent), ' ');
   std::string paragraph;

@@ -6,8 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include "src/common/text_table.h"
-
 namespace alidade::internal {
 
 /// Columns of a report for people; no line is longer unless a single word is.
@@ -25,11 +23,6 @@ std::string CleanUtf8(std::string_view text);
 /// line of its own, unbroken, so that paths and hashes can be copied. Never
 /// empty: an empty text is one empty line.
 std::vector<std::string> WrapText(std::string_view text, int width);
-
-/// Adds a row whose cells are wrapped to `widths` (0 = not wrapped): the lines
-/// that do not fit stand in rows below. @pre one width per cell.
-void AddWrappedRow(const std::vector<std::string>& cells,
-                   const std::vector<int>& widths, TextTable* table);
 
 /// WrapText with every line behind `indent` spaces, the whole within
 /// kReportWidth, each line ending in a newline.

@@ -62,4 +62,22 @@ std::string TextTable::ToString(int indent) const {
   return text;
 }
 
+void AddWrappedRow(const std::vector<std::string>& cells,
+                   const std::vector<int>& widths, TextTable* table) {
+  std::vector<std::vector<std::string>> columns;
+  std::size_t height = 1;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    columns.push_back(widths[i] > 0 ? WrapText(cells[i], widths[i])
+                                    : std::vector<std::string>{cells[i]});
+    height = std::max(height, columns.back().size());
+  }
+  for (std::size_t line = 0; line < height; ++line) {
+    std::vector<std::string> row;
+    for (const auto& column : columns) {
+      row.push_back(line < column.size() ? column[line] : "");
+    }
+    table->AddRow(std::move(row));
+  }
+}
+
 }  // namespace alidade::internal

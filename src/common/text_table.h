@@ -29,6 +29,11 @@ class TextTable {
   std::vector<std::vector<std::string>> rows_;
 };
 
+/// Adds a row whose cells are wrapped to `widths` (0 = not wrapped): the lines
+/// that do not fit stand in rows below. @pre one width per cell.
+void AddWrappedRow(const std::vector<std::string>& cells,
+                   const std::vector<int>& widths, TextTable* table);
+
 }  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_COMMON_TEXT_TABLE_H_

@@ -5,7 +5,7 @@
 
 #include "alidade/arm.h"
 #include "src/dataio/csv_columns.h"
-#include "src/dataio/dataset_csv.h"
+#include "src/dataio/data_format.h"
 #include "src/dataio/row_reader.h"
 
 namespace alidade::internal {

@@ -6,15 +6,12 @@
 #include "src/common/names.h"
 #include "src/dataio/csv_columns.h"
 #include "src/dataio/dataset_npy.h"
-#include "src/dataio/load_data.h"
+#include "src/dataio/dataset_reader.h"
 #include "src/dataio/npy_data.h"
 #include "src/dataio/row_reader.h"
 
 namespace alidade::internal {
 namespace {
-
-// Of a target whose orientation is measured (m).
-constexpr double kTargetSize = 0.2;
 
 Eigen::MatrixXd ReadJointValues(MappedFile file, const Arm& arm) {
   RowReader rows(std::move(file), arm, JointColumns(arm), true);
@@ -32,14 +29,20 @@ Eigen::MatrixXd ReadJointValues(MappedFile file, const Arm& arm) {
 
 }  // namespace
 
-double DefaultRotationSigma(double sigma) { return sigma / kTargetSize; }
-
 LoadedData LoadData(const std::string& path, const Arm& arm,
                     const DataFormat& format, References* references,
                     int num_threads) {
   ReadOptions options;
   options.num_threads = num_threads;
   return LoadDataWith({path, arm, format}, references, options);
+}
+
+LoadedData LoadDataWith(const DataFile& file, References* references,
+                        const ReadOptions& options) {
+  if (IsNpy(file.path)) return LoadNpy(file, references, options);
+  DatasetReader reader(MappedFile(file.path), file.arm, file.format,
+                       references);
+  return reader.Read(options);
 }
 
 Dataset LoadDataset(const std::string& path, const Arm& arm,

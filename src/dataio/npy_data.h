@@ -5,8 +5,7 @@
 
 #include "alidade/error.h"
 #include "alidade/references.h"
-#include "src/dataio/dataset_csv.h"
-#include "src/dataio/load_data.h"
+#include "src/dataio/data_format.h"
 #include "src/dataio/read_options.h"
 
 namespace alidade::internal {

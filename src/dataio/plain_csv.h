@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "alidade/arm.h"
-#include "src/dataio/dataset_csv.h"
+#include "src/dataio/data_format.h"
 #include "src/dataio/plain_layout.h"
 #include "src/dataio/read_options.h"
 #include "src/dataio/row_reader.h"

@@ -7,8 +7,8 @@
 
 #include "alidade/arm.h"
 #include "alidade/dataset.h"
+#include "src/dataio/data_format.h"
 #include "src/dataio/dataset_columns.h"
-#include "src/dataio/dataset_csv.h"
 #include "src/dataio/row_reader.h"
 
 namespace alidade::internal {

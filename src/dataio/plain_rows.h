@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "alidade/arm.h"
-#include "src/dataio/dataset_csv.h"
+#include "src/dataio/data_format.h"
 #include "src/dataio/plain_layout.h"
 
 namespace alidade::internal {

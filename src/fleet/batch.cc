@@ -179,7 +179,7 @@ class BatchRun {
       StopWhereAsked(computed->record.entry);
     }
     {
-      const Stopwatch stopwatch(&times_.writing);
+      const ScopedTimer timer(&times_.writing);
       std::string staged;
       if (!computed->files.empty()) {
         staged = store_.Stage(computed->files, &computed->record.files);
@@ -201,7 +201,7 @@ class BatchRun {
 
   void Accept(RemoteOutcome outcome) {
     {
-      const Stopwatch stopwatch(&times_.writing);
+      const ScopedTimer timer(&times_.writing);
       store_.Commit(outcome.record, outcome.staged);
     }
     Keep(outcome.number, std::move(outcome.item));

@@ -6,7 +6,7 @@
 #include <unordered_set>
 
 #include "alidade/error.h"
-#include "src/fleet/batch.h"
+#include "src/fleet/batch_plan.h"
 
 namespace alidade::internal {
 

@@ -1,3 +1,5 @@
+#include "src/fleet/batch_plan.h"
+
 #include <algorithm>
 #include <filesystem>
 #include <sstream>
@@ -6,8 +8,7 @@
 
 #include "alidade/error.h"
 #include "src/common/files.h"
-#include "src/fleet/batch.h"
-#include "src/serialization/job_file.h"
+#include "src/serialization/config_file.h"
 
 namespace alidade::internal {
 namespace {

@@ -28,18 +28,17 @@ std::vector<InputFile> WithoutJobFiles(std::vector<InputFile> inputs,
   return inputs;
 }
 
-BatchStatus StatusOf(JobStatus status) {
-  if (status == JobStatus::kDone) return BatchStatus::kDone;
-  return status == JobStatus::kMissedLimits ? BatchStatus::kMissedLimits
-                                            : BatchStatus::kFailed;
+BatchStatus StatusOf(CalibrationStatus status) {
+  if (status == CalibrationStatus::kDone) return BatchStatus::kDone;
+  return status == CalibrationStatus::kMissedLimits ? BatchStatus::kMissedLimits
+                                                    : BatchStatus::kFailed;
 }
 
-void Describe(const JobOutcome& outcome, BatchEntry* entry) {
-  const CalibrationResult& result = outcome.result;
-  entry->status = StatusOf(outcome.status);
-  entry->message = outcome.message;
+void Describe(const CalibrationResult& result, BatchEntry* entry) {
+  entry->status = StatusOf(result.status);
+  entry->message = result.message;
   entry->title = result.title;
-  entry->arm = result.arm;
+  entry->arm = result.arm_name;
   entry->data = result.train.name;
   entry->train_before = result.train.before;
   entry->train_after = result.train.after;
@@ -103,7 +102,7 @@ JobComputer::JobComputer(const BatchPlan& plan, const BatchOptions& options,
     : plan_(plan),
       options_(options),
       times_(*times),
-      execution_(threads_each),
+      threads_each_(threads_each),
       places_(plan, options.directory) {}
 
 Computed JobComputer::Compute(const PlannedJob& job) const {
@@ -132,41 +131,40 @@ Computed JobComputer::Compute(const PlannedJob& job) const {
   }
   if (!HasResult(record.entry)) {
     computed.files.clear();
-    computed.outcome.reset();
+    computed.result.reset();
     computed.item.reset();
   }
   return computed;
 }
 
 JobConfig JobComputer::Read(const PlannedJob& job, BatchRecord* record) const {
-  const Stopwatch stopwatch(&times_.reading);
+  const ScopedTimer timer(&times_.reading);
   record->fingerprint = FingerprintOf(plan_, job, options_);
-  JobConfig config = plan_.matrices[job.matrix].Load(job.number, execution_);
+  JobConfig config = plan_.matrices[job.matrix].Load(job.number, threads_each_);
   for (const std::string& input : config.input_files) places_.Refuse(input);
   if (options_.outputs) config.outputs = *options_.outputs;
   return config;
 }
 
-JobOutcome JobComputer::Calibrate(const JobConfig& config,
-                                  const PlannedJob& job) const {
-  const Stopwatch stopwatch(&times_.calibrating);
-  return RunJob(config, "alidade batch " + job.file, execution_, &cache_);
+CalibrationResult JobComputer::Calibrate(const JobConfig& config,
+                                         const PlannedJob& job) const {
+  const ScopedTimer timer(&times_.calibrating);
+  return RunJob(config, "alidade batch " + job.file, &cache_);
 }
 
 void JobComputer::Run(const PlannedJob& job, Computed* computed) const {
   BatchRecord& record = computed->record;
   const JobConfig config = Read(job, &record);
-  computed->outcome =
-      std::make_unique<const JobOutcome>(Calibrate(config, job));
-  const JobOutcome& outcome = *computed->outcome;
-  const Stopwatch stopwatch(&times_.writing);
-  record.inputs =
-      WithoutJobFiles(outcome.result.inputs, plan_.matrices[job.matrix]);
-  Describe(outcome, &record.entry);
+  computed->result =
+      std::make_unique<const CalibrationResult>(Calibrate(config, job));
+  const CalibrationResult& result = *computed->result;
+  const ScopedTimer timer(&times_.writing);
+  record.inputs = WithoutJobFiles(result.inputs, plan_.matrices[job.matrix]);
+  Describe(result, &record.entry);
   if (!HasResult(record.entry)) return;
-  computed->files = RenderResult(outcome, config.outputs);
+  computed->files = RenderResult(result, config.outputs);
   record.entry.directory = job.name;
-  computed->item = DescribeForComparison(job.name, outcome.result, "");
+  computed->item = DescribeForComparison(job.name, result, "");
   for (const ReportFile& file : computed->files) {
     if (file.name == "result.json") record.result_sha256 = Sha256(file.Text());
   }

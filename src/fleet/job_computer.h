@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "src/calibration/identifiability_cache.h"
-#include "src/calibration/job.h"
-#include "src/fleet/batch.h"
 #include "src/fleet/batch_places.h"
+#include "src/fleet/batch_plan.h"
+#include "src/job/run_job.h"
 #include "src/report/html_report.h"
 #include "src/report/report.h"
 
@@ -26,15 +26,15 @@ std::string FingerprintOf(const BatchPlan& plan, const PlannedJob& job,
 BatchEntry EntryOf(const PlannedJob& job);
 
 /// Seconds of a clock that a scope took, added to a sum when it ends.
-class Stopwatch {
+class ScopedTimer {
  public:
   using Clock = std::chrono::steady_clock;
 
-  explicit Stopwatch(std::atomic<std::int64_t>* nanoseconds)
+  explicit ScopedTimer(std::atomic<std::int64_t>* nanoseconds)
       : nanoseconds_(nanoseconds) {}
-  ~Stopwatch() { *nanoseconds_ += (Clock::now() - start_).count(); }
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
+  ~ScopedTimer() { *nanoseconds_ += (Clock::now() - start_).count(); }
+  ScopedTimer(const ScopedTimer&) = delete;
+  ScopedTimer& operator=(const ScopedTimer&) = delete;
 
  private:
   std::atomic<std::int64_t>* const nanoseconds_;
@@ -59,7 +59,7 @@ struct Computed {
   std::optional<ComparisonItem> item;
   /// What the files are made of while they are written; it stays in its place
   /// when this struct is moved.
-  std::unique_ptr<const JobOutcome> outcome;
+  std::unique_ptr<const CalibrationResult> result;
   std::vector<ReportFile> files;
 };
 
@@ -75,13 +75,14 @@ class JobComputer {
 
  private:
   JobConfig Read(const PlannedJob& job, BatchRecord* record) const;
-  JobOutcome Calibrate(const JobConfig& config, const PlannedJob& job) const;
+  CalibrationResult Calibrate(const JobConfig& config,
+                              const PlannedJob& job) const;
   void Run(const PlannedJob& job, Computed* computed) const;
 
   const BatchPlan& plan_;
   const BatchOptions& options_;
   WorkTimes& times_;
-  const Execution execution_;
+  const int threads_each_;
   const BatchPlaces places_;
   mutable IdentifiabilityCache cache_;
 };

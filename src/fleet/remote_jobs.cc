@@ -160,7 +160,7 @@ class WorkerGroup {
           return true;
         }
       }
-      const Stopwatch stopwatch(&times_->writing);
+      const ScopedTimer timer(&times_->writing);
       const std::string staged =
           staging_->Stage(computed.files, &computed.record.files);
       Put(OutcomeMessage(number, computed, staged));

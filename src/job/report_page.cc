@@ -13,6 +13,7 @@
 #include "alidade/units.h"
 #include "src/common/files.h"
 #include "src/model/chain_axes.h"
+#include "src/report/result_table.h"
 #include "src/serialization/result_json.h"
 
 namespace alidade::internal {
@@ -144,19 +145,19 @@ std::optional<ArmPicture> PictureOf(const Arm& arm,
   return picture;
 }
 
-ReportFile MakeResultPage(const JobOutcome& outcome,
+ReportFile MakeResultPage(const CalibrationResult& result,
                           const std::vector<ReportFile>& files,
                           const std::string& label) {
   ReportSource source;
   source.label = label;
-  source.title = outcome.result.title;
+  source.title = result.title;
   source.result_json = ContentOf(files, "result.json");
   source.report_text = ContentOf(files, "report.txt");
   source.residuals_csv = SourceOf(files, "residuals.csv");
   source.heldout_csv = SourceOf(files, "heldout.csv");
   source.predicted_map_csv = SourceOf(files, "predicted_map.csv");
   source.influence_csv = SourceOf(files, "influence.csv");
-  source.picture = PictureOf(outcome.calibrated, source.residuals_csv);
+  source.picture = PictureOf(result.arm, source.residuals_csv);
   return {"report.html", RenderResultPage(source)};
 }
 

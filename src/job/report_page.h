@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "src/calibration/job.h"
+#include "alidade/calibration_result.h"
 #include "src/report/html_report.h"
 #include "src/report/report.h"
 
@@ -12,7 +12,7 @@ namespace alidade::internal {
 
 /// report.html of the job whose other files RenderResult made; `label` is what
 /// its directory is called.
-ReportFile MakeResultPage(const JobOutcome& outcome,
+ReportFile MakeResultPage(const CalibrationResult& result,
                           const std::vector<ReportFile>& files,
                           const std::string& label);
 

@@ -84,17 +84,15 @@ std::string DirectoryOf(const std::filesystem::path& file) {
   return directory.empty() ? "." : directory.string();
 }
 
-ReportFile RenderArm(const JobOutcome& outcome) {
-  return {"arm.yaml",
-          FormatArm(outcome.calibrated, ArmComment(outcome.result))};
+ReportFile RenderArm(const CalibrationResult& result) {
+  return {"arm.yaml", FormatArm(result.arm, ArmComment(result))};
 }
 
 }  // namespace
 
-std::vector<ReportFile> RenderResult(const JobOutcome& outcome) {
-  const CalibrationResult& result = outcome.result;
+std::vector<ReportFile> RenderResult(const CalibrationResult& result) {
   std::vector<ReportFile> files;
-  files.push_back(RenderArm(outcome));
+  files.push_back(RenderArm(result));
   files.emplace_back("report.txt", FormatReport(result));
   Append(MakeCsvFiles(result), &files);
   Append(MakeFigures(result), &files);
@@ -104,11 +102,10 @@ std::vector<ReportFile> RenderResult(const JobOutcome& outcome) {
   return files;
 }
 
-std::vector<ReportFile> RenderResult(const JobOutcome& outcome,
+std::vector<ReportFile> RenderResult(const CalibrationResult& result,
                                      JobOutputs outputs) {
-  if (outputs == JobOutputs::kFull) return RenderResult(outcome);
-  return {RenderArm(outcome),
-          {"result.json", FormatResultJson(outcome.result)}};
+  if (outputs == JobOutputs::kFull) return RenderResult(result);
+  return {RenderArm(result), {"result.json", FormatResultJson(result)}};
 }
 
 void CheckOutputFile(const std::string& path,

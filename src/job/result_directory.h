@@ -4,23 +4,24 @@
 #include <string>
 #include <vector>
 
-#include "src/calibration/job.h"
+#include "alidade/calibration_result.h"
 #include "src/report/report.h"
+#include "src/serialization/job_config.h"
 
 namespace alidade::internal {
 
 /// The files of a result directory (docs/files.md): arm.yaml, result.json,
 /// report.txt, the CSV files and the figures. Tables with a row for each
-/// observation are made of `outcome` when they are written: ReportFile.
+/// observation are made of `result` when they are written: ReportFile.
 /// @pre a usable solution.
-std::vector<ReportFile> RenderResult(const JobOutcome& outcome);
-std::vector<ReportFile> RenderResult(const JobOutcome&& outcome) = delete;
+std::vector<ReportFile> RenderResult(const CalibrationResult& result);
+std::vector<ReportFile> RenderResult(const CalibrationResult&& result) = delete;
 
 /// What a job asks for by its `outputs`: the above, or arm.yaml and result.json
 /// alone. @pre a usable solution.
-std::vector<ReportFile> RenderResult(const JobOutcome& outcome,
+std::vector<ReportFile> RenderResult(const CalibrationResult& result,
                                      JobOutputs outputs);
-std::vector<ReportFile> RenderResult(const JobOutcome&& outcome,
+std::vector<ReportFile> RenderResult(const CalibrationResult&& result,
                                      JobOutputs outputs) = delete;
 
 /// What a command puts into its directory (docs/files.md).

@@ -9,6 +9,11 @@
 
 namespace alidade::internal {
 
+/// Observations that the batched kernel takes at once: a multiple of every
+/// vector length, and few enough for their rows to stay in the first-level
+/// cache.
+constexpr int kTile = 64;
+
 /// Doubles at an address that vectors of any length may be loaded from.
 using AlignedDoubles = hwy::AlignedFreeUniquePtr<double[]>;
 

@@ -10,7 +10,8 @@
 #include <Eigen/Core>
 #include <cstddef>
 
-#include "src/kernel/kernel.h"
+#include "src/kernel/aligned.h"
+#include "src/kernel/kernel_constants.h"
 #include "src/kernel/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -91,6 +92,10 @@ HWY_INLINE Frame FrameOf(const Eigen::Matrix3d& axes,
           Broadcast(Eigen::Vector3d(axes.col(1))),
           Broadcast(Eigen::Vector3d(axes.col(2))), Broadcast(origin)};
 }
+
+// Vectors of a joint in the scratch: the axes of beta, alpha and the joint,
+// the origins before the joint and on its axis; three numbers each.
+constexpr std::size_t kArraysPerJoint = 15;
 
 // The lines of one joint, as ChainAxes has them. Of those that no column asks
 // for nothing is kept.

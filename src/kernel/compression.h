@@ -45,13 +45,6 @@ struct CompressedProblem {
   double cost = 0.0;          ///< chi-square, or sum of rho(|r_i|^2)
 };
 
-/// What the residuals of a whole data set come to.
-struct ResidualSummary {
-  double cost = 0.0;       ///< chi-square, or sum of rho(|r_i|^2)
-  double max_error = 0.0;  ///< the largest error in lengths (m)
-  double rms_error = 0.0;  ///< over the observations (m)
-};
-
 /// How the rows of a data set are brought down to a triangle.
 enum class Factorization {
   /// Products where they are good enough, Householder's transformations where

@@ -287,7 +287,8 @@ HWY_EXPORT(EvaluateTile);
 HWY_EXPORT(SumTile);
 
 std::size_t ScratchSize(int num_joints) {
-  return static_cast<std::size_t>(num_joints) * kArraysPerJoint * kMostLanes;
+  return static_cast<std::size_t>(num_joints) * HWY_NAMESPACE::kArraysPerJoint *
+         kMostLanes;
 }
 
 void EvaluateTile(const Constants& constants, const Columns& columns,

@@ -1,8 +1,9 @@
+#include "src/kernel/kernel_constants.h"
+
 #include <cmath>
 
 #include "alidade/rotation.h"
-#include "src/kernel/kernel.h"
-#include "src/kernel/observation_residual.h"
+#include "src/data/tilted_normal.h"
 
 namespace alidade::internal::kernel {
 namespace {
@@ -54,10 +55,9 @@ int* EntryOf(ParameterKind kind, Columns::OfJoint* joint) {
 
 }  // namespace
 
-void ComputeConstants(const MeasurementModel& model,
+void ComputeConstants(const Arm& nominal, const References& references,
+                      const ParameterLayout& layout,
                       const Eigen::VectorXd& values, Constants* constants) {
-  const Arm& nominal = model.nominal();
-  const ParameterLayout& layout = model.layout();
   const auto vector = [&](ParameterKind kind, int object) {
     return Eigen::Vector3d(values.segment<3>(layout.Column(kind, 0, object)));
   };
@@ -89,7 +89,6 @@ void ComputeConstants(const MeasurementModel& model,
         RotationFromVector<double>(turn) * nominal.last_from_target(k).linear();
     target.axes = LeftJacobianOfRotation(turn);
   }
-  const References& references = model.references();
   constants->points.resize(references.num_points());
   for (int k = 0; k < references.num_points(); ++k) {
     constants->points[k] = vector(ParameterKind::kPoint, k);

@@ -2,6 +2,7 @@
 #define ALIDADE_SRC_KERNEL_MEASUREMENT_MODEL_H_
 
 #include <Eigen/Core>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -22,6 +23,13 @@ namespace alidade::internal {
 struct Linearization {
   Eigen::VectorXd residuals;
   Eigen::MatrixXd jacobian;
+};
+
+/// What the residuals of a whole data set come to.
+struct ResidualSummary {
+  double cost = 0.0;       ///< chi-square, or sum of rho(|r_i|^2)
+  double max_error = 0.0;  ///< the largest error in lengths (m)
+  double rms_error = 0.0;  ///< over the observations (m)
 };
 
 /// An arm, and what it is measured against, whose parameters vary: what it
@@ -94,6 +102,29 @@ SharedVector RotationErrors(const SharedVector& errors, const Dataset& data);
 
 /// Degrees of freedom of each observation: the rows that were measured.
 Eigen::VectorXi Dimensions(const Dataset& data);
+
+/// Parts that ForEachObservation cuts a data set into at most.
+constexpr int kRowParts = 64;
+
+/// Called with the number of a part, below kRowParts, the number of an
+/// observation (counted block after block) and its whitened rows: one column
+/// per derivative, the residual last. Rows that were not measured are zero.
+using VisitRows =
+    std::function<void(int part, Eigen::Index observation,
+                       const Eigen::Ref<const Eigen::MatrixXd>& rows)>;
+
+/// Calls `visit` once for every observation. Parts do not depend on the number
+/// of threads, and neither does the order of the observations in one of them;
+/// different parts are visited at the same time. So whoever keeps a sum for
+/// each part and adds these up in order gets the same bits with any number of
+/// threads. O(N columns) time, O(columns) memory beyond the data.
+void ForEachObservation(const MeasurementModel& model,
+                        const Eigen::VectorXd& values, const Dataset& data,
+                        const std::vector<int>& columns,
+                        const VisitRows& visit);
+
+/// Number of the first observation of each block, and that behind the last.
+std::vector<Eigen::Index> FirstObservations(const Dataset& data);
 
 }  // namespace alidade::internal
 

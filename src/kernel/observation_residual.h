@@ -8,21 +8,10 @@
 #include "alidade/forward_kinematics.h"
 #include "alidade/references.h"
 #include "alidade/rotation.h"
+#include "src/data/tilted_normal.h"
 #include "src/kernel/measurement_model.h"
 
 namespace alidade::internal {
-
-/// The normal of a plane tilted by u and v (references.h).
-template <typename T>
-Vector3<T> TiltedNormal(const Eigen::Vector3d& nominal, const T* tilt) {
-  using std::sqrt;
-  Eigen::Vector3d t1;
-  Eigen::Vector3d t2;
-  TangentBasis(nominal, &t1, &t2);
-  const Vector3<T> n =
-      nominal.cast<T>() + t1.cast<T>() * tilt[0] + t2.cast<T>() * tilt[1];
-  return n / sqrt(T(1.0) + tilt[0] * tilt[0] + tilt[1] * tilt[1]);
-}
 
 /// Parameters of what an observation is measured against: x y z of points, u v
 /// c of a plane; null where the kind has none.

@@ -13,7 +13,6 @@
 #include "alidade/robust_loss.h"
 #include "src/common/parallel.h"
 #include "src/kernel/aligned.h"
-#include "src/kernel/compression.h"
 #include "src/kernel/kernel.h"
 #include "src/kernel/measurement_model.h"
 #include "src/kernel/tile_rows.h"
@@ -70,7 +69,8 @@ class PartedData {
   void ForEachTile(const Eigen::VectorXd& values,
                    const kernel::Columns& columns, const Visit& visit,
                    Extent extent = Extent::kAll) {
-    kernel::ComputeConstants(model_, values, &constants_);
+    kernel::ComputeConstants(model_.nominal(), model_.references(),
+                             model_.layout(), values, &constants_);
     const auto work = [this, &columns, &visit, extent](std::int64_t part,
                                                        std::int64_t /*end*/) {
       Part& mine = parts_[part];

@@ -10,8 +10,10 @@
 #include <Eigen/Core>
 #include <cstddef>
 
+#include "alidade/dataset.h"
+#include "src/kernel/aligned.h"
 #include "src/kernel/chain-inl.h"
-#include "src/kernel/kernel.h"
+#include "src/kernel/kernel_constants.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::internal::kernel::HWY_NAMESPACE {

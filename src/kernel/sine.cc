@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/kernel/aligned.h"
 #include "src/kernel/sine.h"
-#include "src/kernel/tiles.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "src/kernel/sine.cc"

@@ -12,11 +12,6 @@
 
 namespace alidade::internal {
 
-/// Observations that the batched kernel takes at once: a multiple of every
-/// vector length, and few enough for their rows to stay in the first-level
-/// cache.
-constexpr int kTile = 64;
-
 /// Observations of one kind, one target and one pair of references, as a
 /// structure of arrays of kTile numbers each. What lies behind `count` is
 /// padding: finite, with inverse sigmas of zero.

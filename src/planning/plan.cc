@@ -42,7 +42,7 @@ class Planner {
           prepared.design.seed = config.seed;
           return prepared;
         }()),
-        model_(config_.job.arm, config_.job.references, num_threads) {}
+        model_(config_.job.arm, config_.job.data.references, num_threads) {}
 
   PlanOutcome Run(const std::string& command) {
     Describe(command);
@@ -87,7 +87,8 @@ class Planner {
       plan.rotation_sigma = measurement.rotation_sigma;
     }
     plan.equations = measurement.num_equations();
-    plan.measured_before = static_cast<int>(config_.job.data.num_poses());
+    plan.measured_before =
+        static_cast<int>(config_.job.data.training.num_poses());
     plan.allow_repeats = config_.design.allow_repeats;
     plan.wanted = config_.wanted.value_or(0.0);
   }

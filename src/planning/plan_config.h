@@ -10,7 +10,7 @@
 
 #include "alidade/plan_options.h"
 #include "alidade/plan_result.h"
-#include "src/calibration/job_config.h"
+#include "src/calibration/calibration_task.h"
 
 namespace alidade::internal {
 
@@ -29,7 +29,7 @@ struct PlanConfig {
   std::string title;
   /// Arm, references, what was measured already (`data`, which may have no
   /// poses) and what is to be identified.
-  JobConfig job;
+  CalibrationTask job;
   PoseMeasurement measurement;
   CandidateOptions candidates;
   PoseConstraints constraints;

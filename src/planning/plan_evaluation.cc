@@ -8,6 +8,7 @@
 
 #include "alidade/random.h"
 #include "src/identifiability/observability.h"
+#include "src/planning/criterion.h"
 #include "src/planning/efficiency.h"
 
 namespace alidade::internal {

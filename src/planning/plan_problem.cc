@@ -103,11 +103,11 @@ class ProblemMaker {
         FindCandidates(config_, model_.nominal(), &problem_.num_looked_at);
     const Dataset planned =
         MakePlannedData(model_, design.joint_values, config_.measurement);
-    const Dataset& measured = config_.job.data;
+    const Dataset& measured = config_.job.data.training;
     problem_.identifiability = AnalyzeIdentifiability(
         model_,
         measured.num_poses() > 0 ? MergeDatasets({planned, measured}) : planned,
-        config_.job.identifiability);
+        config_.job.options.identifiability);
     if (problem_.identifiability.exceeds_rank) return std::move(problem_);
     problem_.columns = FreeColumns(problem_.identifiability);
     design.candidates =
@@ -144,10 +144,11 @@ class ProblemMaker {
                 .inverse()
                 .matrix()
                 .asDiagonal();
-    if (config_.job.data.num_poses() == 0) return;
-    const Eigen::MatrixXd factor = ScaleColumns(
-        model_, problem_.columns,
-        JacobianFactor(model_, values_, config_.job.data, problem_.columns));
+    if (config_.job.data.training.num_poses() == 0) return;
+    const Eigen::MatrixXd factor =
+        ScaleColumns(model_, problem_.columns,
+                     JacobianFactor(model_, values_, config_.job.data.training,
+                                    problem_.columns));
     known += factor.transpose() * factor;
   }
 
@@ -182,12 +183,13 @@ class ProblemMaker {
 
 }  // namespace
 
-JobConfig PrepareMeasured(const PlanConfig& config, int num_threads) {
-  JobConfig job = config.job;
-  if (job.data.num_poses() == 0) return job;
-  FitFrames(&job, num_threads);
-  if (job.estimate_sigma) EstimateSigmas(&job, num_threads);
-  return job;
+CalibrationTask PrepareMeasured(const PlanConfig& config, int num_threads) {
+  CalibrationTask task = config.job;
+  task.options.num_threads = num_threads;
+  if (task.data.training.num_poses() == 0) return task;
+  FitFrames(&task);
+  if (task.options.estimate_sigma) EstimateSigmas(&task);
+  return task;
 }
 
 PlanProblem MakePlanProblem(const PlanConfig& config,

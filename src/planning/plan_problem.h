@@ -34,7 +34,7 @@ struct PlanProblem {
 };
 
 /// Frames and sigmas of what was measured already, as a calibration finds them.
-JobConfig PrepareMeasured(const PlanConfig& config, int num_threads);
+CalibrationTask PrepareMeasured(const PlanConfig& config, int num_threads);
 
 /// @throws InputError where no candidate satisfies the constraints. Where the
 /// pass refuses (exceeds_rank), only `identifiability` is set.

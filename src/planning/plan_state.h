@@ -4,8 +4,9 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "alidade/plan_options.h"
 #include "src/planning/criterion.h"
-#include "src/planning/exchange.h"
+#include "src/planning/design_problem.h"
 
 namespace alidade::internal {
 

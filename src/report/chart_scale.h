@@ -5,9 +5,19 @@
 #include <string>
 #include <vector>
 
-#include "src/report/svg_chart.h"
-
 namespace alidade::internal {
+
+/// One axis. The range is fitted to the data where lower >= upper, or where it
+/// cannot be drawn (not finite, not positive on a logarithmic axis). A linear
+/// axis of very small or large values counts in a power of ten, written into
+/// the brackets of the label: "error [10^-13 mm]".
+struct ChartAxis {
+  std::string label;  ///< with its unit: "error [mm]"
+  bool logarithmic = false;
+  double lower = 0.0;
+  double upper = 0.0;
+  bool integer_ticks = false;
+};
 
 /// True for a value that has a place on the axis: finite, positive where the
 /// axis is logarithmic, inside the range where one is given.

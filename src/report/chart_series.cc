@@ -188,15 +188,14 @@ SeriesLook LookOf(std::size_t index) {
           kDashes[index % kDashes.size()]};
 }
 
-std::vector<PixelRun> PixelRuns(const LineChart& chart,
+std::vector<PixelRun> PixelRuns(const ChartAxis& x, const ChartAxis& y,
                                 const ChartSeries& series,
                                 const PlotArea& plot) {
   std::vector<PixelRun> runs;
   bool in_run = false;
   const std::size_t size = std::min(series.x.size(), series.y.size());
   for (std::size_t i = 0; i < size; ++i) {
-    if (!IsDrawable(chart.x, series.x[i]) ||
-        !IsDrawable(chart.y, series.y[i])) {
+    if (!IsDrawable(x, series.x[i]) || !IsDrawable(y, series.y[i])) {
       in_run = false;
       continue;
     }

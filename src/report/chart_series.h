@@ -2,14 +2,28 @@
 #define ALIDADE_SRC_REPORT_CHART_SERIES_H_
 
 #include <cstddef>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "src/report/chart_frame.h"
-#include "src/report/svg_chart.h"
 #include "src/report/svg_writer.h"
 
 namespace alidade::internal {
+
+enum class MarkerStyle { kNone, kDot, kSquare, kTriangle, kStem };
+
+/// One curve or cloud. Points that are not finite, not positive on a
+/// logarithmic axis, or outside a given range are left out, and the line is
+/// broken there. kStem stands on zero (or on the bottom of the chart) and draws
+/// no line between points.
+struct ChartSeries {
+  std::string label;  ///< legend; empty = not listed
+  std::vector<double> x;
+  std::vector<double> y;
+  bool line = true;
+  MarkerStyle marker = MarkerStyle::kNone;
+};
 
 /// How the series with this index is drawn: colours that colour-blind readers
 /// tell apart (Okabe, Ito 2008), repeated when they run out. The first series
@@ -24,7 +38,7 @@ SeriesLook LookOf(std::size_t index);
 /// Points of a series in pixels, without those that have no place on the axes;
 /// a new run begins behind each of those.
 using PixelRun = std::vector<SvgPoint>;
-std::vector<PixelRun> PixelRuns(const LineChart& chart,
+std::vector<PixelRun> PixelRuns(const ChartAxis& x, const ChartAxis& y,
                                 const ChartSeries& series,
                                 const PlotArea& plot);
 

@@ -107,7 +107,7 @@ std::string DataKey(const CalibrationResult& result) {
     hashes.push_back(result.inputs[i].sha256);
   }
   std::sort(hashes.begin(), hashes.end());
-  std::string key = result.arm;
+  std::string key = result.arm_name;
   for (const std::string& hash : hashes) key += " " + hash;
   return key;
 }
@@ -147,7 +147,7 @@ ComparisonItem DescribeForComparison(const std::string& label,
   item.layout = LayoutJson(result.parameters);
   item.head = "{\"label\":" + JsonText(label) +
               ",\"title\":" + JsonText(result.title) +
-              ",\"arm\":" + JsonText(result.arm) +
+              ",\"arm\":" + JsonText(result.arm_name) +
               (link.empty() ? "" : ",\"href\":" + JsonText(link));
   item.tail =
       Integer("limits", static_cast<std::int64_t>(result.acceptance.size())) +

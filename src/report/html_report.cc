@@ -5,7 +5,7 @@
 #include "alidade/units.h"
 #include "src/report/html_json.h"
 #include "src/report/html_page.h"
-#include "src/report/html_table.h"
+#include "src/report/result_table.h"
 
 namespace alidade::internal {
 namespace {

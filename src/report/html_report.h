@@ -18,25 +18,6 @@ namespace alidade::internal {
 /// tables and figures. No text of a result can become markup: in the data every
 /// '<' is escaped, and the script makes text nodes of text only.
 
-/// A table as a result directory holds it, or some of its rows; cells as text.
-struct ResultTable {
-  std::vector<std::string> columns;
-  std::vector<std::vector<std::string>> rows;  ///< a cell per column
-  std::vector<std::size_t> index;  ///< which of the file's these are, from 0
-  std::size_t total = 0;           ///< rows of the file
-
-  /// -1 where there is no such column.
-  int Column(const std::string& name) const;
-  /// NaN where the cell holds no number.
-  double Number(std::size_t row, int column) const;
-};
-
-/// Reads a CSV that Alidade wrote, the header first, twice. Of more rows than
-/// `most_rows` so many are kept, spread evenly, and those of the largest
-/// errors. Short rows are filled with empty cells, long ones cut. O(size) time,
-/// a few numbers for each row in memory.
-ResultTable ReadResultTable(const TextSource& csv, std::size_t most_rows);
-
 /// The arm as a chain of links at some of the poses of `residuals.csv`, in the
 /// instrument's frame (m).
 struct ArmPicture {

@@ -186,7 +186,8 @@ void DrawData(SvgWriter* svg, const LineChart& chart, const PlotArea& plot) {
   std::vector<SvgPoint> ink;
   for (std::size_t i = 0; i < chart.series.size(); ++i) {
     const ChartSeries& series = chart.series[i];
-    const std::vector<PixelRun> runs = PixelRuns(chart, series, plot);
+    const std::vector<PixelRun> runs =
+        PixelRuns(chart.x, chart.y, series, plot);
     DrawSeries(svg, series, LookOf(i), plot, runs);
     const std::vector<SvgPoint> samples = InkSamples(series, plot, runs);
     ink.insert(ink.end(), samples.begin(), samples.end());

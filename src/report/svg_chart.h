@@ -4,33 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "src/report/chart_scale.h"
+#include "src/report/chart_series.h"
+
 namespace alidade::internal {
-
-/// One axis. The range is fitted to the data where lower >= upper, or where it
-/// cannot be drawn (not finite, not positive on a logarithmic axis). A linear
-/// axis of very small or large values counts in a power of ten, written into
-/// the brackets of the label: "error [10^-13 mm]".
-struct ChartAxis {
-  std::string label;  ///< with its unit: "error [mm]"
-  bool logarithmic = false;
-  double lower = 0.0;
-  double upper = 0.0;
-  bool integer_ticks = false;
-};
-
-enum class MarkerStyle { kNone, kDot, kSquare, kTriangle, kStem };
-
-/// One curve or cloud. Points that are not finite, not positive on a
-/// logarithmic axis, or outside a given range are left out, and the line is
-/// broken there. kStem stands on zero (or on the bottom of the chart) and draws
-/// no line between points.
-struct ChartSeries {
-  std::string label;  ///< legend; empty = not listed
-  std::vector<double> x;
-  std::vector<double> y;
-  bool line = true;
-  MarkerStyle marker = MarkerStyle::kNone;
-};
 
 /// A horizontal reference line with its label. A fitted range includes it.
 struct ChartReference {

@@ -196,9 +196,10 @@ std::string FormatParameters(const CalibrationResult& result) {
 
 std::string FormatReport(const CalibrationResult& result) {
   const std::string title =
-      result.title.empty() ? "Calibration of " + result.arm : result.title;
+      result.title.empty() ? "Calibration of " + result.arm_name : result.title;
   std::string text = Heading(title, '=') + "\n";
-  if (!result.arm.empty()) text += Paragraph("Arm: " + result.arm) + "\n";
+  if (!result.arm_name.empty())
+    text += Paragraph("Arm: " + result.arm_name) + "\n";
   text += Paragraph(Verdict(result));
   for (const std::string& warning : result.warnings) {
     text += Paragraph("Warning: " + warning + ".");

@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <utility>
 
-#include "alidade/arm_file.h"
 #include "alidade/parameter_layout.h"
 #include "src/common/names.h"
 #include "src/dataio/file_pattern.h"
@@ -133,10 +132,12 @@ Eigen::VectorXd ReadDeviations(const YamlValue& value, const Units& units,
   return deviations;
 }
 
-Arm NamedFiles::ReadArm(const YamlValue& value) {
+Arm NamedFiles::ReadArm(const YamlValue& value,
+                        Arm (*load)(const std::string& path,
+                                    std::vector<std::string>* input_files)) {
   std::vector<std::string> named;
-  Arm arm = Read(
-      value, [&](const std::string& path) { return LoadArm(path, &named); });
+  Arm arm =
+      Read(value, [&](const std::string& path) { return load(path, &named); });
   for (const std::string& path : named) Remember(path);
   arm_path_ = Resolve(value);
   return arm;

@@ -8,10 +8,15 @@
 #include "alidade/arm.h"
 #include "alidade/error.h"
 #include "src/common/files.h"
-#include "src/serialization/job_file.h"
 #include "src/serialization/yaml_reader.h"
 
 namespace alidade::internal {
+
+/// What a YAML file says it is in its `format` key.
+enum class FileFormat { kArm, kDeviations, kJob, kSimulation, kPlan };
+
+/// @throws InputError where the file is no YAML map or its format is unknown.
+FileFormat DetectFormat(const std::string& path);
 
 /// The root of a YAML file whose `format` is the expected one.
 /// @throws InputError.
@@ -75,9 +80,11 @@ class NamedFiles {
     }
   }
 
-  /// The arm that `value` names, and the files that it names. @throws
-  /// InputError.
-  Arm ReadArm(const YamlValue& value);
+  /// The arm that `value` names, and the files that it names; `load` is LoadArm
+  /// (arm_file.h), which reads its files by this class. @throws InputError.
+  Arm ReadArm(const YamlValue& value,
+              Arm (*load)(const std::string& path,
+                          std::vector<std::string>* input_files));
 
   /// Every file read so far, the config file first, each once.
   const std::vector<std::string>& paths() const { return paths_; }

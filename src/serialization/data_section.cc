@@ -12,7 +12,7 @@
 #include "src/data/merge.h"
 #include "src/dataio/read_options.h"
 #include "src/serialization/partitioned_data.h"
-#include "src/serialization/simulation_section.h"
+#include "src/serialization/simulation_file.h"
 #include "src/simulation/simulation.h"
 
 namespace alidade::internal {
@@ -301,8 +301,8 @@ void ReadEntry(const YamlValue& value, const DataFormat& defaults,
     const int reader = assignment->NextReader();
     context->readers.emplace(path, reader);
     if (reader != assignment->rank()) return;
-    parts->push_back(LoadData(path, job->arm, format, &job->references,
-                              context->execution.num_threads));
+    parts->push_back(LoadData(path, job->arm, format, &job->data.references,
+                              context->num_threads));
   });
 }
 
@@ -314,8 +314,8 @@ MeasurementSigmas ReadSigmas(const JobContext& context, JobConfig* job) {
   const YamlValue sigma = map.Required("sigma");
   MeasurementSigmas sigmas;
   sigmas.length = kFirstSigma;
-  job->estimate_sigma = sigma.Text() == "estimate";
-  if (!job->estimate_sigma) {
+  job->options.estimate_sigma = sigma.Text() == "estimate";
+  if (!job->options.estimate_sigma) {
     sigmas.length = PositiveLength(sigma, context.units);
   }
   if (const auto rotation = map.Optional("sigma_rotation")) {
@@ -332,22 +332,21 @@ LoadedData ReadData(const YamlValue& value, const MeasurementSigmas& sigmas,
   std::vector<YamlValue> entries = {value};
   if (value.IsList()) entries = value.List();
   if (entries.empty()) value.Fail("the list is empty, expected data sets");
-  Communicator* const communicator = context->execution.communicator;
-  const bool is_partitioned = communicator->size() > 1;
+  const bool is_partitioned = job->communicator->size() > 1;
   FileAssignment assignment;
   if (is_partitioned) {
-    assignment =
-        FileAssignment(communicator, value, PathsOf(entries, context->files));
+    assignment = FileAssignment(job->communicator, value,
+                                PathsOf(entries, context->files));
   }
   RefuseTwice(entries, context->files);
-  const References known = job->references;
+  const References known = job->data.references;
   std::vector<LoadedData> parts;
   for (const YamlValue& entry : entries) {
     ReadEntry(entry, defaults, context, job, &assignment, &parts);
   }
   LoadedData all = Merge(std::move(parts), job->arm.num_joints());
   if (is_partitioned) {
-    PartitionLoaded(communicator, known, &all, &job->references);
+    PartitionLoaded(job->communicator, known, &all, &job->data.references);
   }
   job->rejected.insert(job->rejected.end(), all.rejected.begin(),
                        all.rejected.end());

@@ -1,8 +1,8 @@
 #ifndef ALIDADE_SRC_SERIALIZATION_DATA_SECTION_H_
 #define ALIDADE_SRC_SERIALIZATION_DATA_SECTION_H_
 
-#include "src/calibration/job_config.h"
 #include "src/dataio/dataset_csv.h"
+#include "src/serialization/job_config.h"
 #include "src/serialization/job_context.h"
 
 namespace alidade::internal {

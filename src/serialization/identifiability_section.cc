@@ -163,16 +163,17 @@ std::vector<ParameterBounds> ReadBounds(const JobContext& context,
   for (const auto& [name, entry] : map.entries()) {
     const std::vector<YamlValue> ends = entry.List(2, "lower, upper");
     ParameterBounds bound;
-    bound.column = layout.Find(name).value();
+    bound.parameter = name;
+    const int column = layout.Find(name).value();
     // Base, targets and references have no nominal values that bounds could be
     // about: a job that identifies them finds where they are.
-    if (!ParameterLayout::IsJointKind(layout.parameter(bound.column).kind)) {
+    if (!ParameterLayout::IsJointKind(layout.parameter(column).kind)) {
       entry.Fail(
           "bounds hold for joint parameters (beta1, alpha1, d1, theta1, "
           "r1 ...), found " +
           Quote(name));
     }
-    const Dimension dimension = layout.parameter(bound.column).dimension;
+    const Dimension dimension = layout.parameter(column).dimension;
     bound.lower = ends[0].Limit(dimension, context.units);
     bound.upper = ends[1].Limit(dimension, context.units);
     if (!(bound.lower < bound.upper && bound.lower <= 0.0 &&
@@ -182,8 +183,8 @@ std::vector<ParameterBounds> ReadBounds(const JobContext& context,
           "upper and the nominal value, 0, between them, found [" +
           ends[0].Text() + ", " + ends[1].Text() + "]");
     }
-    bound.lower += nominal[bound.column];
-    bound.upper += nominal[bound.column];
+    bound.lower += nominal[column];
+    bound.upper += nominal[column];
     bounds.push_back(bound);
   }
   return bounds;

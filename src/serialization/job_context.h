@@ -4,9 +4,7 @@
 #include <map>
 #include <string>
 
-#include "alidade/communicator.h"
 #include "src/serialization/config_file.h"
-#include "src/serialization/job_file.h"
 #include "src/serialization/yaml_reader.h"
 
 namespace alidade::internal {
@@ -16,7 +14,7 @@ struct JobContext {
   YamlMap file;
   Units units;
   NamedFiles files;
-  Execution execution = {};  ///< ranks read a part of the data each
+  int num_threads = 1;  ///< to read data sets with
   /// The rank that reads each data set's file.
   std::map<std::string, int> readers = {};
 };

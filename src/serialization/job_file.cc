@@ -41,9 +41,9 @@ void ReadSolver(const JobContext& context, JobConfig* job) {
       {"name", "max_iterations", "function_tolerance", "rounding_floor_factor",
        "wanted_precision", "initial_trust_region_radius",
        "pseudo_inverse_tolerance", "evaluation"});
-  SolverOptions& options = job->solver_options;
+  SolverOptions& options = job->options.solver_options;
   if (const auto name = map.Optional("name")) {
-    job->solver = ReadSolverName(*name);
+    job->options.solver = ReadSolverName(*name);
   }
   map.ReadInteger("max_iterations", &options.max_iterations);
   map.ReadNumber("function_tolerance", &options.function_tolerance);
@@ -67,10 +67,11 @@ void ReadRobust(const JobContext& context, JobConfig* job) {
   const YamlValue loss = value->Map({"loss"}).Required("loss");
   const std::string name =
       loss.Choice("loss", {"none", "huber", "cauchy", "tukey"});
-  if (name == "huber") job->loss = LossKind::kHuber;
-  if (name == "cauchy") job->loss = LossKind::kCauchy;
-  if (name == "tukey") job->loss = LossKind::kTukey;
-  if (job->loss != LossKind::kNone && job->solver != SolverName::kCeres) {
+  if (name == "huber") job->options.loss = LossKind::kHuber;
+  if (name == "cauchy") job->options.loss = LossKind::kCauchy;
+  if (name == "tukey") job->options.loss = LossKind::kTukey;
+  if (job->options.loss != LossKind::kNone &&
+      job->options.solver != SolverName::kCeres) {
     loss.Fail(
         "the pseudo-inverse is least squares: a robust loss goes with "
         "`solver: {name: ceres}`");
@@ -82,13 +83,13 @@ void ReadCompareWith(const JobContext& context, JobConfig* job) {
   if (!value) return;
   for (const YamlValue& item : value->List()) {
     const SolverName name = ReadSolverName(item);
-    const std::vector<SolverName>& known = job->compare_with;
-    if (name == job->solver ||
+    const std::vector<SolverName>& known = job->options.compare_with;
+    if (name == job->options.solver ||
         std::find(known.begin(), known.end(), name) != known.end()) {
       item.Fail("solver " + Quote(item.Text()) +
                 " runs already, expected each solver once");
     }
-    job->compare_with.push_back(name);
+    job->options.compare_with.push_back(name);
   }
 }
 
@@ -99,14 +100,14 @@ bool IsOfHeldout(const std::string& key) {
 // A limit of poses that the fit does not use needs some.
 void CheckHeldout(const YamlValue& limit, const std::string& key,
                   const JobConfig& job) {
-  if (!IsOfHeldout(key) || job.validation || job.folds) return;
+  if (!IsOfHeldout(key) || job.data.validation || job.options.folds) return;
   limit.Fail("needs poses that the fit does not use: add \"validation\"");
 }
 
 void CheckRotation(const YamlValue& limit, const std::string& key,
                    const JobConfig& job) {
-  const bool is_heldout = IsOfHeldout(key) && job.validation;
-  const Dataset& data = is_heldout ? *job.validation : job.data;
+  const bool is_heldout = IsOfHeldout(key) && job.data.validation;
+  const Dataset& data = is_heldout ? *job.data.validation : job.data.training;
   if (data.Has(MeasurementKind::kPose)) return;
   limit.Fail("no orientation is measured, expected limits of positions alone");
 }
@@ -117,7 +118,7 @@ void ReadAcceptance(const JobContext& context, bool with_validation,
                     JobConfig* job) {
   const std::optional<YamlValue> value = context.file.Optional("acceptance");
   if (!value) return;
-  AcceptanceLimits& limits = job->acceptance;
+  AcceptanceLimits& limits = job->options.acceptance;
   const std::vector<std::pair<std::string, std::optional<double>*>> lengths = {
       {"train_rms", &limits.train_rms},
       {"train_max", &limits.train_max},
@@ -180,7 +181,7 @@ std::vector<PublishedFigure> ReadFigures(const YamlValue& value) {
 Eigen::VectorXd WithReferences(const Eigen::VectorXd& deviations,
                                const JobConfig& job) {
   Eigen::VectorXd all =
-      Eigen::VectorXd::Zero(LayoutOf(job.arm, job.references).size());
+      Eigen::VectorXd::Zero(LayoutOf(job.arm, job.data.references).size());
   all.head(deviations.size()) = deviations;
   return all;
 }
@@ -225,8 +226,9 @@ bool HasUnknownReferences(const References& references) {
 
 // The published rules know joint parameters alone.
 void CheckMethod(const JobContext& context, const JobConfig& job) {
-  if (job.identifiability.method != IdentifiabilityMethod::kRules) return;
-  if (!HasUnknownReferences(job.references)) return;
+  if (job.options.identifiability.method != IdentifiabilityMethod::kRules)
+    return;
+  if (!HasUnknownReferences(job.data.references)) return;
   context.file.Required("identifiability")
       .Fail(
           "method: rules identifies no points and planes, and some of these "
@@ -236,25 +238,26 @@ void CheckMethod(const JobContext& context, const JobConfig& job) {
 void ReadMeasurements(bool with_validation, JobContext* context,
                       JobConfig* job) {
   const MeasurementSigmas sigmas = ReadSigmas(*context, job);
-  job->references = ReadReferences(*context);
+  job->data.references = ReadReferences(*context);
   LoadedData loaded =
       ReadData(context->file.Required("data"), sigmas, context, job);
-  job->data = std::move(loaded.data);
+  job->data.training = std::move(loaded.data);
   if (with_validation) ReadValidation(sigmas, loaded.sets, context, job);
   constexpr double kMustBeStated = 0.0;
-  ReadPointDistances(*context,
-                     job->estimate_sigma ? kMustBeStated : sigmas.length, job);
-  const ParameterLayout layout = LayoutOf(job->arm, job->references);
-  ReadIdentifiability(*context, layout, &job->identifiability);
+  ReadPointDistances(
+      *context, job->options.estimate_sigma ? kMustBeStated : sigmas.length,
+      job);
+  const ParameterLayout layout = LayoutOf(job->arm, job->data.references);
+  ReadIdentifiability(*context, layout, &job->options.identifiability);
   CheckMethod(*context, *job);
-  job->bounds =
-      ReadBounds(*context, layout, NominalValues(job->arm, job->references));
+  job->options.bounds = ReadBounds(
+      *context, layout, NominalValues(job->arm, job->data.references));
 }
 
 void ReadTruth(JobContext* context, JobConfig* job) {
   const std::optional<YamlValue> value = context->file.Optional("truth");
   if (!value) return;
-  if (HasUnknownReferences(job->references)) {
+  if (HasUnknownReferences(job->data.references)) {
     value->Fail(
         "the true arm is given, but not the true points and planes that "
         "the data are measured against: expected `known: true` of each");
@@ -262,8 +265,8 @@ void ReadTruth(JobContext* context, JobConfig* job) {
   const Eigen::VectorXd deviations = context->files.Read(
       *value,
       [&](const std::string& path) { return LoadDeviations(path, job->arm); });
-  job->truth = NominalValues(job->arm, job->references) +
-               WithReferences(deviations, *job);
+  job->options.true_values = NominalValues(job->arm, job->data.references) +
+                             WithReferences(deviations, *job);
 }
 
 bool IsOnePositionPerPose(const Dataset& data) {
@@ -276,10 +279,10 @@ void ReadNoiseStudy(const JobContext& context, JobConfig* job) {
   const std::optional<YamlValue> value = context.file.Optional("noise_study");
   if (!value) return;
   const YamlMap map = value->Map({"trials", "workspace_poses", "seed"});
-  if (!job->truth) {
+  if (!job->options.true_values) {
     map.Fail("a noise study compares with the real arm, expected `truth` too");
   }
-  if (!IsOnePositionPerPose(job->data)) {
+  if (!IsOnePositionPerPose(job->data.training)) {
     map.Fail("a noise study takes data sets of one position per pose");
   }
   NoiseStudyConfig study;
@@ -294,7 +297,7 @@ void ReadNoiseStudy(const JobContext& context, JobConfig* job) {
 
 // What asks for all data in one place.
 void RefuseForMany(const JobContext& context, const JobConfig& job) {
-  const int num_ranks = context.execution.communicator->size();
+  const int num_ranks = job.communicator->size();
   if (num_ranks == 1) return;
   const auto refuse = [&](const YamlValue& value, const std::string& what) {
     value.Fail(what + " needs all data in one process, and this job runs in " +
@@ -304,10 +307,10 @@ void RefuseForMany(const JobContext& context, const JobConfig& job) {
   for (const char* key : {"compare_with", "published"}) {
     if (const auto value = context.file.Optional(key)) refuse(*value, key);
   }
-  if (job.solver == SolverName::kPseudoInverse) {
+  if (job.options.solver == SolverName::kPseudoInverse) {
     refuse(context.file.Required("solver"), "the pseudo-inverse");
   }
-  if (job.solver_options.evaluation == Evaluation::kAutodiff) {
+  if (job.options.solver_options.evaluation == Evaluation::kAutodiff) {
     refuse(context.file.Required("solver"), "evaluation: autodiff");
   }
   if (const auto validation = context.file.Optional("validation")) {
@@ -315,9 +318,9 @@ void RefuseForMany(const JobContext& context, const JobConfig& job) {
   }
 }
 
-std::vector<int> ReadersOf(const JobContext& context) {
+std::vector<int> ReadersOf(const JobContext& context, const JobConfig& job) {
   std::vector<int> readers;
-  if (context.execution.communicator->size() == 1) return readers;
+  if (job.communicator->size() == 1) return readers;
   for (const std::string& path : context.files.paths()) {
     const auto found = context.readers.find(path);
     readers.push_back(found == context.readers.end() ? 0 : found->second);
@@ -335,11 +338,14 @@ void ReadOutputs(const JobContext& context, JobConfig* job) {
 JobConfig Load(const YamlValue& root, bool with_validation,
                const Execution& execution) {
   const YamlMap file = root.Map(JobKeys());
-  JobContext context{file, Units(file), NamedFiles(root.document()), execution};
+  JobContext context{file, Units(file), NamedFiles(root.document()),
+                     execution.num_threads};
   JobConfig job;
   job.path = root.document().files.front();
+  job.options.num_threads = execution.num_threads;
+  job.communicator = execution.communicator;
   job.title = file.Required("title").Text();
-  job.arm = context.files.ReadArm(file.Required("arm"));
+  job.arm = context.files.ReadArm(file.Required("arm"), LoadArm);
   ReadSolver(context, &job);
   ReadRobust(context, &job);
   ReadCompareWith(context, &job);
@@ -353,7 +359,7 @@ JobConfig Load(const YamlValue& root, bool with_validation,
   ReadMonteCarlo(context, &job);
   ReadOutputs(context, &job);
   job.input_files = context.files.paths();
-  job.readers = ReadersOf(context);
+  job.readers = ReadersOf(context, job);
   return job;
 }
 

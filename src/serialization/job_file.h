@@ -5,19 +5,15 @@
 
 #include "alidade/communicator.h"
 #include "alidade/dataset.h"
-#include "src/calibration/job_config.h"
+#include "src/serialization/job_config.h"
+#include "src/serialization/yaml_tree.h"
+#include "src/simulation/simulation.h"
 
 namespace alidade::internal {
 
-/// What a YAML file says it is in its `format` key.
-enum class FileFormat { kArm, kDeviations, kJob, kSimulation, kPlan };
-
-/// @throws InputError where the file is no YAML map or its format is unknown.
-FileFormat DetectFormat(const std::string& path);
-
 /// Reads a job, those that it extends, and every file they name; paths are
-/// relative to the file that states them. What comes out does not depend on
-/// the threads.
+/// relative to the file that states them. `execution` is the job's as well;
+/// the threads make no difference to what is read.
 ///
 /// Ranks read the same job and consecutive files of its data each: what they
 /// get is a part of the data (partition.h). Collective. What needs all data in
@@ -27,14 +23,14 @@ FileFormat DetectFormat(const std::string& path);
 /// a `matrix`, which is many jobs (job_matrix.h).
 JobConfig LoadJob(const std::string& path, const Execution& execution = {});
 
+/// The job that a tree describes, its files loaded. @pre no `matrix` in it.
+/// @throws InputError.
+JobConfig LoadJobTree(YamlDocument tree, const Execution& execution);
+
 /// The same without `validation`, and without limits of held-out poses in
 /// `acceptance`: no pose is held out of `data`. For plans, and for studies that
 /// hold out their own.
 JobConfig LoadWholeJob(const std::string& path);
-
-/// Reads a simulation and every file it names.
-/// @throws InputError with file, line, column and key.
-SimulationConfig LoadSimulation(const std::string& path);
 
 }  // namespace alidade::internal
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "src/calibration/job_config.h"
+#include "src/serialization/job_config.h"
 #include "src/serialization/job_file.h"
 
 namespace alidade::internal {

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "src/serialization/job_file.h"
 #include "src/serialization/yaml_tree.h"
 
 namespace alidade::internal {
@@ -22,10 +21,6 @@ const std::vector<std::string>& JobKeys();
 /// what the base's numbers mean.
 /// @throws InputError, also where files extend each other in a circle.
 YamlDocument ReadJobTree(const std::string& path);
-
-/// The job that a tree describes, its files loaded. @pre no `matrix` in it.
-/// @throws InputError.
-JobConfig LoadJobTree(YamlDocument tree, const Execution& execution);
 
 }  // namespace alidade::internal
 

@@ -77,26 +77,28 @@ void ReadMeasurement(const JobContext& context, PlanConfig* plan) {
 }
 
 // Arm, earlier measurements and parameters come from a job, or are told here.
-void ReadJob(const YamlValue& value, JobContext* context, PlanConfig* plan) {
+JobConfig ReadJob(const YamlValue& value, JobContext* context) {
   for (const char* key : {"arm", "measured", "references"}) {
     if (const auto other = context->file.Optional(key)) {
       other->Fail("found beside \"job\", which says the same");
     }
   }
-  plan->job = context->files.Read(
+  return context->files.Read(
       value, [](const std::string& path) { return LoadWholeJob(path); });
 }
 
 void ReadMeasured(JobContext* context, PlanConfig* plan) {
-  JobConfig& job = plan->job;
-  job.references = ReadReferences(*context);
-  job.data.joint_values = Eigen::MatrixXd(job.arm.num_joints(), 0);
-  const std::optional<YamlValue> value = context->file.Optional("measured");
-  if (!value) return;
-  const MeasurementSigmas sigmas = {plan->measurement.sigma,
-                                    plan->measurement.rotation_sigma};
-  job.data = ReadData(*value, sigmas, context, &job).data;
-  ReadPointDistances(*context, sigmas.length, &job);
+  JobConfig job;
+  job.arm = plan->job.arm;
+  job.data.references = ReadReferences(*context);
+  job.data.training.joint_values = Eigen::MatrixXd(job.arm.num_joints(), 0);
+  if (const auto value = context->file.Optional("measured")) {
+    const MeasurementSigmas sigmas = {plan->measurement.sigma,
+                                      plan->measurement.rotation_sigma};
+    job.data.training = ReadData(*value, sigmas, context, &job).data;
+    ReadPointDistances(*context, sigmas.length, &job);
+  }
+  plan->job = std::move(job);
 }
 
 void ReadMinimumMotion(const YamlValue& value, const Units& units,
@@ -204,16 +206,18 @@ PlanConfig LoadPlan(const std::string& path, int num_threads) {
   plan.path = path;
   plan.title = file.Required("title").Text();
   const std::optional<YamlValue> job = file.Optional("job");
+  std::vector<std::string> inputs_of_job;
   if (job) {
-    ReadJob(*job, &context, &plan);
+    JobConfig read = ReadJob(*job, &context);
+    inputs_of_job = std::move(read.input_files);
+    plan.job = std::move(read);
   } else {
-    plan.job.arm = context.files.ReadArm(file.Required("arm"));
+    plan.job.arm = context.files.ReadArm(file.Required("arm"), LoadArm);
   }
-  plan.job.path = path;
   ReadMeasurement(context, &plan);
   if (!job) ReadMeasured(&context, &plan);
-  ReadIdentifiability(context, LayoutOf(plan.job.arm, plan.job.references),
-                      &plan.job.identifiability);
+  ReadIdentifiability(context, LayoutOf(plan.job.arm, plan.job.data.references),
+                      &plan.job.options.identifiability);
   ReadPoses(context, &plan);
   ReadPlanCandidates(&context, &plan);
   plan.constraints.targets = plan.measurement.targets;
@@ -223,9 +227,8 @@ PlanConfig LoadPlan(const std::string& path, int num_threads) {
   ReadSpeeds(context, &plan);
   plan.seed = file.Required("seed").Seed();
   plan.input_files = context.files.paths();
-  for (const std::string& input : plan.job.input_files) {
-    plan.input_files.push_back(input);
-  }
+  plan.input_files.insert(plan.input_files.end(), inputs_of_job.begin(),
+                          inputs_of_job.end());
   return plan;
 }
 

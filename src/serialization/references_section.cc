@@ -141,12 +141,12 @@ void ReadPointDistances(const JobContext& context, double default_sigma,
   if (!list) return;
   std::vector<Observation> observations;
   for (const YamlValue& item : list->List()) {
-    observations.push_back(
-        ReadPointDistance(item, context.units, default_sigma, job->references));
+    observations.push_back(ReadPointDistance(item, context.units, default_sigma,
+                                             job->data.references));
   }
   for (const ObservationBlock& block :
-       MakeBlocks(observations, job->data.num_poses())) {
-    AppendGlobal(context.execution.communicator, block, &job->data);
+       MakeBlocks(observations, job->data.training.num_poses())) {
+    AppendGlobal(job->communicator, block, &job->data.training);
   }
 }
 

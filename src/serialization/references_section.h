@@ -6,7 +6,7 @@
 #include "alidade/arm.h"
 #include "alidade/parameter_layout.h"
 #include "alidade/references.h"
-#include "src/calibration/job_config.h"
+#include "src/serialization/job_config.h"
 #include "src/serialization/job_context.h"
 
 namespace alidade::internal {

@@ -243,7 +243,7 @@ std::string FormatResultJson(const CalibrationResult& result) {
                {"title", result.title},
                {"inputs", ToJsonList(result.inputs, ToJson)},
                {"seed", result.seed},
-               {"arm", result.arm},
+               {"arm", result.arm_name},
                {"parameters", ToJsonList(result.parameters, ToJson)},
                {"warnings", result.warnings},
                {"identifiability", ToJson(result.identifiability)},

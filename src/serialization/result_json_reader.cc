@@ -331,7 +331,7 @@ CalibrationResult LoadResultJson(const std::string& path) {
   result.title = json["title"].Text();
   result.inputs = ReadList(json["inputs"], ReadInput);
   result.seed = json["seed"].Seed();
-  result.arm = json["arm"].Text();
+  result.arm_name = json["arm"].Text();
   result.parameters = ReadList(json["parameters"], ReadParameter);
   result.warnings = json["warnings"].Texts();
   result.identifiability =

@@ -1,3 +1,5 @@
+#include "src/serialization/simulation_file.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -5,8 +7,6 @@
 #include "alidade/parameter_layout.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/serialization/config_file.h"
-#include "src/serialization/job_file.h"
-#include "src/serialization/simulation_section.h"
 #include "src/serialization/yaml_reader.h"
 
 namespace alidade::internal {
@@ -181,7 +181,7 @@ SimulationConfig LoadSimulation(const std::string& path) {
   SimulationConfig config;
   config.path = path;
   file.ReadText("title", &config.title);
-  config.arm = files.ReadArm(file.Required("arm"));
+  config.arm = files.ReadArm(file.Required("arm"), LoadArm);
   ReadSimulationSection(file, units, &files, &config);
   ReadOutput(file, files, &config);
   config.input_files = files.paths();

@@ -32,7 +32,7 @@ SimulatedTruth ReadTruth(const YamlValue& value, const JobConfig& job) {
       value.Choice("truth", {"given", "identified", "priors"});
   if (name == "identified") return SimulatedTruth::kIdentified;
   if (name == "priors") return SimulatedTruth::kPriors;
-  if (!job.truth) {
+  if (!job.options.true_values) {
     value.Fail(
         "no `truth` is given in this job, expected `identified` or "
         "`priors`, or the real arm as the job's `truth`");
@@ -41,14 +41,14 @@ SimulatedTruth ReadTruth(const YamlValue& value, const JobConfig& job) {
 }
 
 void ReadOutliers(const YamlValue& value, const JobContext& context,
-                  MonteCarloConfig* config) {
+                  MonteCarloOptions* config) {
   const YamlMap map = value.Map({"fraction", "size"});
   config->outlier_fraction = ReadFraction(map.Required("fraction"));
   config->outlier_size = PositiveLength(map.Required("size"), context.units);
 }
 
 void ReadRepeatability(const YamlValue& value, const JobContext& context,
-                       MonteCarloConfig* config) {
+                       MonteCarloOptions* config) {
   const YamlMap map = value.Map({"angle", "length"});
   if (const auto angle = map.Optional("angle")) {
     config->joint_angle_sigma = PositiveAngle(*angle, context.units);
@@ -69,7 +69,7 @@ void ReadUncertaintyOptions(const JobContext& context, JobConfig* job) {
   if (!value) return;
   const YamlMap map = value->Map(
       {"confidence", "intervals", "nonlinearity_limit", "map", "seed"});
-  UncertaintyOptions& options = job->uncertainty;
+  UncertaintyOptions& options = job->options.uncertainty;
   if (const auto confidence = map.Optional("confidence")) {
     options.confidence = ReadFraction(*confidence);
   }
@@ -89,9 +89,9 @@ void ReadUncertaintyOptions(const JobContext& context, JobConfig* job) {
 }
 
 void ReadMonteCarlo(const JobContext& context, JobConfig* job) {
-  MonteCarloConfig& config = job->montecarlo;
-  config.truth =
-      job->truth ? SimulatedTruth::kGiven : SimulatedTruth::kIdentified;
+  MonteCarloOptions& config = job->montecarlo;
+  config.truth = job->options.true_values ? SimulatedTruth::kGiven
+                                          : SimulatedTruth::kIdentified;
   const std::optional<YamlValue> value = context.file.Optional("montecarlo");
   if (!value) return;
   const YamlMap map =

@@ -1,7 +1,7 @@
 #ifndef ALIDADE_SRC_SERIALIZATION_UNCERTAINTY_SECTION_H_
 #define ALIDADE_SRC_SERIALIZATION_UNCERTAINTY_SECTION_H_
 
-#include "src/calibration/job_config.h"
+#include "src/serialization/job_config.h"
 #include "src/serialization/job_context.h"
 
 namespace alidade::internal {

@@ -17,50 +17,48 @@ namespace {
 constexpr int kMaxFolds = 1000;
 
 void Take(HoldOut split, JobConfig* job) {
-  job->data = std::move(split.train);
-  job->validation = std::move(split.heldout);
+  job->data.training = std::move(split.train);
+  job->data.validation = std::move(split.heldout);
 }
 
-void ReadFraction(const YamlMap& map, Communicator* communicator,
-                  JobConfig* job) {
-  HoldOutConfig config;
+void ReadFraction(const YamlMap& map, JobConfig* job) {
+  HoldOutOptions holdout;
   const YamlValue fraction = map.Required("fraction");
-  config.fraction = fraction.Number();
-  if (!(config.fraction > 0.0 && config.fraction < 1.0)) {
+  holdout.fraction = fraction.Number();
+  if (!(holdout.fraction > 0.0 && holdout.fraction < 1.0)) {
     fraction.Fail("expected a fraction between 0 and 1, found " +
                   fraction.Text());
   }
-  map.ReadSeed("seed", &config.seed);
-  HoldOut split =
-      HoldOutFraction(job->data, config.fraction, config.seed, communicator);
+  map.ReadSeed("seed", &holdout.seed);
+  HoldOut split = HoldOutFraction(job->data.training, holdout.fraction,
+                                  holdout.seed, job->communicator);
   if (split.train.global_poses() == 0 || split.heldout.global_poses() == 0) {
     fraction.Fail(
         "leaves no configuration on one side: the data set has too few "
         "different ones for it");
   }
   Take(std::move(split), job);
-  job->holdout = config;
+  job->options.holdout = holdout;
 }
 
 void ReadFolds(const YamlMap& map, JobConfig* job) {
-  FoldsConfig config;
+  FoldsOptions options;
   const YamlValue folds = map.Required("folds");
-  config.folds = static_cast<int>(folds.Integer(2, kMaxFolds));
-  map.ReadSeed("seed", &config.seed);
-  const std::vector<int> groups = GroupByConfiguration(job->data);
+  options.folds = static_cast<int>(folds.Integer(2, kMaxFolds));
+  map.ReadSeed("seed", &options.seed);
+  const std::vector<int> groups = GroupByConfiguration(job->data.training);
   const int count = 1 + *std::max_element(groups.begin(), groups.end());
-  if (config.folds > count) {
+  if (options.folds > count) {
     folds.Fail("the data set has " + std::to_string(count) +
                " different configurations, expected as many folds at most");
   }
-  job->folds = config;
+  job->options.folds = options;
 }
 
 // A difference of a pose that is held out and one that is not belongs to
 // neither side.
-void RejectStraddling(const std::vector<bool>& is_heldout,
-                      Communicator* communicator, JobConfig* job) {
-  const Dataset& data = job->data;
+void RejectStraddling(const std::vector<bool>& is_heldout, JobConfig* job) {
+  const Dataset& data = job->data.training;
   std::vector<RejectedRow> rejected;
   for (const ObservationBlock& block : data.blocks) {
     if (block.kind != MeasurementKind::kDifference) continue;
@@ -73,20 +71,20 @@ void RejectStraddling(const std::vector<bool>& is_heldout,
            "a difference between a pose that is held out and one that is not"});
     }
   }
-  rejected = OfAllRanks(HoldersOf(communicator, data), rejected);
+  rejected = OfAllRanks(job->communicator, rejected);
   job->rejected.insert(job->rejected.end(), rejected.begin(), rejected.end());
 }
 
 // Holds out the poses, unless that leaves nothing to fit.
 void HoldOutChosen(const std::vector<bool>& is_heldout, const YamlValue& key,
-                   Communicator* communicator, JobConfig* job) {
+                   JobConfig* job) {
   const bool are_all = std::all_of(is_heldout.begin(), is_heldout.end(),
                                    [](bool held) { return held; });
-  if (OnAllRanks(communicator, job->data, are_all)) {
+  if (OnAllRanks(job->communicator, job->data.training, are_all)) {
     key.Fail("holds out all poses, expected some to be left for the fit");
   }
-  RejectStraddling(is_heldout, communicator, job);
-  Take(HoldOutPoses(job->data, is_heldout, communicator), job);
+  RejectStraddling(is_heldout, job);
+  Take(HoldOutPoses(job->data.training, is_heldout, job->communicator), job);
 }
 
 // In the order that they first come in.
@@ -110,12 +108,11 @@ std::vector<std::string> NamesOfSets(const std::vector<std::string>& sets,
 }
 
 void ReadSets(const YamlValue& value, const std::vector<std::string>& sets,
-              Communicator* communicator, JobConfig* job) {
-  if (OnAllRanks(communicator, job->data, sets.empty())) {
+              JobConfig* job) {
+  if (OnAllRanks(job->communicator, job->data.training, sets.empty())) {
     value.Fail("no data set has a column \"set\", expected one");
   }
-  const std::vector<std::string> names =
-      NamesOfSets(sets, HoldersOf(communicator, job->data));
+  const std::vector<std::string> names = NamesOfSets(sets, job->communicator);
   std::vector<bool> is_heldout(sets.size(), false);
   std::vector<YamlValue> items = {value};
   if (value.IsList()) items = value.List();
@@ -126,7 +123,7 @@ void ReadSets(const YamlValue& value, const std::vector<std::string>& sets,
       if (sets[i] == name) is_heldout[i] = true;
     }
   }
-  HoldOutChosen(is_heldout, value, communicator, job);
+  HoldOutChosen(is_heldout, value, job);
 }
 
 std::optional<int> ParseIndex(const std::string& text) {
@@ -150,7 +147,7 @@ bool NamesFile(const std::string& text, const std::string& resolved,
 
 void ReadFile(const YamlValue& value, const JobContext& context,
               JobConfig* job) {
-  const Dataset& data = job->data;
+  const Dataset& data = job->data.training;
   const std::string text = value.Text();
   const std::string resolved = context.files.Resolve(value);
   std::vector<bool> is_heldout;
@@ -159,15 +156,14 @@ void ReadFile(const YamlValue& value, const JobContext& context,
     is_heldout.push_back(
         NamesFile(text, resolved, data, data.sources[pose].file));
   }
-  Communicator* const communicator = context.execution.communicator;
   const bool is_none = std::none_of(is_heldout.begin(), is_heldout.end(),
                                     [](bool held) { return held; });
-  if (OnAllRanks(communicator, data, is_none)) {
+  if (OnAllRanks(job->communicator, data, is_none)) {
     value.Fail(
         "found " + Quote(text) + ", expected one of the files of " +
         "`data` or its place in that list, from 1: " + JoinNames(data.files));
   }
-  HoldOutChosen(is_heldout, value, communicator, job);
+  HoldOutChosen(is_heldout, value, job);
 }
 
 // Which points and planes observations are of, those of all ranks.
@@ -193,9 +189,8 @@ void Mention(Communicator* communicator, const Dataset& data,
 }
 
 // What the fit does not identify tells nothing of held-out poses.
-void CheckReferences(const YamlValue& value, Communicator* communicator,
-                     const JobConfig& job) {
-  const References& references = job.references;
+void CheckReferences(const YamlValue& value, const JobConfig& job) {
+  const References& references = job.data.references;
   const auto fail = [&](const std::string& name) {
     value.Fail(Quote(name) +
                " is measured against at held-out poses alone, expected it "
@@ -204,8 +199,8 @@ void CheckReferences(const YamlValue& value, Communicator* communicator,
   Mentioned heldout{std::vector<bool>(references.points.size()),
                     std::vector<bool>(references.planes.size())};
   Mentioned fitted = heldout;
-  Mention(communicator, job.data, &fitted);
-  Mention(communicator, *job.validation, &heldout);
+  Mention(job.communicator, job.data.training, &fitted);
+  Mention(job.communicator, *job.data.validation, &heldout);
   for (std::size_t i = 0; i < references.points.size(); ++i) {
     const ReferencePoint& point = references.points[i];
     if (!heldout.points[i] || fitted.points[i] || point.is_known) continue;
@@ -238,19 +233,18 @@ void ReadValidation(const MeasurementSigmas& sigmas,
         "expected `data`, or `fraction` and `seed`, or `folds` and `seed`, or "
         "`set`, or `file`, not both");
   }
-  Communicator* const communicator = context->execution.communicator;
   if (const auto data = map.Optional("data")) {
-    job->validation = ReadData(*data, sigmas, context, job).data;
+    job->data.validation = ReadData(*data, sigmas, context, job).data;
   } else if (map.Optional("folds")) {
     ReadFolds(map, job);
   } else if (const auto set = map.Optional("set")) {
-    ReadSets(*set, sets, communicator, job);
+    ReadSets(*set, sets, job);
   } else if (const auto file = map.Optional("file")) {
     ReadFile(*file, *context, job);
   } else {
-    ReadFraction(map, communicator, job);
+    ReadFraction(map, job);
   }
-  if (job->validation) CheckReferences(*value, communicator, *job);
+  if (job->data.validation) CheckReferences(*value, *job);
 }
 
 }  // namespace alidade::internal

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "src/calibration/job_config.h"
 #include "src/serialization/data_section.h"
+#include "src/serialization/job_config.h"
 #include "src/serialization/job_context.h"
 
 namespace alidade::internal {

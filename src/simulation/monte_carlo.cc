@@ -1,19 +1,17 @@
-#include "src/simulation/monte_carlo.h"
+#include "alidade/monte_carlo.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "alidade/error.h"
 #include "alidade/random.h"
+#include "src/calibration/calibration_task.h"
 #include "src/calibration/fit_uncertainty.h"
 #include "src/calibration/frame_fit.h"
-#include "src/calibration/job.h"
 #include "src/calibration/preparation.h"
 #include "src/common/distributions.h"
 #include "src/common/parallel.h"
@@ -22,33 +20,16 @@
 #include "src/model/joint_draw.h"
 #include "src/simulation/repeated_calibration.h"
 #include "src/simulation/simulated_data.h"
+#include "src/simulation/trial_sums.h"
 #include "src/uncertainty/nonlinearity.h"
 #include "src/uncertainty/prediction.h"
 
 namespace alidade::internal {
 namespace {
 
-constexpr double kConfidenceOfRates = 0.95;
-
 // Trials between two looks at the precision; a fixed number, so that where a
 // run stops does not depend on threads.
 constexpr int kTrialsPerRound = 256;
-constexpr int kFewestTrials = 100;
-
-// What one trial adds to all.
-struct Trial {
-  SimulatedTrial kept;
-  Eigen::VectorXd errors;      // estimate - truth of the free parameters
-  Eigen::VectorXd deviations;  // as told
-  std::vector<char> is_held;
-  std::int64_t axes_held = 0;
-  std::int64_t ellipsoids_held = 0;
-  // Of the configurations whose position is told: how many, and the mean of
-  // their predicted variances.
-  std::int64_t told = 0;
-  double predicted_square = 0.0;
-  double nominal_square = 0.0;  // mean squared error of the nominal arm
-};
 
 const char* NameOf(SimulatedTruth truth) {
   switch (truth) {
@@ -78,45 +59,47 @@ void RequireNoContacts(const Dataset& data) {
 }
 
 // The job with its frames where they are, its sigmas as they are.
-JobConfig Prepare(const JobConfig& config, int num_threads) {
-  RequireNoContacts(config.data);
-  if (config.estimate_sigma && config.loss != LossKind::kNone) {
+CalibrationTask Prepare(const CalibrationTask& task) {
+  RequireNoContacts(task.data.training);
+  if (task.options.estimate_sigma && task.options.loss != LossKind::kNone) {
     throw InputError(
-        {config.path, 0, 0, "measurement.sigma"},
+        {"", 0, 0, "measurement.sigma"},
         "trials with a robust loss cannot estimate sigma: expected a sigma "
         "(`calibrate` tells the one that the data have)");
   }
-  JobConfig prepared = config;
-  FitFrames(&prepared, num_threads);
-  if (prepared.estimate_sigma) EstimateSigmas(&prepared, num_threads);
-  prepared.solver_options.on_iteration = {};
-  prepared.solver_options.num_threads = 1;
+  CalibrationTask prepared = task;
+  HoldOutValidation(&prepared);
+  FitFrames(&prepared);
+  if (prepared.options.estimate_sigma) EstimateSigmas(&prepared);
+  prepared.options.solver_options.on_iteration = {};
+  prepared.options.solver_options.num_threads = 1;
   return prepared;
 }
 
-RepeatedCalibration::Options OptionsOf(const JobConfig& config) {
+RepeatedCalibration::Options OptionsOf(const CalibrationTask& task) {
   RepeatedCalibration::Options options;
-  options.loss = config.loss;
-  options.estimate_sigma = config.estimate_sigma;
-  options.solver = config.solver_options;
+  options.loss = task.options.loss;
+  options.estimate_sigma = task.options.estimate_sigma;
+  options.solver = task.options.solver_options;
   return options;
 }
 
 class MonteCarlo {
  public:
-  MonteCarlo(const JobConfig& config, int num_threads,
+  MonteCarlo(const CalibrationTask& task, MonteCarloOptions study,
              const TrialProgress& progress)
-      : config_(Prepare(config, num_threads)),
-        study_(config_.montecarlo),
-        num_threads_(num_threads),
+      : task_(Prepare(task)),
+        study_(std::move(study)),
+        num_threads_(task.options.num_threads),
         progress_(progress),
-        model_(config_.arm, config_.references, 1),
-        pass_(AnalyzeIdentifiability(model_, config_.data,
-                                     config_.identifiability)),
-        calibration_(model_, pass_, OptionsOf(config_)),
-        workspace_(DrawJointValues(config_.arm, study_.workspace_poses,
+        model_(task_.arm, task_.data.references, 1),
+        pass_(AnalyzeIdentifiability(model_, task_.data.training,
+                                     task_.options.identifiability)),
+        calibration_(model_, pass_, OptionsOf(task_)),
+        workspace_(DrawJointValues(task_.arm, study_.workspace_poses,
                                    study_.seed + 1)),
-        reach_(Reach(config_.arm)) {}
+        reach_(Reach(task_.arm)),
+        sums_(num_free()) {}
 
   MonteCarloResult Run() {
     const auto start = std::chrono::steady_clock::now();
@@ -130,10 +113,13 @@ class MonteCarlo {
         progress_(static_cast<int>(result_.trials.size()), study_.trials);
       }
       result_.stopped_early =
-          IsPreciseEnough() &&
+          sums_.IsPreciseEnough(study_.precision) &&
           static_cast<int>(result_.trials.size()) < study_.trials;
     }
-    SumUp();
+    if (sums_.usable() > 0) {
+      ListParameters();
+      sums_.DescribeWorkspace(&result_);
+    }
     result_.time_s =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
             .count();
@@ -147,21 +133,20 @@ class MonteCarlo {
 
   void FindTruth() {
     truth_ = model_.NominalValues();
-    if (study_.truth == SimulatedTruth::kGiven) truth_ = *config_.truth;
+    if (study_.truth == SimulatedTruth::kGiven)
+      truth_ = *task_.options.true_values;
     if (study_.truth == SimulatedTruth::kIdentified) {
       const RepeatedCalibration::Outcome outcome =
-          calibration_.Run(config_.data);
+          calibration_.Run(task_.data.training);
       if (!outcome.is_usable) {
-        SourceLocation location;
-        location.file = config_.path;
-        throw InputError(location,
+        throw InputError({},
                          "the job finds no usable solution that could be the "
                          "truth of a simulation; `alidade calibrate` tells "
                          "why");
       }
       truth_ = outcome.values;
     }
-    exact_ = config_.data;
+    exact_ = task_.data.training;
     MeasureExactly(model_, truth_, exact_.joint_values, &exact_);
     equivalent_ = Equivalent();
   }
@@ -184,7 +169,7 @@ class MonteCarlo {
     problem.losses.clear();
     values = model_.NominalValues();
     const SolverSummary summary =
-        SolveLevenbergMarquardt(problem, config_.solver_options, &values);
+        SolveLevenbergMarquardt(problem, task_.options.solver_options, &values);
     return summary.IsSolutionUsable() ? values : truth_;
   }
 
@@ -199,7 +184,7 @@ class MonteCarlo {
 
   void ChooseProfiles() {
     is_profile_.assign(num_free(), 0);
-    const UncertaintyOptions& options = config_.uncertainty;
+    const UncertaintyOptions& options = task_.options.uncertainty;
     if (options.intervals == IntervalMethod::kLinear) return;
     FinishedProblem fit = AtTruth();
     const Eigen::VectorXd nonlinearity = MeasureNonlinearity(
@@ -213,15 +198,13 @@ class MonteCarlo {
   }
 
   void Describe() {
-    result_.title = config_.title;
     result_.truth = NameOf(study_.truth);
     result_.seed = study_.seed;
     result_.trials_wanted = study_.trials;
-    result_.confidence = config_.uncertainty.confidence;
-    result_.sigma_estimated = config_.estimate_sigma;
+    result_.confidence = task_.options.uncertainty.confidence;
+    result_.sigma_estimated = task_.options.estimate_sigma;
     result_.workspace_poses = study_.workspace_poses;
     nominal_positions_ = model_.Predict(model_.NominalValues(), workspace_);
-    sums_.resize(num_free());
   }
 
   void RunRound(int first, int last) {
@@ -232,7 +215,11 @@ class MonteCarlo {
                     trials[k] = RunTrial(first + static_cast<int>(k));
                   }
                 });
-    for (Trial& trial : trials) Add(&trial);
+    for (Trial& trial : trials) {
+      sums_.Add(trial);
+      if (!trial.kept.usable) ++result_.failed;
+      result_.trials.push_back(std::move(trial.kept));
+    }
   }
 
   // The arm of this trial: drawn from the priors of its joints, those that are
@@ -244,7 +231,7 @@ class MonteCarlo {
       const ParameterKind kind = model_.layout().parameter(column).kind;
       if (!ParameterLayout::IsJointKind(kind) || !IsCandidate(column)) continue;
       truth[column] +=
-          config_.identifiability.priors.Of(kind) * random->Normal();
+          task_.options.identifiability.priors.Of(kind) * random->Normal();
     }
     return truth;
   }
@@ -289,7 +276,7 @@ class MonteCarlo {
     CalibrationProblem problem{around, exact, calibration_.free_columns()};
     problem.priors = calibration_.priors();
     const SolverSummary summary =
-        SolveLevenbergMarquardt(problem, config_.solver_options, &values);
+        SolveLevenbergMarquardt(problem, task_.options.solver_options, &values);
     if (!summary.IsSolutionUsable()) return std::nullopt;
     return values;
   }
@@ -304,7 +291,7 @@ class MonteCarlo {
       SharedMatrix joint_values = data.joint_values;
       if (misses) {
         joint_values =
-            MissedJointValues(study_, config_.arm, joint_values, &random);
+            MissedJointValues(study_, task_.arm, joint_values, &random);
       }
       MeasureExactly(model_, truth, joint_values, &data);
     }
@@ -353,7 +340,8 @@ class MonteCarlo {
       for (Eigen::MatrixXd& w : block.whiteners) w /= outcome.sigma_factor;
     }
     const CalibrationProblem problem = calibration_.ProblemOf(scaled);
-    const Resolve resolve = ResolveByCeres(problem, config_.solver_options);
+    const Resolve resolve =
+        ResolveByCeres(problem, task_.options.solver_options);
     Eigen::VectorXd values = outcome.values;
     const std::optional<double> least = resolve(-1, &values);
     values = outcome.values;
@@ -402,71 +390,6 @@ class MonteCarlo {
     return error.dot(kept.inverse() * error) <= limit;
   }
 
-  void Add(Trial* trial) {
-    result_.trials.push_back(std::move(trial->kept));
-    if (!result_.trials.back().usable) {
-      ++result_.failed;
-      return;
-    }
-    ++usable_;
-    for (Eigen::Index k = 0; k < num_free(); ++k) {
-      Sum& sum = sums_[k];
-      const double delta = trial->errors[k] - sum.mean;
-      sum.mean += delta / static_cast<double>(usable_);
-      sum.squares += delta * (trial->errors[k] - sum.mean);
-      sum.variances += trial->deviations[k] * trial->deviations[k];
-      sum.held += trial->is_held[k];
-    }
-    told_ += trial->told;
-    nominal_square_ += trial->nominal_square;
-    axes_held_ += trial->axes_held;
-    ellipsoids_held_ += trial->ellipsoids_held;
-    predicted_square_ += trial->predicted_square;
-    const double delta = result_.trials.back().workspace_rms - rms_mean_;
-    rms_mean_ += delta / static_cast<double>(usable_);
-    rms_squares_ += delta * (result_.trials.back().workspace_rms - rms_mean_);
-  }
-
-  bool IsPreciseEnough() const {
-    if (study_.precision <= 0.0 || usable_ < kFewestTrials) return false;
-    const auto n = static_cast<double>(usable_);
-    const double error = std::sqrt(rms_squares_ / (n - 1.0) / n);
-    return NormalQuantile(0.975) * error <= study_.precision * rms_mean_;
-  }
-
-  Coverage MakeCoverage(std::int64_t held, std::int64_t n,
-                        std::int64_t independent) const {
-    Coverage coverage;
-    coverage.held = held;
-    coverage.n = n;
-    // Positions of one trial share its errors: as many independent looks as
-    // there are trials.
-    const double rate = coverage.rate();
-    std::tie(coverage.lower, coverage.upper) =
-        RateInterval(std::llround(rate * static_cast<double>(independent)),
-                     independent, kConfidenceOfRates);
-    return coverage;
-  }
-
-  void SumUp() {
-    if (usable_ == 0) return;
-    ListParameters();
-    if (told_ > 0) {
-      result_.axes = MakeCoverage(axes_held_, 3 * told_, usable_);
-      result_.ellipsoids = MakeCoverage(ellipsoids_held_, told_, usable_);
-    }
-    result_.workspace_before =
-        std::sqrt(nominal_square_ / static_cast<double>(usable_));
-    result_.workspace_predicted =
-        std::sqrt(predicted_square_ / static_cast<double>(usable_));
-    std::vector<double> errors;
-    for (const SimulatedTrial& trial : result_.trials) {
-      if (trial.usable) errors.push_back(trial.workspace_rms);
-    }
-    result_.workspace = SummarizeErrors(Eigen::Map<const Eigen::VectorXd>(
-        errors.data(), static_cast<Eigen::Index>(errors.size())));
-  }
-
   void ListParameters() {
     const FinishedProblem fit = AtTruth();
     const Eigen::VectorXd bounds =
@@ -474,24 +397,17 @@ class MonteCarlo {
             JacobianFactor(model_, equivalent_, exact_, fit.free_columns),
             fit.free_columns, FreePriors(fit))
             .Deviations();
-    const auto n = static_cast<double>(usable_);
     double squares = 0.0;
     for (Eigen::Index k = 0; k < num_free(); ++k) {
       const int column = calibration_.free_columns()[k];
       const Parameter& parameter = model_.layout().parameter(column);
-      const Sum& sum = sums_[k];
-      SimulatedParameter one;
+      SimulatedParameter one = sums_.DescribeParameter(k);
       one.name = parameter.name;
       one.dimension = parameter.dimension;
       if (study_.truth != SimulatedTruth::kPriors) {
         one.truth = equivalent_[column];
       }
-      one.bias = sum.mean;
-      one.spread = usable_ > 1 ? std::sqrt(sum.squares / (n - 1.0)) : 0.0;
-      one.bias_error = one.spread / std::sqrt(n);
-      one.predicted_std = std::sqrt(sum.variances / n);
       one.bound = bounds[k];
-      one.coverage = MakeCoverage(sum.held, usable_, usable_);
       one.is_profile = is_profile_[k] != 0;
       squares += std::pow(one.spread / one.bound, 2);
       result_.parameters.push_back(std::move(one));
@@ -500,16 +416,8 @@ class MonteCarlo {
         std::sqrt(squares / std::max(1.0, static_cast<double>(num_free())));
   }
 
-  // Of one parameter, by Welford's recurrence.
-  struct Sum {
-    double mean = 0.0;
-    double squares = 0.0;
-    double variances = 0.0;
-    std::int64_t held = 0;
-  };
-
-  const JobConfig config_;
-  const MonteCarloConfig& study_;
+  const CalibrationTask task_;
+  const MonteCarloOptions study_;
   const int num_threads_;
   const TrialProgress& progress_;
   const MeasurementModel model_;
@@ -523,23 +431,20 @@ class MonteCarlo {
   Dataset exact_;
   std::vector<char> is_profile_;
 
-  std::int64_t usable_ = 0;
-  std::vector<Sum> sums_;
-  std::int64_t told_ = 0;
-  double nominal_square_ = 0.0;
-  std::int64_t axes_held_ = 0;
-  std::int64_t ellipsoids_held_ = 0;
-  double predicted_square_ = 0.0;
-  double rms_mean_ = 0.0;
-  double rms_squares_ = 0.0;
+  TrialSums sums_;
   MonteCarloResult result_;
 };
 
 }  // namespace
+}  // namespace alidade::internal
 
-MonteCarloResult RunMonteCarlo(const JobConfig& config, int num_threads,
+namespace alidade {
+
+MonteCarloResult RunMonteCarlo(const Arm& arm, const CalibrationData& data,
+                               const CalibrationOptions& options,
+                               const MonteCarloOptions& study,
                                const TrialProgress& progress) {
-  return MonteCarlo(config, num_threads, progress).Run();
+  return internal::MonteCarlo({arm, data, options}, study, progress).Run();
 }
 
-}  // namespace alidade::internal
+}  // namespace alidade

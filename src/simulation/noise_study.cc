@@ -30,16 +30,16 @@ struct Method {
 
 class NoiseStudy {
  public:
-  NoiseStudy(const JobConfig& config, int num_threads)
-      : config_(config),
-        study_(*config.noise_study),
-        num_threads_(num_threads),
-        model_(config.arm),
-        exact_(config.data),
-        workspace_(DrawJointValues(config.arm, study_.workspace_poses,
-                                   study_.seed + 1)),
-        true_workspace_(model_.Predict(*config.truth, workspace_)) {
-    exact_.positions() = model_.Predict(*config.truth, exact_.joint_values);
+  NoiseStudy(const CalibrationTask& task, const NoiseStudyConfig& study)
+      : task_(task),
+        study_(study),
+        model_(task.arm),
+        exact_(task.data.training),
+        workspace_(
+            DrawJointValues(task.arm, study_.workspace_poses, study_.seed + 1)),
+        true_workspace_(model_.Predict(*task.options.true_values, workspace_)) {
+    exact_.positions() =
+        model_.Predict(*task.options.true_values, exact_.joint_values);
   }
 
   NoiseStudyResult Run() {
@@ -67,7 +67,7 @@ class NoiseStudy {
  private:
   Method Prepare(const std::string& name, IdentifiabilityMethod method,
                  WeakPolicy policy) const {
-    IdentifiabilityOptions options = config_.identifiability;
+    IdentifiabilityOptions options = task_.options.identifiability;
     options.method = method;
     options.policy = policy;
     const IdentifiabilityResult pass =
@@ -84,7 +84,7 @@ class NoiseStudy {
     out.data_rms.resize(study_.trials);
     out.workspace_rms.resize(study_.trials);
     std::vector<char> failed(study_.trials, 0);
-    ParallelFor(num_threads_, study_.trials, 1,
+    ParallelFor(task_.options.num_threads, study_.trials, 1,
                 [&](std::int64_t begin, std::int64_t end) {
                   for (std::int64_t trial = begin; trial < end; ++trial) {
                     Eigen::VectorXd values = model_.NominalValues();
@@ -110,7 +110,7 @@ class NoiseStudy {
     noisy.positions() = positions.Freeze();
     const CalibrationProblem problem{model_, noisy, method.free_columns,
                                      method.start_rank, method.priors};
-    SolverOptions options = config_.solver_options;
+    SolverOptions options = task_.options.solver_options;
     options.num_threads = 1;
     options.on_iteration = {};  // not for many threads at once
     const SolverSummary summary =
@@ -129,9 +129,8 @@ class NoiseStudy {
     return RootMeanSquare(model_.Predict(values, workspace_) - true_workspace_);
   }
 
-  const JobConfig& config_;
+  const CalibrationTask& task_;
   const NoiseStudyConfig& study_;
-  const int num_threads_;
   const MeasurementModel model_;
   Dataset exact_;  // with the true positions
   const Eigen::MatrixXd workspace_;
@@ -140,8 +139,9 @@ class NoiseStudy {
 
 }  // namespace
 
-NoiseStudyResult RunNoiseStudy(const JobConfig& config, int num_threads) {
-  return NoiseStudy(config, num_threads).Run();
+NoiseStudyResult RunNoiseStudy(const CalibrationTask& task,
+                               const NoiseStudyConfig& config) {
+  return NoiseStudy(task, config).Run();
 }
 
 }  // namespace alidade::internal

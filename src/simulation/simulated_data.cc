@@ -68,7 +68,7 @@ void MeasureExactly(const MeasurementModel& model,
   }
 }
 
-void AddNoise(const MonteCarloConfig& config, double reach, Random* random,
+void AddNoise(const MonteCarloOptions& config, double reach, Random* random,
               Dataset* data) {
   for (ObservationBlock& block : data->blocks) {
     MatrixBuilder measured(block.measured);
@@ -89,7 +89,7 @@ void AddNoise(const MonteCarloConfig& config, double reach, Random* random,
   }
 }
 
-Eigen::MatrixXd MissedJointValues(const MonteCarloConfig& config,
+Eigen::MatrixXd MissedJointValues(const MonteCarloOptions& config,
                                   const Arm& arm,
                                   const SharedMatrix& joint_values,
                                   Random* random) {

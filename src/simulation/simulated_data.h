@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 
 #include "alidade/dataset.h"
+#include "alidade/monte_carlo_options.h"
 #include "alidade/random.h"
-#include "src/calibration/job_config.h"
 #include "src/kernel/measurement_model.h"
 
 namespace alidade::internal {
@@ -19,11 +19,11 @@ void MeasureExactly(const MeasurementModel& model,
 
 /// Adds Gaussian noise of the data's own sigmas (or covariances) to every
 /// measured row, and gross errors to some observations.
-void AddNoise(const MonteCarloConfig& config, double reach, Random* random,
+void AddNoise(const MonteCarloOptions& config, double reach, Random* random,
               Dataset* data);
 
 /// Joint values that the arm really takes: off by its repeatability.
-Eigen::MatrixXd MissedJointValues(const MonteCarloConfig& config,
+Eigen::MatrixXd MissedJointValues(const MonteCarloOptions& config,
                                   const Arm& arm,
                                   const SharedMatrix& joint_values,
                                   Random* random);

@@ -7,7 +7,7 @@
 
 #include "src/common/svd.h"
 #include "src/kernel/compression.h"
-#include "src/kernel/observation_rows.h"
+#include "src/kernel/measurement_model.h"
 #include "src/kernel/partition.h"
 
 namespace alidade::internal {

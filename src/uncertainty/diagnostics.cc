@@ -11,7 +11,7 @@
 #include "src/common/chi_square.h"
 #include "src/common/distributions.h"
 #include "src/identifiability/generic_data.h"
-#include "src/kernel/observation_rows.h"
+#include "src/kernel/measurement_model.h"
 #include "src/kernel/partition.h"
 
 namespace alidade::internal {

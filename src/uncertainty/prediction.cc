@@ -12,7 +12,7 @@
 #include "alidade/rotation.h"
 #include "src/common/distributions.h"
 #include "src/common/parallel.h"
-#include "src/kernel/observation_rows.h"
+#include "src/kernel/measurement_model.h"
 #include "src/kernel/partition.h"
 #include "src/model/joint_draw.h"
 

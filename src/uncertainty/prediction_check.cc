@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "src/common/distributions.h"
-#include "src/kernel/observation_rows.h"
+#include "src/kernel/measurement_model.h"
 #include "src/kernel/partition.h"
 #include "src/uncertainty/expected_share.h"
 #include "src/uncertainty/prediction.h"
@@ -31,9 +31,10 @@ std::vector<Eigen::Index> MeasuredRows(const ObservationBlock& block,
 // What held-out observations say, collected by several threads.
 class HeldOut {
  public:
-  HeldOut(const ParameterCovariance& covariance, const Dataset& data,
-          double confidence)
-      : covariance_(covariance),
+  HeldOut(Communicator* communicator, const ParameterCovariance& covariance,
+          const Dataset& data, double confidence)
+      : communicator_(communicator),
+        covariance_(covariance),
         data_(data),
         ellipsoid_(3.0 * FisherQuantile(confidence, 3.0,
                                         covariance.degrees_of_freedom)),
@@ -98,8 +99,7 @@ class HeldOut {
         std::count_if(scores_.begin(), scores_.end(), [&](const Scores& one) {
           return held_alone ? one.held > 0 : one.held >= 0;
         });
-    return SumOverRanks(model_.communicator(), data_,
-                        static_cast<std::int64_t>(mine));
+    return SumOverRanks(communicator_, data_, static_cast<std::int64_t>(mine));
   }
 
  private:
@@ -120,7 +120,7 @@ class HeldOut {
         by_block[b].insert(by_block[b].end(), more.begin(), more.end());
       }
     }
-    return InOrder(model_.communicator(), data_, std::move(by_block));
+    return InOrder(communicator_, data_, std::move(by_block));
   }
 
   Eigen::MatrixXd AsRows(const std::vector<double>& numbers) const {
@@ -131,6 +131,7 @@ class HeldOut {
         .transpose();
   }
 
+  Communicator* const communicator_;
   const ParameterCovariance& covariance_;
   const Dataset& data_;
   const double ellipsoid_;
@@ -171,7 +172,7 @@ PredictionCheck CheckPrediction(const MeasurementModel& model,
                                 const Eigen::VectorXd& values,
                                 const ParameterCovariance& covariance,
                                 const Dataset& heldout, double confidence) {
-  HeldOut scores(covariance, heldout, confidence);
+  HeldOut scores(model.communicator(), covariance, heldout, confidence);
   ForEachObservation(
       model, values, heldout, covariance.columns,
       [&](int, Eigen::Index i, const Eigen::Ref<const Eigen::MatrixXd>& rows) {

@@ -8,7 +8,7 @@
 
 #include "alidade/random.h"
 #include "alidade/rotation.h"
-#include "src/calibration/job.h"
+#include "src/job/run_job.h"
 #include "src/kernel/holdout.h"
 #include "src/kernel/measurement_model.h"
 #include "src/model/joint_draw.h"
@@ -41,27 +41,28 @@ JobConfig FarArmJob(int num_poses, double sigma) {
   real.instrument_from_base.translation() << 4.0, -3.0, 1.0;
   real.last_from_target().translation() << 0.06, -0.08, 0.1;
   const MeasurementModel model(real);
-  job.data.name = "simulated";
-  job.data.joint_values = DrawJointValues(real, num_poses, 5);
-  job.data.positions() =
-      model.Predict(model.NominalValues(), job.data.joint_values);
-  job.data.sigmas() = Eigen::MatrixXd::Constant(3, num_poses, kSigma);
+  job.data.training.name = "simulated";
+  job.data.training.joint_values = DrawJointValues(real, num_poses, 5);
+  job.data.training.positions() =
+      model.Predict(model.NominalValues(), job.data.training.joint_values);
+  job.data.training.sigmas() = Eigen::MatrixXd::Constant(3, num_poses, kSigma);
   for (Eigen::Index i = 0; i < num_poses; ++i) {
     for (int axis = 0; axis < 3; ++axis) {
-      testing::Edit (&job.data.positions())(axis, i) += sigma * random.Normal();
+      testing::Edit (&job.data.training.positions())(axis, i) +=
+          sigma * random.Normal();
     }
   }
-  job.identifiability.candidates = {true, true, true};
-  HoldOut split = HoldOutFraction(job.data, 0.3, 1);
-  job.data = split.train;
-  job.validation = split.heldout;
+  job.options.identifiability.candidates = {true, true, true};
+  HoldOut split = HoldOutFraction(job.data.training, 0.3, 1);
+  job.data.training = split.train;
+  job.data.validation = split.heldout;
   return job;
 }
 
 TEST(FramesTest, AreFoundMetresAndHalfATurnAway) {
-  const JobOutcome outcome = RunJob(FarArmJob(100, kSigma), "test", 1);
-  ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
-  const CalibrationResult& result = outcome.result;
+  const CalibrationResult outcome = RunJob(FarArmJob(100, kSigma), "test");
+  ASSERT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
+  const CalibrationResult& result = outcome;
   EXPECT_FALSE(result.before_note.empty());
   // 4R + 2P + 3 = 27 for six revolute joints and a point.
   EXPECT_EQ(result.identifiability.num_free, 27);
@@ -81,22 +82,22 @@ TEST(FramesTest, AreFoundMetresAndHalfATurnAway) {
 
 TEST(FramesTest, SigmaIsEstimatedFromTheResiduals) {
   JobConfig job = FarArmJob(200, 3e-5);
-  job.estimate_sigma = true;
-  const JobOutcome outcome = RunJob(job, "test", 1);
-  ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
+  job.options.estimate_sigma = true;
+  const CalibrationResult outcome = RunJob(job, "test");
+  ASSERT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
   // 420 equations less 27: the estimate's own standard deviation is 3.6 %.
-  EXPECT_NEAR(outcome.result.estimated_sigma, 3e-5, 0.4e-5);
-  EXPECT_NEAR(outcome.result.reduced_chi_square, 1.0, 0.05);
+  EXPECT_NEAR(outcome.estimated_sigma, 3e-5, 0.4e-5);
+  EXPECT_NEAR(outcome.reduced_chi_square, 1.0, 0.05);
 }
 
 TEST(FramesTest, OutliersAreListedWithTheirWeight) {
   JobConfig job = FarArmJob(100, kSigma);
-  job.loss = LossKind::kTukey;
-  testing::Edit (&job.data.positions())(1, 7) += 4e-3;
-  testing::Edit (&job.data.positions())(2, 30) -= 2e-3;
-  const JobOutcome outcome = RunJob(job, "test", 1);
-  ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
-  const std::vector<Outlier>& outliers = outcome.result.outliers;
+  job.options.loss = LossKind::kTukey;
+  testing::Edit (&job.data.training.positions())(1, 7) += 4e-3;
+  testing::Edit (&job.data.training.positions())(2, 30) -= 2e-3;
+  const CalibrationResult outcome = RunJob(job, "test");
+  ASSERT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
+  const std::vector<Outlier>& outliers = outcome.outliers;
   // One of the clean observations may be beyond the limit by chance.
   ASSERT_GE(outliers.size(), 2u);
   EXPECT_LE(outliers.size(), 3u);
@@ -106,15 +107,15 @@ TEST(FramesTest, OutliersAreListedWithTheirWeight) {
   EXPECT_EQ(outliers[0].weight, 0.0);
   // 70 observations of 27 parameters leave the loss less than its asymptotic
   // efficiency; least squares is at 1.9e-4.
-  EXPECT_NEAR(outcome.result.heldout->after.rms, 1.05e-4, 2.5e-5);
+  EXPECT_NEAR(outcome.heldout->after.rms, 1.05e-4, 2.5e-5);
 }
 
 TEST(FramesTest, ExactDataHaveNoSigmaToEstimate) {
   JobConfig job = FarArmJob(60, 0.0);
-  job.estimate_sigma = true;
-  job.identifiability.policy = WeakPolicy::kKeep;
-  const JobOutcome outcome = RunJob(job, "test", 1);
-  EXPECT_NE(outcome.status, JobStatus::kDone);
+  job.options.estimate_sigma = true;
+  job.options.identifiability.policy = WeakPolicy::kKeep;
+  const CalibrationResult outcome = RunJob(job, "test");
+  EXPECT_NE(outcome.status, CalibrationStatus::kDone);
   EXPECT_FALSE(outcome.message.empty());
 }
 
@@ -124,10 +125,10 @@ TEST(FramesTest, AreFoundUnderEveryLossThoughResidualsAreManySigmas) {
   for (const LossKind loss :
        {LossKind::kHuber, LossKind::kCauchy, LossKind::kTukey}) {
     JobConfig job = FarArmJob(100, kSigma);
-    job.loss = loss;
-    const JobOutcome outcome = RunJob(job, "test", 1);
-    ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
-    const CalibrationResult& result = outcome.result;
+    job.options.loss = loss;
+    const CalibrationResult outcome = RunJob(job, "test");
+    ASSERT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
+    const CalibrationResult& result = outcome;
     EXPECT_FALSE(result.before_note.empty());
     EXPECT_EQ(result.identifiability.num_free, 27);
     ASSERT_EQ(result.stages.size(), 3u);
@@ -144,19 +145,19 @@ TEST(FramesTest, WhatTheModelLeavesIsAddedToStatedSigmas) {
   // all have the same noise besides, larger than both.
   constexpr double kNoise = 1e-4;
   JobConfig job = FarArmJob(300, kNoise);
-  job.estimate_sigma = true;
-  for (Eigen::Index i = 0; i < job.data.num_poses(); ++i) {
-    testing::Edit(&job.data.sigmas())
+  job.options.estimate_sigma = true;
+  for (Eigen::Index i = 0; i < job.data.training.num_poses(); ++i) {
+    testing::Edit(&job.data.training.sigmas())
         ->col(i)
         .setConstant(i % 5 < 2 ? 2e-6 : 2e-5);
   }
-  const JobOutcome outcome = RunJob(job, "test", 1);
-  ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
+  const CalibrationResult outcome = RunJob(job, "test");
+  ASSERT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
   // The median row: sqrt(2e-5^2 + v), where v is the noise's variance less
   // about that of the stated sigmas. Were sigmas scaled, the small ones would
   // rule and the median be 6e-4. The estimate's own deviation is 3 %.
-  EXPECT_NEAR(outcome.result.estimated_sigma, kNoise, 0.1 * kNoise);
-  EXPECT_NEAR(outcome.result.reduced_chi_square, 1.0, 0.05);
+  EXPECT_NEAR(outcome.estimated_sigma, kNoise, 0.1 * kNoise);
+  EXPECT_NEAR(outcome.reduced_chi_square, 1.0, 0.05);
 }
 
 bool IsWarnedOf(const CalibrationResult& result, const std::string& words) {
@@ -171,11 +172,11 @@ TEST(FramesTest, TooFewPosesForASigmaLeaveParametersNearNominal) {
   // 27 equations for 27 parameters.
   std::vector<Eigen::Index> few(9);
   std::iota(few.begin(), few.end(), Eigen::Index{0});
-  job.data = SelectPoses(job.data, few);
-  job.estimate_sigma = true;
-  const JobOutcome outcome = RunJob(job, "test", 1);
-  ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
-  const CalibrationResult& result = outcome.result;
+  job.data.training = SelectPoses(job.data.training, few);
+  job.options.estimate_sigma = true;
+  const CalibrationResult outcome = RunJob(job, "test");
+  ASSERT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
+  const CalibrationResult& result = outcome;
   EXPECT_TRUE(IsWarnedOf(result, "too few measurements to tell sigma"));
   // What the nominal geometry leaves: a millimetre or so, not the noise.
   EXPECT_GT(result.estimated_sigma, 2e-4);
@@ -185,17 +186,17 @@ TEST(FramesTest, TooFewPosesForASigmaLeaveParametersNearNominal) {
 
 TEST(FramesTest, LimitsOfHeldOutPosesHoldForFolds) {
   JobConfig job = FarArmJob(100, kSigma);
-  job.validation.reset();
-  job.folds = FoldsConfig{5, 1};
-  job.acceptance.heldout_max = 1e-3;
-  EXPECT_EQ(RunJob(job, "test", 1).status, JobStatus::kDone);
-  job.acceptance.heldout_max = 1e-5;
-  const JobOutcome outcome = RunJob(job, "test", 1);
-  EXPECT_EQ(outcome.status, JobStatus::kMissedLimits);
+  job.data.validation.reset();
+  job.options.folds = FoldsConfig{5, 1};
+  job.options.acceptance.heldout_max = 1e-3;
+  EXPECT_EQ(RunJob(job, "test").status, CalibrationStatus::kDone);
+  job.options.acceptance.heldout_max = 1e-5;
+  const CalibrationResult outcome = RunJob(job, "test");
+  EXPECT_EQ(outcome.status, CalibrationStatus::kMissedLimits);
   EXPECT_NE(outcome.message.find("heldout_max"), std::string::npos);
-  ASSERT_EQ(outcome.result.acceptance.size(), 1u);
-  EXPECT_EQ(outcome.result.acceptance[0].obtained,
-            outcome.result.cross_validation->position.max);
+  ASSERT_EQ(outcome.acceptance.size(), 1u);
+  EXPECT_EQ(outcome.acceptance[0].obtained,
+            outcome.cross_validation->position.max);
 }
 
 }  // namespace

@@ -7,9 +7,9 @@
 #include <limits>
 #include <string>
 
-#include "src/calibration/job.h"
 #include "src/dataio/dataset_npy.h"
 #include "src/dataio/load_data.h"
+#include "src/job/run_job.h"
 #include "tests/support/noisy_positions.h"
 #include "tests/support/process.h"
 #include "tests/support/rv2aj_arms.h"
@@ -27,16 +27,18 @@ class InPlaceTest : public ::testing::Test {
     testing::WriteWhole(path_, FormatNpy(measured, arm_, true));
   }
 
-  JobOutcome Calibrate(std::int64_t fewest_bytes_in_place) {
+  CalibrationResult Calibrate(std::int64_t fewest_bytes_in_place) {
     ReadOptions options;
     options.fewest_bytes_in_place = fewest_bytes_in_place;
     References references;
     JobConfig job;
     job.arm = arm_;
-    job.data = LoadDataWith({path_, arm_, format_}, &references, options).data;
-    job.validation = job.data;
-    stride_ = job.data.joint_values.stride();
-    return RunJob(job, "test", 2);
+    job.data.training =
+        LoadDataWith({path_, arm_, format_}, &references, options).data;
+    job.data.validation = job.data.training;
+    stride_ = job.data.training.joint_values.stride();
+    job.options.num_threads = 2;
+    return RunJob(job, "test");
   }
 
   const DataFormat format_;
@@ -47,14 +49,15 @@ class InPlaceTest : public ::testing::Test {
 };
 
 TEST_F(InPlaceTest, AJobHasTheBitsThatItHasOfACopy) {
-  const JobOutcome copied = Calibrate(std::numeric_limits<std::int64_t>::max());
+  const CalibrationResult copied =
+      Calibrate(std::numeric_limits<std::int64_t>::max());
   EXPECT_EQ(stride_, 5);
-  const JobOutcome in_place = Calibrate(0);
+  const CalibrationResult in_place = Calibrate(0);
   EXPECT_EQ(stride_, 11);  // joints, a position and its sigmas
-  ASSERT_EQ(copied.status, JobStatus::kDone) << copied.message;
-  ASSERT_EQ(in_place.status, JobStatus::kDone) << in_place.message;
-  const CalibrationResult& a = copied.result;
-  const CalibrationResult& b = in_place.result;
+  ASSERT_EQ(copied.status, CalibrationStatus::kDone) << copied.message;
+  ASSERT_EQ(in_place.status, CalibrationStatus::kDone) << in_place.message;
+  const CalibrationResult& a = copied;
+  const CalibrationResult& b = in_place;
   EXPECT_EQ(a.runs[0].values, b.runs[0].values);
   EXPECT_EQ(a.train.joint_values, b.train.joint_values);
   EXPECT_EQ(a.train.positions, b.train.positions);

@@ -9,7 +9,7 @@
 
 #include "alidade/error.h"
 #include "alidade/units.h"
-#include "src/calibration/job.h"
+#include "src/job/run_job.h"
 #include "src/model/joint_draw.h"
 #include "tests/calibration/kinds_util.h"
 #include "tests/support/edit.h"
@@ -31,11 +31,11 @@ TEST_P(SlipTest, IsNamed) {
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
   JobConfig job;
   job.arm = NominalArm();
-  job.data = Bench(real, q).Positions(0).data();
-  job.identifiability.candidates = {true, true, true};
-  GetParam().spoil(&job.data);
+  job.data.training = Bench(real, q).Positions(0).data();
+  job.options.identifiability.candidates = {true, true, true};
+  GetParam().spoil(&job.data.training);
   try {
-    RunJob(job, "test", 1);
+    RunJob(job, "test");
     FAIL() << "expected an error";
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find(GetParam().says),
@@ -96,14 +96,14 @@ TEST(DoubtTest, DataThatNoSlipExplainsAreWarnedOf) {
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
   JobConfig job;
   job.arm = NominalArm();
-  job.data = Bench(real, q).Positions(0).data();
-  job.identifiability.candidates = {true, true, true};
-  job.data.positions() = job.data.positions().map().rowwise().reverse();
-  const JobOutcome outcome = RunJob(job, "test", 1);
-  ASSERT_FALSE(outcome.result.warnings.empty());
-  EXPECT_NE(outcome.result.warnings.front().find("No single slip"),
-            std::string::npos)
-      << outcome.result.warnings.front();
+  job.data.training = Bench(real, q).Positions(0).data();
+  job.options.identifiability.candidates = {true, true, true};
+  job.data.training.positions() =
+      job.data.training.positions().map().rowwise().reverse();
+  const CalibrationResult outcome = RunJob(job, "test");
+  ASSERT_FALSE(outcome.warnings.empty());
+  EXPECT_NE(outcome.warnings.front().find("No single slip"), std::string::npos)
+      << outcome.warnings.front();
 }
 
 // An arm whose joints hardly moved would fit to a small cloud of positions.
@@ -112,18 +112,17 @@ TEST(DoubtTest, ASmallCloudExplainsNothing) {
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
   JobConfig job;
   job.arm = NominalArm();
-  job.data = Bench(real, q).Positions(0).data();
-  job.identifiability.candidates = {true, true, true};
-  *testing::Edit(&job.data.positions()) /= 300.0;  // no unit
-  testing::Edit(&job.data.positions())->colwise() +=
+  job.data.training = Bench(real, q).Positions(0).data();
+  job.options.identifiability.candidates = {true, true, true};
+  *testing::Edit(&job.data.training.positions()) /= 300.0;  // no unit
+  testing::Edit(&job.data.training.positions())->colwise() +=
       Eigen::Vector3d(0.4, 0.1, 0.3);
-  const JobOutcome outcome = RunJob(job, "test", 1);
-  EXPECT_NE(outcome.result.warnings.front().find("No single slip"),
-            std::string::npos);
+  const CalibrationResult outcome = RunJob(job, "test");
+  EXPECT_NE(outcome.warnings.front().find("No single slip"), std::string::npos);
 }
 
-bool IsWarnedOf(const JobOutcome& outcome, const std::string& what) {
-  const std::vector<std::string>& warnings = outcome.result.warnings;
+bool IsWarnedOf(const CalibrationResult& outcome, const std::string& what) {
+  const std::vector<std::string>& warnings = outcome.warnings;
   return std::any_of(warnings.begin(), warnings.end(),
                      [&](const std::string& warning) {
                        return warning.find(what) != std::string::npos;
@@ -134,13 +133,13 @@ TEST(DoubtTest, LostTargetsAndTheWorstMeasurementAreNamed) {
   const Arm real = RealArm();
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
   JobConfig job = JobOf(Bench(real, q).Positions(0).data());
-  job.data.files = {"tracker.csv"};
-  job.data.sources.Append({0, 2}, 42);
-  const JobOutcome clean = RunJob(job, "test", 1);
+  job.data.training.files = {"tracker.csv"};
+  job.data.training.sources.Append({0, 2}, 42);
+  const CalibrationResult clean = RunJob(job, "test");
   EXPECT_FALSE(IsWarnedOf(clean, "0, 0, 0"));
   EXPECT_FALSE(IsWarnedOf(clean, "fits worst"));
-  testing::Edit(&job.data.positions())->col(3).setZero();
-  const JobOutcome spoilt = RunJob(job, "test", 1);
+  testing::Edit(&job.data.training.positions())->col(3).setZero();
+  const CalibrationResult spoilt = RunJob(job, "test");
   EXPECT_TRUE(IsWarnedOf(
       spoilt, "tracker.csv:5: 1 position is exactly 0, 0, 0, which"));
   EXPECT_TRUE(
@@ -153,12 +152,11 @@ TEST(DoubtTest, StoppedAndWorseThanBeforeIsAFailure) {
   const Arm real = RealArm();
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
   JobConfig job = JobOf(Bench(real, q).Positions(0).data());
-  EXPECT_EQ(RunJob(job, "test", 1).status, JobStatus::kDone);
-  testing::Edit(&job.data.positions())->col(3).setZero();
-  const JobOutcome outcome = RunJob(job, "test", 1);
-  EXPECT_EQ(outcome.result.runs[0].summary.status,
-            SolverStatus::kIterationLimit);
-  EXPECT_EQ(outcome.status, JobStatus::kFailed);
+  EXPECT_EQ(RunJob(job, "test").status, CalibrationStatus::kDone);
+  testing::Edit(&job.data.training.positions())->col(3).setZero();
+  const CalibrationResult outcome = RunJob(job, "test");
+  EXPECT_EQ(outcome.runs[0].summary.status, SolverStatus::kIterationLimit);
+  EXPECT_EQ(outcome.status, CalibrationStatus::kFailed);
   EXPECT_NE(outcome.message.find("further off than before"), std::string::npos)
       << outcome.message;
 }
@@ -168,8 +166,8 @@ TEST(DoubtTest, OrientationsInAnotherConventionAreRefused) {
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
   JobConfig job = JobOf(Bench(real, q).Poses().data());
   // The inverse rotation: what reads target and instrument the wrong way.
-  testing::Edit(&job.data.blocks[0].measured)->bottomRows<3>() *= -1.0;
-  EXPECT_THROW(RunJob(job, "test", 1), InputError);
+  testing::Edit(&job.data.training.blocks[0].measured)->bottomRows<3>() *= -1.0;
+  EXPECT_THROW(RunJob(job, "test"), InputError);
 }
 
 }  // namespace

@@ -1,5 +1,3 @@
-#include "src/calibration/job.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,6 +8,7 @@
 #include "alidade/parameter_layout.h"
 #include "alidade/units.h"
 #include "src/calibration/evaluate.h"
+#include "src/job/run_job.h"
 #include "src/serialization/job_file.h"
 #include "tests/support/edit.h"
 
@@ -35,9 +34,9 @@ const ParameterResult& Find(const CalibrationResult& result,
 }
 
 TEST(JobTest, StudyReachesItsPublishedFigures) {
-  const JobOutcome outcome = RunJob(LoadStudy(), "test", 2);
-  ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
-  const CalibrationResult& result = outcome.result;
+  const CalibrationResult outcome = RunJob(LoadStudy(), "test");
+  ASSERT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
+  const CalibrationResult& result = outcome;
   ASSERT_EQ(result.runs.size(), 2u);
   for (const SolverRun& run : result.runs) {
     EXPECT_EQ(run.summary.status, SolverStatus::kRoundingFloor);
@@ -54,11 +53,11 @@ TEST(JobTest, StudyReachesItsPublishedFigures) {
 }
 
 TEST(JobTest, D4TakesUpTheFrozenR4) {
-  const JobOutcome outcome = RunJob(LoadStudy(), "test", 1);
-  const ParameterResult& d4 = Find(outcome.result, "d4");
+  const CalibrationResult outcome = RunJob(LoadStudy(), "test");
+  const ParameterResult& d4 = Find(outcome, "d4");
   // 0.1 mm + sin(0.004) * 0.1 mm.
   EXPECT_NEAR(d4.deviation(), 0.1e-3 + std::sin(0.004) * 0.1e-3, 1e-11);
-  const StudyResult& study = *outcome.result.study;
+  const StudyResult& study = *outcome.study;
   ASSERT_EQ(study.absorptions.size(), 1u);
   EXPECT_EQ(study.absorptions[0].frozen, "r4");
   EXPECT_EQ(study.absorptions[0].taken_up_by, "d4");
@@ -66,8 +65,8 @@ TEST(JobTest, D4TakesUpTheFrozenR4) {
 }
 
 TEST(JobTest, TableAsPrintedIsFourTenthsOfAMicrometreOffEverywhere) {
-  const JobOutcome outcome = RunJob(LoadStudy(), "test", 1);
-  const StudyResult& study = *outcome.result.study;
+  const CalibrationResult outcome = RunJob(LoadStudy(), "test");
+  const StudyResult& study = *outcome.study;
   EXPECT_NEAR(study.as_printed.min, 4.0000e-7, 0.5e-11);
   EXPECT_NEAR(study.as_printed.max, 4.0000e-7, 0.5e-11);
   EXPECT_NEAR(study.three_more_decimals.mean, 8.0e-10, 0.1e-10);
@@ -76,88 +75,87 @@ TEST(JobTest, TableAsPrintedIsFourTenthsOfAMicrometreOffEverywhere) {
 }
 
 TEST(JobTest, FlangeReachesTheFloorToo) {
-  const JobOutcome outcome = RunJob(LoadStudy("rv2aj_flange"), "test", 1);
-  ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
-  EXPECT_EQ(outcome.result.identifiability.num_free, 18);
-  EXPECT_LT(outcome.result.heldout->after.max, 5e-16);
-  EXPECT_NEAR(Find(outcome.result, "d4").deviation(),
+  const CalibrationResult outcome = RunJob(LoadStudy("rv2aj_flange"), "test");
+  ASSERT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
+  EXPECT_EQ(outcome.identifiability.num_free, 18);
+  EXPECT_LT(outcome.heldout->after.max, 5e-16);
+  EXPECT_NEAR(Find(outcome, "d4").deviation(),
               0.1e-3 + std::sin(0.004) * 0.1e-3, 1e-11);
 }
 
 TEST(JobTest, RankShortWithoutAChoiceIsRefusedWithTheAnalysis) {
   JobConfig config = LoadStudy("rv2aj_flange");
-  config.identifiability.fix.clear();
-  const JobOutcome outcome = RunJob(config, "test", 1);
-  EXPECT_EQ(outcome.status, JobStatus::kRefused);
+  config.options.identifiability.fix.clear();
+  const CalibrationResult outcome = RunJob(config, "test");
+  EXPECT_EQ(outcome.status, CalibrationStatus::kRefused);
   EXPECT_THAT(outcome.message, HasSubstr("theta4"));
-  EXPECT_TRUE(outcome.result.runs.empty());
-  EXPECT_EQ(outcome.result.identifiability.num_free, 20);
-  config.identifiability.proceed_beyond_rank = true;
-  EXPECT_EQ(RunJob(config, "test", 1).status, JobStatus::kDone);
+  EXPECT_TRUE(outcome.runs.empty());
+  EXPECT_EQ(outcome.identifiability.num_free, 20);
+  config.options.identifiability.proceed_beyond_rank = true;
+  EXPECT_EQ(RunJob(config, "test").status, CalibrationStatus::kDone);
 }
 
 TEST(JobTest, SolverThatCannotSolveIsReportedAndLeavesTheArmNominal) {
   JobConfig config = LoadStudy();
-  testing::Edit (&config.data.positions())(1, 7) =
+  testing::Edit (&config.data.training.positions())(1, 7) =
       std::numeric_limits<double>::quiet_NaN();
-  const JobOutcome outcome = RunJob(config, "test", 1);
-  EXPECT_EQ(outcome.status, JobStatus::kFailed);
+  const CalibrationResult outcome = RunJob(config, "test");
+  EXPECT_EQ(outcome.status, CalibrationStatus::kFailed);
   EXPECT_THAT(outcome.message, HasSubstr("not finite"));
-  EXPECT_EQ(outcome.calibrated.joints[0].r, config.arm.joints[0].r);
+  EXPECT_EQ(outcome.arm.joints[0].r, config.arm.joints[0].r);
 }
 
 TEST(JobTest, ResidualsBeyondTheirSigmasAreAWarning) {
   JobConfig config = LoadStudy();
-  EXPECT_THAT(RunJob(config, "test", 1).result.warnings,
+  EXPECT_THAT(RunJob(config, "test").result.warnings,
               Not(Contains(HasSubstr("as the sigmas say"))));
-  testing::Edit(&config.data.positions())->row(2).array() += 0.5e-3;
-  testing::Edit (&config.data.positions())(0, 3) += 5e-3;
-  const JobOutcome outcome = RunJob(config, "test", 1);
-  EXPECT_THAT(outcome.result.warnings, Contains(HasSubstr("sigmas")));
+  testing::Edit(&config.data.training.positions())->row(2).array() += 0.5e-3;
+  testing::Edit (&config.data.training.positions())(0, 3) += 5e-3;
+  const CalibrationResult outcome = RunJob(config, "test");
+  EXPECT_THAT(outcome.warnings, Contains(HasSubstr("sigmas")));
 }
 
 // Of x alone, alpha1 and r1 have no effect; positions depend on both.
 TEST(JobTest, PositionsThatDependOnWhatIsNotMeasuredAreAWarning) {
   JobConfig config = LoadStudy("rv2aj_flange");
-  config.identifiability.method = IdentifiabilityMethod::kRank;
-  EXPECT_THAT(RunJob(config, "test", 1).result.warnings,
+  config.options.identifiability.method = IdentifiabilityMethod::kRank;
+  EXPECT_THAT(RunJob(config, "test").result.warnings,
               Not(Contains(HasSubstr("positions depend on"))));
-  testing::Edit(&config.data.sigmas())
+  testing::Edit(&config.data.training.sigmas())
       ->bottomRows(2)
       .setConstant(std::numeric_limits<double>::infinity());
-  EXPECT_THAT(RunJob(config, "test", 1).result.warnings,
+  EXPECT_THAT(RunJob(config, "test").result.warnings,
               Contains(AllOf(HasSubstr("positions depend on"),
                              HasSubstr("alpha1"), HasSubstr("r1"))));
 }
 
 TEST(JobTest, ProfilesThatCannotBeMadeAreAWarning) {
   JobConfig config = LoadStudy("rv2aj_flange");
-  config.uncertainty.intervals = IntervalMethod::kProfile;
-  EXPECT_THAT(RunJob(config, "test", 1).result.warnings,
+  config.options.uncertainty.intervals = IntervalMethod::kProfile;
+  EXPECT_THAT(RunJob(config, "test").result.warnings,
               Not(Contains(HasSubstr("intervals are linear"))));
-  config.solver = SolverName::kPseudoInverse;
-  config.compare_with.clear();
-  EXPECT_THAT(RunJob(config, "test", 1).result.warnings,
+  config.options.solver = SolverName::kPseudoInverse;
+  config.options.compare_with.clear();
+  EXPECT_THAT(RunJob(config, "test").result.warnings,
               Contains(HasSubstr("intervals are linear: profiles need")));
 }
 
 TEST(JobTest, DefaultMethodWarnsOfParametersFarFromTheirPriors) {
   JobConfig config = LoadStudy();
-  config.identifiability.method = IdentifiabilityMethod::kRank;
-  EXPECT_THAT(RunJob(config, "test", 1).result.warnings,
+  config.options.identifiability.method = IdentifiabilityMethod::kRank;
+  EXPECT_THAT(RunJob(config, "test").result.warnings,
               Not(Contains(HasSubstr("further from nominal"))));
-  config.identifiability.priors.d = 1e-6;
-  const JobOutcome outcome = RunJob(config, "test", 1);
-  EXPECT_THAT(outcome.result.warnings,
-              Contains(HasSubstr("further from nominal")));
+  config.options.identifiability.priors.d = 1e-6;
+  const CalibrationResult outcome = RunJob(config, "test");
+  EXPECT_THAT(outcome.warnings, Contains(HasSubstr("further from nominal")));
 }
 
 TEST(JobTest, LimitsDecideTheStatus) {
   JobConfig config = LoadStudy();
-  config.acceptance.heldout_rms = 1e-18;
-  const JobOutcome outcome = RunJob(config, "test", 1);
-  EXPECT_EQ(outcome.status, JobStatus::kMissedLimits);
-  EXPECT_FALSE(outcome.result.accepted());
+  config.options.acceptance.heldout_rms = 1e-18;
+  const CalibrationResult outcome = RunJob(config, "test");
+  EXPECT_EQ(outcome.status, CalibrationStatus::kMissedLimits);
+  EXPECT_FALSE(outcome.accepted());
 }
 
 TEST(CompareArmsTest, DistanceOfAShiftedBaseIsTheShiftEverywhere) {

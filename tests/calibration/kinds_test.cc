@@ -15,7 +15,7 @@
 #include "alidade/inverse_kinematics.h"
 #include "alidade/random.h"
 #include "alidade/rotation.h"
-#include "src/calibration/job.h"
+#include "src/job/run_job.h"
 #include "src/model/joint_draw.h"
 #include "tests/calibration/kinds_util.h"
 #include "tests/support/edit.h"
@@ -24,11 +24,11 @@ namespace alidade::internal {
 namespace {
 
 CalibrationResult Calibrate(const JobConfig& job) {
-  const JobOutcome outcome = RunJob(job, "test", 1);
-  EXPECT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
-  EXPECT_NEAR(outcome.result.reduced_chi_square, 1.0, 0.3);
-  EXPECT_TRUE(outcome.result.heldout.has_value());
-  return outcome.result;
+  const CalibrationResult outcome = RunJob(job, "test");
+  EXPECT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
+  EXPECT_NEAR(outcome.reduced_chi_square, 1.0, 0.3);
+  EXPECT_TRUE(outcome.heldout.has_value());
+  return outcome;
 }
 
 TEST(KindsTest, PosesFindTheFrameOfTheTargetToo) {
@@ -57,15 +57,15 @@ TEST(KindsTest, SeveralTargetsAreFoundAtOnce) {
   JobConfig job =
       JobOf(Bench(real, q).Positions(0).Positions(1).Positions(2).data());
   job.arm.targets.resize(3);
-  const JobOutcome outcome = RunJob(job, "test", 1);
-  ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
+  const CalibrationResult outcome = RunJob(job, "test");
+  ASSERT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
   // 4R + 2P + 3 for the first target, 3 for each of the others.
-  EXPECT_EQ(outcome.result.identifiability.num_free, 33);
-  EXPECT_NEAR(outcome.result.heldout->after.rms, 9.2e-5, 1.5e-5);
+  EXPECT_EQ(outcome.identifiability.num_free, 33);
+  EXPECT_NEAR(outcome.heldout->after.rms, 9.2e-5, 1.5e-5);
   // Sides of the triangle of targets do not depend on any frame.
   for (int k = 1; k < 3; ++k) {
-    const double side = (outcome.calibrated.last_from_target(k).translation() -
-                         outcome.calibrated.last_from_target(0).translation())
+    const double side = (outcome.arm.last_from_target(k).translation() -
+                         outcome.arm.last_from_target(0).translation())
                             .norm();
     const double expected = (real.last_from_target(k).translation() -
                              real.last_from_target(0).translation())
@@ -95,13 +95,13 @@ TEST(KindsTest, DifferencesTellGeometryButNoPlace) {
   JobConfig job;
   job.arm = NominalArm();
   job.arm.instrument_from_base.linear() = real.instrument_from_base.linear();
-  job.data = Bench(real, q).Differences().data();
-  job.identifiability.candidates = {true, true, true};
-  const JobOutcome outcome = RunJob(job, "test", 1);
-  ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
+  job.data.training = Bench(real, q).Differences().data();
+  job.options.identifiability.candidates = {true, true, true};
+  const CalibrationResult outcome = RunJob(job, "test");
+  ASSERT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
   // As positions, less the base's place.
-  EXPECT_EQ(outcome.result.identifiability.num_free, 24);
-  EXPECT_NEAR(outcome.result.reduced_chi_square, 1.0, 0.3);
+  EXPECT_EQ(outcome.identifiability.num_free, 24);
+  EXPECT_NEAR(outcome.reduced_chi_square, 1.0, 0.3);
 }
 
 TEST(KindsTest, TwoWiresFindTheirAnchorsAndTheTarget) {
@@ -112,8 +112,8 @@ TEST(KindsTest, TwoWiresFindTheirAnchorsAndTheTarget) {
                             .Distances(1, {5.5, -3.5, 0.2})
                             .data());
   job.arm.instrument_from_base = real.instrument_from_base;
-  job.identifiability.candidates = {true, false, true};
-  job.references.points = {{"left"}, {"right"}};
+  job.options.identifiability.candidates = {true, false, true};
+  job.data.references.points = {{"left"}, {"right"}};
   const CalibrationResult result = Calibrate(job);
   EXPECT_NEAR(result.heldout->after.rms, kSigma, 0.25 * kSigma);
   EXPECT_GT(result.heldout->before.rms, 5.0 * kSigma);
@@ -175,18 +175,18 @@ TEST(KindsTest, ABallInSocketsAKnownDistanceApartIsEnough) {
                             .Append(KnownDistance(2, 3, 0.05))
                             .data());
   job.arm.instrument_from_base = real.instrument_from_base;
-  job.identifiability.candidates = {true, false, true};
-  job.references.points = {{"a/0"}, {"a/1"}, {"b/0"}, {"b/1"}};
-  job.estimate_sigma = true;
+  job.options.identifiability.candidates = {true, false, true};
+  job.data.references.points = {{"a/0"}, {"a/1"}, {"b/0"}, {"b/1"}};
+  job.options.estimate_sigma = true;
   const CalibrationResult result = Calibrate(job);
   EXPECT_GT(result.heldout->before.rms, 1e-3);
   EXPECT_LT(result.heldout->after.rms, 2e-4);
   EXPECT_GT(result.heldout->after.rms, 2e-5);
   // The scale is that of the known distances, told to 1e-5 / 0.05 each: were
   // it free, the fit would shrink the arm by all that its priors allow.
-  const JobOutcome outcome = RunJob(job, "test", 1);
-  EXPECT_NEAR(std::abs(outcome.calibrated.joints[2].d),
-              std::abs(real.joints[2].d), 1e-3);
+  const CalibrationResult outcome = RunJob(job, "test");
+  EXPECT_NEAR(std::abs(outcome.arm.joints[2].d), std::abs(real.joints[2].d),
+              1e-3);
 }
 
 TEST(KindsTest, SocketsWithoutAKnownDistanceLeaveTheSizeOpen) {
@@ -202,17 +202,17 @@ TEST(KindsTest, SocketsWithoutAKnownDistanceLeaveTheSizeOpen) {
   JobConfig job = JobOf(
       Bench(real, q).Contacts(MeasurementKind::kFixedPoint, points).data());
   job.arm.instrument_from_base = real.instrument_from_base;
-  job.identifiability.candidates = {true, false, true};
-  job.references.points = {{"a"}, {"b"}};
+  job.options.identifiability.candidates = {true, false, true};
+  job.data.references.points = {{"a"}, {"b"}};
   for (const bool with_distance : {false, true}) {
     if (with_distance) {
-      job.data.blocks.push_back(
+      job.data.training.blocks.push_back(
           KnownDistance(0, 1, (places[0] - places[1]).norm()));
     }
-    const JobOutcome outcome = RunJob(job, "test", 1);
-    ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
+    const CalibrationResult outcome = RunJob(job, "test");
+    ASSERT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
     bool is_warned = false;
-    for (const std::string& warning : outcome.result.warnings) {
+    for (const std::string& warning : outcome.warnings) {
       is_warned = is_warned ||
                   warning.find("size of the arm open") != std::string::npos;
     }
@@ -235,9 +235,9 @@ TEST(KindsTest, ContactWithAPlaneFindsThePlane) {
           .data());
   job.arm.instrument_from_base = real.instrument_from_base;
   job.arm.last_from_target() = real.last_from_target();
-  job.identifiability.candidates = {true, false, false};
-  job.references.planes = {{"table"}};
-  job.estimate_sigma = true;
+  job.options.identifiability.candidates = {true, false, false};
+  job.data.references.planes = {{"table"}};
+  job.options.estimate_sigma = true;
   const CalibrationResult result = Calibrate(job);
   EXPECT_LT(result.heldout->after.rms, 1.5e-4);
   EXPECT_GT(result.heldout->before.rms, 3.0 * result.heldout->after.rms);
@@ -248,8 +248,8 @@ TEST(KindsTest, KindsMixFreely) {
   const Eigen::MatrixXd q = DrawJointValues(real, 80, 5);
   JobConfig job =
       JobOf(Bench(real, q).Poses().Distances(0, {3.0, -2.0, 0.0}).data());
-  job.references.points = {{"anchor"}};
-  job.folds = FoldsConfig{4, 1};
+  job.data.references.points = {{"anchor"}};
+  job.options.folds = FoldsConfig{4, 1};
   const CalibrationResult result = Calibrate(job);
   EXPECT_EQ(result.identifiability.num_free, 33);
   ASSERT_TRUE(result.cross_validation.has_value());
@@ -266,9 +266,9 @@ TEST(KindsTest, SigmasOfLengthsAndOrientationsAreEstimatedApart) {
   const Arm real = RealArm();
   const Eigen::MatrixXd q = DrawJointValues(real, 200, 5);
   JobConfig job = JobOf(Bench(real, q).Poses().data());
-  testing::Edit(&job.data.blocks[0].sigmas)->topRows<3>() *= 4.0;
-  testing::Edit(&job.data.blocks[0].sigmas)->bottomRows<3>() /= 5.0;
-  job.estimate_sigma = true;
+  testing::Edit(&job.data.training.blocks[0].sigmas)->topRows<3>() *= 4.0;
+  testing::Edit(&job.data.training.blocks[0].sigmas)->bottomRows<3>() /= 5.0;
+  job.options.estimate_sigma = true;
   const CalibrationResult result = Calibrate(job);
   EXPECT_NEAR(result.estimated_sigma, kSigma, 0.12 * kSigma);
   EXPECT_NEAR(result.estimated_rotation_sigma, kRotationSigma,
@@ -279,10 +279,10 @@ TEST(KindsTest, RepeatsTellTheirOwnSpread) {
   const Arm real = RealArm();
   Eigen::MatrixXd q = DrawJointValues(real, 90, 5);
   for (int i = 0; i < 90; ++i) q.col(i) = q.col(3 * (i / 3)).eval();
-  const JobOutcome outcome =
-      RunJob(JobOf(Bench(real, q).Poses().data()), "test", 1);
-  ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
-  const RepeatSpread& repeats = outcome.result.repeats;
+  const CalibrationResult outcome =
+      RunJob(JobOf(Bench(real, q).Poses().data()), "test");
+  ASSERT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
+  const RepeatSpread& repeats = outcome.repeats;
   // 21 of 30 configurations are fitted, each with two degrees of freedom in
   // three coordinates: the deviation of the estimate is 6 %.
   EXPECT_EQ(repeats.length_freedom, 126);
@@ -301,12 +301,13 @@ TEST(KindsTest, AParameterStopsAtItsBoundAndTheReportSaysSo) {
   // Half of the way that the data ask for.
   const double limit = 0.5 * (nominal + real.joints[2].d);
   ASSERT_GT(std::abs(real.joints[2].d - nominal), 1e-4);
-  job.bounds = {{column, std::min(limit, nominal), std::max(limit, nominal)}};
-  const JobOutcome outcome = RunJob(job, "test", 1);
-  ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
-  EXPECT_NEAR(outcome.calibrated.joints[2].d, limit, 1e-12);
+  job.options.bounds = {
+      {column, std::min(limit, nominal), std::max(limit, nominal)}};
+  const CalibrationResult outcome = RunJob(job, "test");
+  ASSERT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
+  EXPECT_NEAR(outcome.arm.joints[2].d, limit, 1e-12);
   bool is_told = false;
-  for (const std::string& warning : outcome.result.warnings) {
+  for (const std::string& warning : outcome.warnings) {
     is_told = is_told || warning.find("at a bound: d3") != std::string::npos;
   }
   EXPECT_TRUE(is_told);

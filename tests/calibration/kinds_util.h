@@ -13,7 +13,7 @@
 #include "alidade/inverse_kinematics.h"
 #include "alidade/random.h"
 #include "alidade/rotation.h"
-#include "src/calibration/job.h"
+#include "src/job/run_job.h"
 #include "src/kernel/holdout.h"
 #include "src/kernel/measurement_model.h"
 #include "src/model/joint_draw.h"
@@ -156,11 +156,11 @@ class Bench {
 inline JobConfig JobOf(const Dataset& data) {
   JobConfig job;
   job.arm = NominalArm();
-  job.data = data;
-  job.identifiability.candidates = {true, true, true};
-  HoldOut split = HoldOutFraction(job.data, 0.3, 1);
-  job.data = split.train;
-  job.validation = split.heldout;
+  job.data.training = data;
+  job.options.identifiability.candidates = {true, true, true};
+  HoldOut split = HoldOutFraction(job.data.training, 0.3, 1);
+  job.data.training = split.train;
+  job.data.validation = split.heldout;
   return job;
 }
 

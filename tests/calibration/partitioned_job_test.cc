@@ -17,8 +17,8 @@
 #include "alidade/error.h"
 #include "alidade/random.h"
 #include "alidade/units.h"
-#include "src/calibration/job.h"
 #include "src/job/result_directory.h"
+#include "src/job/run_job.h"
 #include "src/kernel/measurement_model.h"
 #include "src/model/joint_draw.h"
 #include "src/serialization/job_file.h"
@@ -134,10 +134,10 @@ class Bench {
 };
 
 // All files of a result, but for times and the number of threads.
-Files ResultOf(JobOutcome outcome) {
-  EXPECT_NE(outcome.status, JobStatus::kRefused) << outcome.message;
-  EXPECT_NE(outcome.status, JobStatus::kFailed) << outcome.message;
-  CalibrationResult& result = outcome.result;
+Files ResultOf(CalibrationResult outcome) {
+  EXPECT_NE(outcome.status, CalibrationStatus::kRefused) << outcome.message;
+  EXPECT_NE(outcome.status, CalibrationStatus::kFailed) << outcome.message;
+  CalibrationResult& result = outcome;
   result.identify_time_s = 0.0;
   result.total_time_s = 0.0;
   for (SolverRun& run : result.runs) {
@@ -171,12 +171,12 @@ class PartitionedJobTest : public ::testing::Test {
   // What the root of so many ranks finds; size 0: one process.
   static Files Find(const std::string& job, int size, int threads = 1) {
     if (size == 0) {
-      return ResultOf(RunJob(LoadJob(job, threads), "test", threads));
+      return ResultOf(RunJob(LoadJob(job, threads), "test"));
     }
     Files found;
     RunOnThreads(size, [&](Communicator* communicator) {
-      const Execution execution(threads, communicator);
-      JobOutcome outcome = RunJob(LoadJob(job, execution), "test", execution);
+      CalibrationResult outcome =
+          RunJob(LoadJob(job, {threads, communicator}), "test");
       if (communicator->is_root()) found = ResultOf(std::move(outcome));
     });
     return found;

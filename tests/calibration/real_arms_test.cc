@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "src/calibration/job.h"
+#include "src/job/run_job.h"
 #include "src/serialization/job_file.h"
 #include "tests/support/real_arm_data.h"
 
@@ -40,9 +40,9 @@ TEST_P(RealArmTest, IsAsAccurateOnHeldOutPosesAsAPlainFitOrBetter) {
   if (const std::string lack = testing::WhatDataLack(path); !lack.empty()) {
     GTEST_SKIP() << lack;
   }
-  const JobOutcome outcome = RunJob(LoadJob(path), "test", 2);
-  ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
-  const CalibrationResult& result = outcome.result;
+  const CalibrationResult outcome = RunJob(LoadJob(path), "test");
+  ASSERT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
+  const CalibrationResult& result = outcome;
   EXPECT_EQ(result.identifiability.structural_rank.rank, GetParam().rank);
   EXPECT_EQ(result.identifiability.num_free, GetParam().rank);
   EXPECT_NEAR(result.heldout->after.mean * 1e3, GetParam().plain,
@@ -69,8 +69,8 @@ TEST(RealArmsTest, ThreeReflectorsTellThirtyThreeParametersApart) {
   }
   JobConfig job = LoadJob(path);
   // Ranks do not depend on the loss, the time does.
-  job.loss = LossKind::kNone;
-  const IdentifiabilityResult pass = IdentifyJob(job, 2);
+  job.options.loss = LossKind::kNone;
+  const IdentifiabilityResult pass = AnalyzeTask(job);
   EXPECT_EQ(pass.structural_rank.rank, 33);
   EXPECT_EQ(pass.num_free, 33);
 }
@@ -80,13 +80,13 @@ TEST(RealArmsTest, ABallInSocketsCalibratesAnArmWithoutAnInstrument) {
   if (const std::string lack = testing::WhatDataLack(path); !lack.empty()) {
     GTEST_SKIP() << lack;
   }
-  const JobOutcome outcome = RunJob(LoadJob(path), "test", 2);
-  ASSERT_EQ(outcome.status, JobStatus::kDone) << outcome.message;
+  const CalibrationResult outcome = RunJob(LoadJob(path), "test");
+  ASSERT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
   // The plain fit leaves 0.199 mm over ten splits.
-  EXPECT_NEAR(outcome.result.heldout->after.mean, 0.2e-3, 0.04e-3);
-  EXPECT_GT(outcome.result.heldout->before.mean, 5e-3);
+  EXPECT_NEAR(outcome.heldout->after.mean, 0.2e-3, 0.04e-3);
+  EXPECT_GT(outcome.heldout->before.mean, 5e-3);
   // Sockets of a plate are 50 mm apart, which keeps the arm from shrinking.
-  const std::vector<ReferenceResult>& points = outcome.result.references;
+  const std::vector<ReferenceResult>& points = outcome.references;
   ASSERT_EQ(points.size(), 6u);
   for (const ReferenceResult& a : points) {
     for (const ReferenceResult& b : points) {

@@ -81,13 +81,13 @@ class ShardsTest : public ::testing::Test {
 
 TEST_F(ShardsTest, AreReadInTheOrderOfTheirNames) {
   const JobConfig job = Load("shards/run_*.csv");
-  ASSERT_EQ(job.data.num_poses(), 3);
+  ASSERT_EQ(job.data.training.num_poses(), 3);
   for (int i = 0; i < 3; ++i) {
     const std::string path =
         directory_.Path("shards/run_" + std::to_string(i + 1) + ".csv");
-    EXPECT_NEAR(job.data.joint_values(0, i), (i + 1) * kDegree, 1e-15);
-    EXPECT_EQ(job.data.files[i], path);
-    EXPECT_EQ(SourceOf(job.data, i), path + ":2");
+    EXPECT_NEAR(job.data.training.joint_values(0, i), (i + 1) * kDegree, 1e-15);
+    EXPECT_EQ(job.data.training.files[i], path);
+    EXPECT_EQ(SourceOf(job.data.training, i), path + ":2");
     EXPECT_EQ(job.input_files[2 + i], path);
   }
 }
@@ -95,16 +95,16 @@ TEST_F(ShardsTest, AreReadInTheOrderOfTheirNames) {
 TEST_F(ShardsTest, StandInListsAndMapsAmongOtherFiles) {
   const JobConfig job =
       Load("[shards/run_2.csv, {file: \"shards/*1.csv\", sigma: 3}]");
-  ASSERT_EQ(job.data.num_poses(), 2);
-  EXPECT_EQ(job.data.sigmas()(0, 0), 2e-5);
-  EXPECT_EQ(job.data.sigmas()(0, 1), 3e-3);
+  ASSERT_EQ(job.data.training.num_poses(), 2);
+  EXPECT_EQ(job.data.training.sigmas()(0, 0), 2e-5);
+  EXPECT_EQ(job.data.training.sigmas()(0, 1), 3e-3);
 }
 
 TEST_F(ShardsTest, MayBeHeldOutOneByOne) {
   const JobConfig job = Load("shards/run_*.csv\nvalidation: {file: run_2.csv}");
-  EXPECT_EQ(job.data.num_poses(), 2);
-  ASSERT_TRUE(job.validation);
-  EXPECT_EQ(job.validation->num_poses(), 1);
+  EXPECT_EQ(job.data.training.num_poses(), 2);
+  ASSERT_TRUE(job.data.validation);
+  EXPECT_EQ(job.data.validation->num_poses(), 1);
 }
 
 TEST_F(ShardsTest, NoMatchIsAnErrorWhereThePatternStands) {

@@ -16,7 +16,6 @@
 #include "src/common/numbers.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/dataio/dataset_npy.h"
-#include "src/dataio/load_data.h"
 #include "src/dataio/npy_header.h"
 #include "tests/dataio/loaded_data_util.h"
 #include "tests/support/io_test_util.h"

@@ -13,8 +13,8 @@
 #include "alidade/units.h"
 #include "src/common/numbers.h"
 #include "src/common/plain_number.h"
+#include "src/dataio/dataset_csv.h"
 #include "src/dataio/dataset_reader.h"
-#include "src/dataio/load_data.h"
 #include "tests/dataio/loaded_data_util.h"
 #include "tests/support/io_test_util.h"
 

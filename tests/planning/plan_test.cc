@@ -85,7 +85,7 @@ TEST(RunPlanTest, EarlierPosesCount) {
   config.design.num_poses = 8;
   const double alone =
       RunPlan(config, "test", 1).result.evaluations[0].region.worst;
-  config.job.data = LoadDataset(
+  config.job.data.training = LoadDataset(
       std::string(ALIDADE_SOURCE_DIR) + "/datasets/rv2aj/flange_56.csv",
       config.job.arm, 2e-5);
   const PlanOutcome outcome = RunPlan(config, "test", 1);

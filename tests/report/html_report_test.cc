@@ -8,7 +8,7 @@
 #include <string>
 
 #include "src/report/html_json.h"
-#include "src/report/html_table.h"
+#include "src/report/result_table.h"
 
 namespace alidade::internal {
 namespace {
@@ -134,7 +134,7 @@ TEST(ResultPageTest, HoldsItsSourcesAndNothingFromElsewhere) {
 CalibrationResult MakeResult(const std::string& arm,
                              const std::string& data_hash) {
   CalibrationResult result;
-  result.arm = arm;
+  result.arm_name = arm;
   result.inputs = {{"job.yaml", data_hash + "of the job"},
                    {"data.csv", data_hash}};
   ParameterResult parameter;

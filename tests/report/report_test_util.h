@@ -185,7 +185,7 @@ inline CalibrationResult MakeResult() {
   result.version = "1.2.3";
   result.command = "alidade calibrate job.yaml";
   result.title = "A calibration";
-  result.arm = "two-joint arm";
+  result.arm_name = "two-joint arm";
   result.inputs = {{"job.yaml", std::string(64, 'a')}};
   result.seed = 42;
   result.parameters = MakeParameters();

@@ -73,7 +73,7 @@ TEST(JobDataTest, MergesFiles) {
   const JobConfig job = files.Load(
       "data: [a.csv, {file: b.csv, target: probe, sigma: 0.5},\n"
       "  {file: a.csv, columns: {}}]\n");
-  const Dataset& data = job.data;
+  const Dataset& data = job.data.training;
   ASSERT_EQ(data.num_poses(), 8);
   EXPECT_NEAR(data.joint_values(0, 3), 4 * kDegree, 1e-15);
   ASSERT_EQ(data.blocks.size(), 2U);
@@ -94,8 +94,8 @@ TEST(JobDataTest, MergesFiles) {
                                       files.Path("a.csv")}));
   // Each file once.
   EXPECT_EQ(job.input_files.size(), 4U);
-  ASSERT_EQ(job.references.num_points(), 2);
-  EXPECT_EQ(job.references.points[1].name, "Q");
+  ASSERT_EQ(job.data.references.num_points(), 2);
+  EXPECT_EQ(job.data.references.points[1].name, "Q");
 }
 
 // Rows of it may be of two kinds, which more than its name then says.
@@ -114,22 +114,23 @@ TEST(JobDataTest, ShiftsDifferencesAndSharesNames) {
   files.Csv("d.csv", "point,target", {"P,ball", "R,ball"});
   const JobConfig job =
       files.Load("data: [{file: b.csv, target: ball}, c.csv, d.csv]\n");
-  const ObservationBlock& difference = job.data.blocks.at(1);
+  const ObservationBlock& difference = job.data.training.blocks.at(1);
   EXPECT_EQ(difference.poses, std::vector<int>{2});
   EXPECT_EQ(difference.seconds, std::vector<int>{3});
-  EXPECT_EQ(job.data.blocks.at(2).references, (std::vector<int>{0, 2}));
-  EXPECT_EQ(job.references.num_points(), 3);
+  EXPECT_EQ(job.data.training.blocks.at(2).references,
+            (std::vector<int>{0, 2}));
+  EXPECT_EQ(job.data.references.num_points(), 3);
 }
 
 TEST(JobDataTest, ListsRejectedRows) {
   DataJob files;
   files.Csv("c.csv", "x_mm,target", {",ball", "1,ball", ",ball"});
   const JobConfig job = files.Load("data: [a.csv, c.csv]\n");
-  EXPECT_EQ(job.data.num_poses(), 4);
+  EXPECT_EQ(job.data.training.num_poses(), 4);
   ASSERT_EQ(job.rejected.size(), 2U);
   EXPECT_EQ(job.rejected[1].file, files.Path("c.csv"));
   EXPECT_EQ(job.rejected[1].line, 4);
-  EXPECT_EQ(job.data.blocks[0].sigmas(1, 3), kInfinity);
+  EXPECT_EQ(job.data.training.blocks[0].sigmas(1, 3), kInfinity);
 }
 
 TEST(JobDataTest, ReadsEveryKeyOfAnEntry) {
@@ -143,10 +144,10 @@ TEST(JobDataTest, ReadsEveryKeyOfAnEntry) {
       "    targets: {probe: [a_x_mm, a_y_mm, a_z_mm], ball: [b_x_mm, b_y_mm, "
       "b_z_mm]}\n"
       "  where: {kind: B}\n");
-  EXPECT_EQ(job.data.num_poses(), 1);
-  EXPECT_EQ(job.data.blocks[0].targets, (std::vector<int>{1, 0}));
-  EXPECT_EQ(job.data.blocks[0].poses, (std::vector<int>{0, 0}));
-  EXPECT_NEAR(job.data.joint_values(0, 0), 7 * kDegree, 1e-15);
+  EXPECT_EQ(job.data.training.num_poses(), 1);
+  EXPECT_EQ(job.data.training.blocks[0].targets, (std::vector<int>{1, 0}));
+  EXPECT_EQ(job.data.training.blocks[0].poses, (std::vector<int>{0, 0}));
+  EXPECT_NEAR(job.data.training.joint_values(0, 0), 7 * kDegree, 1e-15);
 }
 
 TEST(JobDataTest, ReadsOrientationsAndTheirSigmas) {
@@ -164,8 +165,8 @@ TEST(JobDataTest, ReadsOrientationsAndTheirSigmas) {
   const JobConfig job = files.Load(
       entry +
       "}\nacceptance: {train_rotation_rms: 1, train_rotation_max: 2}\n");
-  EXPECT_EQ(job.acceptance.train_rotation_rms, kDegree);
-  EXPECT_EQ(job.acceptance.train_rotation_max, 2 * kDegree);
+  EXPECT_EQ(job.options.acceptance.train_rotation_rms, kDegree);
+  EXPECT_EQ(job.options.acceptance.train_rotation_max, 2 * kDegree);
   const JobConfig position =
       files.Load("data: {file: c.csv, rotation: ignore}\n");
   EXPECT_FALSE(position.data.Has(MeasurementKind::kPose));
@@ -182,8 +183,8 @@ TEST(JobDataTest, MeasurementGivesTheSigmaOfRotations) {
                "{sigma: estimate, sigma_rotation: 0.05}");
   WriteFileAtomically(path, text);
   const JobConfig job = LoadJob(path);
-  EXPECT_TRUE(job.estimate_sigma);
-  EXPECT_EQ(job.data.blocks[0].sigmas(3, 0), 0.05 * kDegree);
+  EXPECT_TRUE(job.options.estimate_sigma);
+  EXPECT_EQ(job.data.training.blocks[0].sigmas(3, 0), 0.05 * kDegree);
 }
 
 const char kReferences[] =
@@ -203,7 +204,7 @@ TEST(JobDataTest, ReadsReferences) {
   const DataJob files;
   const JobConfig job = files.Load(
       std::string("data: {file: b.csv, target: ball}\n") + kReferences);
-  const References& references = job.references;
+  const References& references = job.data.references;
   ASSERT_EQ(references.num_points(), 3);
   EXPECT_TRUE(references.points[0].is_known);
   EXPECT_FALSE(references.points[1].is_known);
@@ -213,8 +214,9 @@ TEST(JobDataTest, ReadsReferences) {
   EXPECT_EQ(references.planes[0].normal, Vector3d(0, 0, 1));
   EXPECT_EQ(references.planes[0].offset, 0.005);
   EXPECT_TRUE(references.planes[0].is_known);
-  EXPECT_EQ(job.data.blocks.at(0).references, (std::vector<int>{1, 0}));
-  const ObservationBlock& distances = job.data.blocks.at(1);
+  EXPECT_EQ(job.data.training.blocks.at(0).references,
+            (std::vector<int>{1, 0}));
+  const ObservationBlock& distances = job.data.training.blocks.at(1);
   EXPECT_EQ(distances.kind, MeasurementKind::kPointDistance);
   EXPECT_EQ(distances.references, (std::vector<int>{1, 2}));
   EXPECT_EQ(distances.seconds, (std::vector<int>{0, 1}));
@@ -232,14 +234,14 @@ TEST(JobDataTest, ParametersAreThoseOfArmAndReferences) {
       "bounds:\n"
       "  r1: [-1, 2]\n"
       "  theta2: [-.inf, 3]\n");
-  EXPECT_EQ(job.identifiability.fix.size(), 3U);
+  EXPECT_EQ(job.options.identifiability.fix.size(), 3U);
   const ParameterLayout layout(LayoutShape{2, 2, 3, 2});
-  ASSERT_EQ(job.bounds.size(), 2U);
-  EXPECT_EQ(job.bounds[0].column, *layout.Find("r1"));
-  EXPECT_NEAR(job.bounds[0].lower, 0.099, 1e-16);
-  EXPECT_NEAR(job.bounds[0].upper, 0.102, 1e-16);
-  EXPECT_EQ(job.bounds[1].lower, -kInfinity);
-  EXPECT_EQ(job.bounds[1].upper, 3 * kDegree);
+  ASSERT_EQ(job.options.bounds.size(), 2U);
+  EXPECT_EQ(job.options.bounds[0].column, *layout.Find("r1"));
+  EXPECT_NEAR(job.options.bounds[0].lower, 0.099, 1e-16);
+  EXPECT_NEAR(job.options.bounds[0].upper, 0.102, 1e-16);
+  EXPECT_EQ(job.options.bounds[1].lower, -kInfinity);
+  EXPECT_EQ(job.options.bounds[1].upper, 3 * kDegree);
 }
 
 // Whether loading fails with these words.
@@ -277,11 +279,11 @@ TEST(JobDataTest, HoldsOutSets) {
   const JobConfig job = files.Load(
       "data: [a.csv, {file: a.csv, columns: {}}]\n"
       "validation: {set: [check]}\n");
-  EXPECT_EQ(job.data.num_poses(), 4);
-  ASSERT_TRUE(job.validation.has_value());
-  EXPECT_EQ(job.validation->num_poses(), 2);
-  EXPECT_EQ(job.validation->blocks[0].measured(0, 1), 0.004);
-  EXPECT_FALSE(job.holdout || job.folds);
+  EXPECT_EQ(job.data.training.num_poses(), 4);
+  ASSERT_TRUE(job.data.validation.has_value());
+  EXPECT_EQ(job.data.validation->num_poses(), 2);
+  EXPECT_EQ(job.data.validation->blocks[0].measured(0, 1), 0.004);
+  EXPECT_FALSE(job.options.holdout || job.options.folds);
 }
 
 TEST(JobDataTest, HoldsOutAFile) {
@@ -291,9 +293,9 @@ TEST(JobDataTest, HoldsOutAFile) {
     const JobConfig job = files.Load(
         "data: [a.csv, c.csv]\nvalidation: {file: " + std::string(name) +
         "}\n");
-    EXPECT_EQ(job.data.num_poses(), 3) << name;
-    ASSERT_EQ(job.validation->num_poses(), 1) << name;
-    EXPECT_EQ(job.validation->sources[0].line, 2);
+    EXPECT_EQ(job.data.training.num_poses(), 3) << name;
+    ASSERT_EQ(job.data.validation->num_poses(), 1) << name;
+    EXPECT_EQ(job.data.validation->sources[0].line, 2);
   }
 }
 
@@ -302,12 +304,12 @@ TEST(JobDataTest, DealsFolds) {
   const JobConfig job = files.Load(
       "data: a.csv\nvalidation: {folds: 3, seed: 8}\n"
       "acceptance: {heldout_rms: 1}\n");
-  ASSERT_TRUE(job.folds.has_value());
-  EXPECT_EQ(job.folds->folds, 3);
-  EXPECT_EQ(job.folds->seed, 8U);
-  EXPECT_EQ(job.data.num_poses(), 3);
-  EXPECT_FALSE(job.validation.has_value());
-  EXPECT_EQ(job.acceptance.heldout_rms, 1e-3);
+  ASSERT_TRUE(job.options.folds.has_value());
+  EXPECT_EQ(job.options.folds->folds, 3);
+  EXPECT_EQ(job.options.folds->seed, 8U);
+  EXPECT_EQ(job.data.training.num_poses(), 3);
+  EXPECT_FALSE(job.data.validation.has_value());
+  EXPECT_EQ(job.options.acceptance.heldout_rms, 1e-3);
 }
 
 TEST(JobDataErrorTest, Entries) {

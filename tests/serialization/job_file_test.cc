@@ -9,17 +9,13 @@
 #include <variant>
 #include <vector>
 
-#include "alidade/arm_file.h"
 #include "alidade/error.h"
 #include "alidade/parameter_layout.h"
 #include "alidade/units.h"
 #include "src/common/files.h"
-#include "src/planning/plan_config.h"
-#include "src/serialization/job_matrix.h"
-#include "src/serialization/plan_file.h"
+#include "src/serialization/config_file.h"
 #include "tests/support/config_files.h"
 #include "tests/support/io_test_util.h"
-#include "tests/support/real_arm_data.h"
 
 namespace alidade::internal {
 namespace {
@@ -55,13 +51,14 @@ TEST(LoadJobTest, ReadsTheDataAndWhatIsKnown) {
   EXPECT_EQ(job.path, files.job());
   EXPECT_EQ(job.title, "A test");
   EXPECT_EQ(job.arm.name, "two joints");
-  EXPECT_EQ(job.data.num_poses(), 2);
-  EXPECT_TRUE((job.data.sigmas().map().array() == 2e-5).all());
-  ASSERT_TRUE(job.validation.has_value());
-  EXPECT_EQ(job.validation->positions(), job.data.positions());
-  ASSERT_TRUE(job.truth.has_value());
+  EXPECT_EQ(job.data.training.num_poses(), 2);
+  EXPECT_TRUE((job.data.training.sigmas().map().array() == 2e-5).all());
+  ASSERT_TRUE(job.data.validation.has_value());
+  EXPECT_EQ(job.data.validation->positions(), job.data.training.positions());
+  ASSERT_TRUE(job.options.true_values.has_value());
   const ParameterLayout layout(2);
-  const Eigen::VectorXd deviations = *job.truth - layout.Values(job.arm);
+  const Eigen::VectorXd deviations =
+      *job.options.true_values - layout.Values(job.arm);
   EXPECT_NEAR(deviations[*layout.Find("r1")], 0.0005, 1e-16);
   EXPECT_NEAR(deviations[*layout.Find("alpha2")], 0.002, 1e-15);
   EXPECT_NEAR(deviations.cwiseAbs().sum(), 0.0025, 1e-15);
@@ -69,7 +66,7 @@ TEST(LoadJobTest, ReadsTheDataAndWhatIsKnown) {
 
 TEST(LoadJobTest, ReadsTheIdentifiabilityOptions) {
   const JobConfig job = LoadJob(ConfigFiles().job());
-  const IdentifiabilityOptions& options = job.identifiability;
+  const IdentifiabilityOptions& options = job.options.identifiability;
   EXPECT_EQ(options.fix, (std::vector<std::string>{"alpha2", "d1"}));
   EXPECT_TRUE(options.proceed_beyond_rank);
   EXPECT_EQ(options.angle_tolerance, 0.0005);
@@ -80,18 +77,19 @@ TEST(LoadJobTest, ReadsTheIdentifiabilityOptions) {
 
 TEST(LoadJobTest, ReadsTheSolverAndItsLimits) {
   const JobConfig job = LoadJob(ConfigFiles().job());
-  EXPECT_EQ(job.solver, SolverName::kPseudoInverse);
-  EXPECT_EQ(job.solver_options.max_iterations, 12);
-  EXPECT_EQ(job.solver_options.function_tolerance, 1e-14);
-  EXPECT_EQ(job.solver_options.rounding_floor_factor, 2.0);
-  EXPECT_EQ(job.solver_options.wanted_precision, 1e-6);
-  EXPECT_EQ(job.solver_options.initial_trust_region_radius, 1e6);
-  EXPECT_EQ(job.solver_options.pseudo_inverse_tolerance, 1e-9);
-  EXPECT_EQ(job.compare_with, std::vector<SolverName>{SolverName::kCeres});
-  EXPECT_EQ(job.acceptance.train_rms, 1e-4);
-  EXPECT_EQ(job.acceptance.train_max, 2e-4);
-  EXPECT_EQ(job.acceptance.heldout_rms, 3e-4);
-  EXPECT_EQ(job.acceptance.heldout_max, 4e-4);
+  EXPECT_EQ(job.options.solver, SolverName::kPseudoInverse);
+  EXPECT_EQ(job.options.solver_options.max_iterations, 12);
+  EXPECT_EQ(job.options.solver_options.function_tolerance, 1e-14);
+  EXPECT_EQ(job.options.solver_options.rounding_floor_factor, 2.0);
+  EXPECT_EQ(job.options.solver_options.wanted_precision, 1e-6);
+  EXPECT_EQ(job.options.solver_options.initial_trust_region_radius, 1e6);
+  EXPECT_EQ(job.options.solver_options.pseudo_inverse_tolerance, 1e-9);
+  EXPECT_EQ(job.options.compare_with,
+            std::vector<SolverName>{SolverName::kCeres});
+  EXPECT_EQ(job.options.acceptance.train_rms, 1e-4);
+  EXPECT_EQ(job.options.acceptance.train_max, 2e-4);
+  EXPECT_EQ(job.options.acceptance.heldout_rms, 3e-4);
+  EXPECT_EQ(job.options.acceptance.heldout_max, 4e-4);
 }
 
 TEST(LoadJobTest, ReadsTheEvaluation) {
@@ -103,7 +101,8 @@ TEST(LoadJobTest, ReadsTheEvaluation) {
         std::pair("compressed", Evaluation::kCompressed)}) {
     const ConfigFiles files({"  max_iterations: 12\n",
                              std::string("  evaluation: ") + name + "\n"});
-    EXPECT_EQ(LoadJob(files.job()).solver_options.evaluation, evaluation);
+    EXPECT_EQ(LoadJob(files.job()).options.solver_options.evaluation,
+              evaluation);
   }
 }
 
@@ -158,12 +157,14 @@ TEST(LoadJobTest, NeedsOnlyAnArmAndData) {
       "units: {length: m, angle: rad}\narm: arm.yaml\ndata: data.csv\n"
       "measurement: {sigma: 0.001}\n");
   const JobConfig job = LoadJob(path);
-  EXPECT_EQ(job.solver, SolverName::kCeres);
-  EXPECT_EQ(job.solver_options.max_iterations, SolverOptions().max_iterations);
-  EXPECT_EQ(job.identifiability.seed, IdentifiabilityOptions().seed);
-  EXPECT_TRUE(job.compare_with.empty());
-  EXPECT_FALSE(job.validation || job.truth || job.published);
-  EXPECT_FALSE(job.acceptance.train_rms || job.acceptance.train_max);
+  EXPECT_EQ(job.options.solver, SolverName::kCeres);
+  EXPECT_EQ(job.options.solver_options.max_iterations,
+            SolverOptions().max_iterations);
+  EXPECT_EQ(job.options.identifiability.seed, IdentifiabilityOptions().seed);
+  EXPECT_TRUE(job.options.compare_with.empty());
+  EXPECT_FALSE(job.data.validation || job.options.true_values || job.published);
+  EXPECT_FALSE(job.options.acceptance.train_rms ||
+               job.options.acceptance.train_max);
 }
 
 class LoadJobErrorTest : public ::testing::TestWithParam<ConfigErrorCase> {};
@@ -299,17 +300,6 @@ TEST(LoadJobTest, NamesTheFileThatAnErrorIsIn) {
   }
 }
 
-std::vector<std::string> YamlFiles(const std::string& directory) {
-  std::vector<std::string> paths;
-  for (const auto& entry :
-       fs::recursive_directory_iterator(SourcePath(directory))) {
-    if (entry.path().extension() == ".yaml") {
-      paths.push_back(entry.path().string());
-    }
-  }
-  return paths;
-}
-
 // The smallest job, with `more` behind it.
 std::string WriteJob(const TestDirectory& directory, const std::string& data,
                      const std::string& more = "") {
@@ -334,10 +324,11 @@ TEST(LoadJobTest, ReadsForeignHeaders) {
       "  file: foreign.csv\n"
       "  columns: {joints: [axis1_deg, slide_m], position: [probe_x_mm, py_mm, "
       "pz_m]}\n"));
-  EXPECT_NEAR(job.data.joint_values(0, 0), 10.0 * kDegree, 1e-15);
-  EXPECT_EQ(job.data.joint_values(1, 0), 0.1);
-  EXPECT_EQ(job.data.positions().col(0), Eigen::Vector3d(0.001, 0.002, 0.003));
-  EXPECT_EQ(job.data.sigmas()(2, 0), 2e-5);
+  EXPECT_NEAR(job.data.training.joint_values(0, 0), 10.0 * kDegree, 1e-15);
+  EXPECT_EQ(job.data.training.joint_values(1, 0), 0.1);
+  EXPECT_EQ(job.data.training.positions().col(0),
+            Eigen::Vector3d(0.001, 0.002, 0.003));
+  EXPECT_EQ(job.data.training.sigmas()(2, 0), 2e-5);
 }
 
 TEST(LoadJobTest, NamesTheForeignHeaderThatIsMissing) {
@@ -372,10 +363,10 @@ TEST(LoadJobTest, HoldsOutAFractionOfTheConfigurations) {
   directory.Write("data.csv", text);
   const JobConfig job = LoadJob(WriteJob(
       directory, "data: data.csv\n", "validation: {fraction: 0.3, seed: 4}\n"));
-  EXPECT_EQ(job.data.num_poses(), 14);
-  ASSERT_TRUE(job.validation.has_value());
-  EXPECT_EQ(job.validation->num_poses(), 6);
-  EXPECT_EQ(job.holdout->seed, 4U);
+  EXPECT_EQ(job.data.training.num_poses(), 14);
+  ASSERT_TRUE(job.data.validation.has_value());
+  EXPECT_EQ(job.data.validation->num_poses(), 6);
+  EXPECT_EQ(job.options.holdout->seed, 4U);
 }
 
 TEST(LoadJobTest, RefusesFractionsThatLeaveNothing) {
@@ -398,11 +389,11 @@ TEST(LoadJobTest, ReadsLossAndSigmaToEstimate) {
   directory.Write("data.csv", kDataText);
   const std::string path =
       WriteJob(directory, "data: data.csv\n", "robust: {loss: cauchy}\n");
-  EXPECT_EQ(LoadJob(path).loss, LossKind::kCauchy);
-  EXPECT_FALSE(LoadJob(path).estimate_sigma);
+  EXPECT_EQ(LoadJob(path).options.loss, LossKind::kCauchy);
+  EXPECT_FALSE(LoadJob(path).options.estimate_sigma);
   std::string text = ReadFile(path);
   directory.Write("job.yaml", Apply(text, {"sigma: 0.02", "sigma: estimate"}));
-  EXPECT_TRUE(LoadJob(path).estimate_sigma);
+  EXPECT_TRUE(LoadJob(path).options.estimate_sigma);
   WriteJob(directory, "data: data.csv\n",
            "robust: {loss: tukey}\nsolver: {name: pseudo_inverse}\n");
   ExpectInputError([&] { LoadJob(path); },
@@ -418,10 +409,10 @@ TEST(LoadJobTest, ReadsUncertaintyAndMonteCarlo) {
       "montecarlo: {trials: 50, seed: 3, truth: priors, precision: 0.01,\n"
       "  outliers: {fraction: 0.05, size: 2}, workspace_poses: 9,\n"
       "  joint_repeatability: {length: 0.01}}\n"));
-  EXPECT_EQ(job.uncertainty.confidence, 0.99);
-  EXPECT_EQ(job.uncertainty.intervals, IntervalMethod::kProfile);
-  EXPECT_EQ(job.uncertainty.map_configurations, 0);
-  EXPECT_EQ(job.uncertainty.seed, 7u);
+  EXPECT_EQ(job.options.uncertainty.confidence, 0.99);
+  EXPECT_EQ(job.options.uncertainty.intervals, IntervalMethod::kProfile);
+  EXPECT_EQ(job.options.uncertainty.map_configurations, 0);
+  EXPECT_EQ(job.options.uncertainty.seed, 7u);
   EXPECT_EQ(job.montecarlo.trials, 50);
   EXPECT_EQ(job.montecarlo.seed, 3u);
   EXPECT_EQ(job.montecarlo.truth, SimulatedTruth::kPriors);
@@ -467,85 +458,8 @@ TEST(LoadJobTest, FindsDataByAnEnvironmentVariable) {
   const std::string parent =
       fs::path(directory.Path("data.csv")).parent_path().string();
   ASSERT_EQ(setenv("ALIDADE_TEST_DIRECTORY", parent.c_str(), 1), 0);
-  EXPECT_EQ(LoadJob(path).data.num_poses(), 2);
+  EXPECT_EQ(LoadJob(path).data.training.num_poses(), 2);
   unsetenv("ALIDADE_TEST_DIRECTORY");
-}
-
-// The first and the last job of a file.
-void LoadEveryJob(const std::string& path) {
-  const JobMatrix matrix(path);
-  // The first and the last tell of the thousand between.
-  for (const std::int64_t job : {std::int64_t{0}, matrix.size() - 1}) {
-    matrix.Load(job, {});
-  }
-}
-
-// Every file loads; deviations are read for the arm of the study. A job whose
-// data are elsewhere is read as far as the key that names them.
-TEST(ConfigsTest, EveryFileLoads) {
-  const Arm arm = LoadArm(SourcePath("configs/robots/rv2aj_wrist.yaml"));
-  const std::vector<std::string> paths = YamlFiles("configs");
-  EXPECT_GE(paths.size(), 9U);
-  for (const std::string& path : paths) {
-    SCOPED_TRACE(path);
-    switch (DetectFormat(path)) {
-      case FileFormat::kArm:
-        EXPECT_NO_THROW(LoadArm(path));
-        break;
-      case FileFormat::kDeviations:
-        EXPECT_NO_THROW(LoadDeviations(path, arm));
-        break;
-      case FileFormat::kJob:
-        if (testing::WhatDataLack(path).empty()) {
-          EXPECT_NO_THROW(LoadEveryJob(path));
-        } else {
-          EXPECT_THROW(LoadJob(path), InputError);
-        }
-        break;
-      case FileFormat::kSimulation:
-        EXPECT_NO_THROW(LoadSimulation(path));
-        break;
-      case FileFormat::kPlan:
-        EXPECT_NO_THROW(LoadPlan(path));
-        break;
-    }
-  }
-}
-
-TEST(ConfigsTest, StudyIsTheOneOfTheDesign) {
-  const JobConfig job = LoadJob(SourcePath("configs/jobs/rv2aj_study.yaml"));
-  EXPECT_EQ(job.data.num_poses(), 56);
-  EXPECT_EQ(job.validation->num_poses(), 3600);
-  EXPECT_EQ(job.solver, SolverName::kCeres);
-  EXPECT_EQ(job.compare_with,
-            std::vector<SolverName>{SolverName::kPseudoInverse});
-  EXPECT_EQ(job.acceptance.train_max, 1e-6);
-  EXPECT_EQ(job.acceptance.heldout_max, 1e-6);
-  ASSERT_TRUE(job.published.has_value());
-  EXPECT_NEAR(job.published->baseline_time_s / 60.0, 59.0533, 1e-12);
-  EXPECT_EQ(job.published->figures.size(), PublishedQuantityNames().size());
-}
-
-TEST(ConfigsTest, FlangeJobHoldsWhatDepends) {
-  const JobConfig job = LoadJob(SourcePath("configs/jobs/rv2aj_flange.yaml"));
-  EXPECT_EQ(job.identifiability.fix,
-            (std::vector<std::string>{"alpha5", "theta4"}));
-  EXPECT_FALSE(job.published.has_value());
-}
-
-TEST(ConfigsTest, SimulationsWriteWhatTheJobsRead) {
-  for (const std::string name : {"wrist", "flange"}) {
-    const JobConfig job = LoadJob(
-        SourcePath("configs/jobs/rv2aj_" +
-                   std::string(name == "wrist" ? "study" : name) + ".yaml"));
-    const std::string stem = "configs/simulations/rv2aj_" + name;
-    const SimulationConfig train =
-        LoadSimulation(SourcePath(stem + "_56.yaml"));
-    EXPECT_EQ(train.output, job.data.name);
-    EXPECT_EQ(train.true_values, *job.truth);
-    EXPECT_EQ(LoadSimulation(SourcePath(stem + "_3600.yaml")).output,
-              job.validation->name);
-  }
 }
 
 }  // namespace

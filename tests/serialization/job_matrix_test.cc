@@ -48,13 +48,13 @@ TEST_F(ExtendsTest, InheritsWhatIsNotSaidAnew) {
                     "identifiability: {fix: [r1]}\n"));
   EXPECT_EQ(job.title, "Another");
   // Maps are merged: the rest of `solver` is the base's.
-  EXPECT_EQ(job.solver_options.max_iterations, 3);
-  EXPECT_EQ(job.solver, base.solver);
-  EXPECT_EQ(job.solver_options.wanted_precision,
-            base.solver_options.wanted_precision);
+  EXPECT_EQ(job.options.solver_options.max_iterations, 3);
+  EXPECT_EQ(job.options.solver, base.options.solver);
+  EXPECT_EQ(job.options.solver_options.wanted_precision,
+            base.options.solver_options.wanted_precision);
   // Lists are replaced, not appended to.
-  EXPECT_EQ(job.identifiability.fix, std::vector<std::string>{"r1"});
-  EXPECT_EQ(job.data.positions(), base.data.positions());
+  EXPECT_EQ(job.options.identifiability.fix, std::vector<std::string>{"r1"});
+  EXPECT_EQ(job.data.training.positions(), base.data.training.positions());
 }
 
 TEST_F(ExtendsTest, EveryFileIsAnInput) {
@@ -75,8 +75,8 @@ TEST_F(ExtendsTest, PathsAreRelativeToTheFileThatStatesThem) {
       "below/child.yaml",
       std::string(kFormat) + "extends: ../job.yaml\ndata: other.csv\n");
   const JobConfig job = LoadJob(child);
-  EXPECT_EQ(job.data.num_poses(), 1);
-  EXPECT_EQ(job.data.name, Path("below/other.csv"));
+  EXPECT_EQ(job.data.training.num_poses(), 1);
+  EXPECT_EQ(job.data.training.name, Path("below/other.csv"));
   EXPECT_EQ(job.arm.name, "two joints");
 }
 
@@ -84,9 +84,9 @@ TEST_F(ExtendsTest, NullTakesAKeyAway) {
   const JobConfig job =
       LoadJob(Write("extends: job.yaml\ntruth: ~\npublished: null\n"
                     "validation: {data: ~, fraction: 0.5}\n"));
-  EXPECT_FALSE(job.truth.has_value());
+  EXPECT_FALSE(job.options.true_values.has_value());
   EXPECT_FALSE(job.published.has_value());
-  EXPECT_TRUE(job.holdout.has_value());
+  EXPECT_TRUE(job.options.holdout.has_value());
 }
 
 TEST_F(ExtendsTest, NullThatTakesNothingAwayIsAnError) {
@@ -177,9 +177,9 @@ TEST_F(JobMatrixTest, EveryCombinationIsAJobLastAxisFastest) {
                 "child/pseudo_inverse_compare_with-1_sigma-0.1",
                 "child/pseudo_inverse_compare_with-1_sigma-0.25"}));
   const JobConfig job = matrix.Load(1, {});
-  EXPECT_EQ(job.solver, SolverName::kCeres);
-  EXPECT_TRUE((job.data.sigmas().map().array() == 2.5e-4).all());
-  EXPECT_EQ(job.solver_options.max_iterations, 12);
+  EXPECT_EQ(job.options.solver, SolverName::kCeres);
+  EXPECT_TRUE((job.data.training.sigmas().map().array() == 2.5e-4).all());
+  EXPECT_EQ(job.options.solver_options.max_iterations, 12);
   EXPECT_EQ(job.title, "A test, ceres_compare_with-1_sigma-0.25");
 }
 
@@ -196,9 +196,9 @@ TEST_F(JobMatrixTest, ChangesGoTogetherUnderANameOfOnesOwn) {
             (std::vector<std::string>{"child/left", "child/right-one"}));
   EXPECT_EQ(matrix.Load(0, {}).data.num_poses(), 2);
   const JobConfig right = matrix.Load(1, {});
-  EXPECT_EQ(right.data.num_poses(), 1);
-  EXPECT_EQ(right.solver_options.max_iterations, 4);
-  EXPECT_EQ(right.solver, SolverName::kPseudoInverse);
+  EXPECT_EQ(right.data.training.num_poses(), 1);
+  EXPECT_EQ(right.options.solver_options.max_iterations, 4);
+  EXPECT_EQ(right.options.solver, SolverName::kPseudoInverse);
 }
 
 TEST_F(JobMatrixTest, RangesCountFromOneAndSortAsNumbers) {
@@ -254,13 +254,15 @@ TEST_F(JobMatrixTest, SimulatedDataAreAskedForWithWhatTheJobSays) {
             "    seed: 1\n"
             "matrix: {data.simulate.seed: {range: 3}}\n"));
   const JobConfig job = matrix.Load(2, {});
-  EXPECT_EQ(job.data.files, std::vector<std::string>{"simulated, seed 3"});
-  EXPECT_TRUE((job.data.sigmas().map().array() - 5e-4).cwiseAbs().maxCoeff() <
-              1e-18);
+  EXPECT_EQ(job.data.training.files,
+            std::vector<std::string>{"simulated, seed 3"});
+  EXPECT_TRUE(
+      (job.data.training.sigmas().map().array() - 5e-4).cwiseAbs().maxCoeff() <
+      1e-18);
   EXPECT_EQ(matrix.OutlineOf(0).data, "simulated");
   // Another seed is another draw of the noise, of the sigma that was asked for.
   const Eigen::Matrix3Xd difference =
-      job.data.positions() - matrix.Load(1, {}).data.positions();
+      job.data.training.positions() - matrix.Load(1, {}).data.positions();
   EXPECT_GT(difference.cwiseAbs().minCoeff(), 0.0);
   EXPECT_LT(difference.cwiseAbs().maxCoeff(), 6.0 * 5e-4);
 }

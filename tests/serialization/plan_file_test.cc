@@ -63,10 +63,11 @@ TEST(LoadPlanTest, ReadsEveryKey) {
   EXPECT_EQ(plan.title, "A plan");
   EXPECT_EQ(plan.seed, 11U);
   EXPECT_EQ(plan.job.arm.num_joints(), 2);
-  EXPECT_EQ(plan.job.data.num_poses(), 2);
-  EXPECT_EQ(plan.job.data.sigmas()(0, 0), 2e-5);
-  EXPECT_EQ(plan.job.identifiability.policy, WeakPolicy::kKeep);
-  EXPECT_EQ(plan.job.identifiability.fix, std::vector<std::string>{"d1"});
+  EXPECT_EQ(plan.job.data.training.num_poses(), 2);
+  EXPECT_EQ(plan.job.data.training.sigmas()(0, 0), 2e-5);
+  EXPECT_EQ(plan.job.options.identifiability.policy, WeakPolicy::kKeep);
+  EXPECT_EQ(plan.job.options.identifiability.fix,
+            std::vector<std::string>{"d1"});
   EXPECT_FALSE(plan.measurement.orientation);
   EXPECT_EQ(plan.measurement.sigma, 2e-5);
   EXPECT_EQ(plan.measurement.num_equations(), 2);
@@ -132,10 +133,10 @@ TEST(LoadPlanTest, ReadsAJobThatValidates) {
       Apply(Apply(kPlanText, {"arm: arm.yaml\n", "job: job.yaml\n"}),
             {"measured: data.csv\n", ""}));
   const PlanConfig plan = LoadPlan(path);
-  EXPECT_EQ(plan.job.data.num_poses(), 2);
-  EXPECT_FALSE(plan.job.validation);
-  EXPECT_FALSE(plan.job.acceptance.heldout_max);
-  EXPECT_EQ(plan.job.acceptance.train_max, 2e-4);
+  EXPECT_EQ(plan.job.data.training.num_poses(), 2);
+  EXPECT_FALSE(plan.job.data.validation);
+  EXPECT_FALSE(plan.job.options.acceptance.heldout_max);
+  EXPECT_EQ(plan.job.options.acceptance.train_max, 2e-4);
 }
 
 TEST(LoadPlanTest, ReadsRealConfigurations) {

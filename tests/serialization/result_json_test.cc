@@ -26,7 +26,7 @@ TEST(ResultJsonTest, KeepsProvenance) {
   EXPECT_EQ(read.version, result.version);
   EXPECT_EQ(read.command, result.command);
   EXPECT_EQ(read.title, result.title);
-  EXPECT_EQ(read.arm, result.arm);
+  EXPECT_EQ(read.arm_name, result.arm_name);
   EXPECT_EQ(read.seed, result.seed);
   EXPECT_EQ(read.identify_time_s, result.identify_time_s);
   EXPECT_EQ(read.total_time_s, result.total_time_s);

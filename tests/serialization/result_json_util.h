@@ -103,7 +103,7 @@ inline CalibrationResult MakeResult() {
   result.version = "0.1.0";
   result.command = "calibrate";
   result.title = "A \"test\" <\xc3\xa9>";
-  result.arm = "two joints";
+  result.arm_name = "two joints";
   result.inputs = {{"a.yaml", std::string(64, 'a')},
                    {"b.csv", std::string(64, 'b')}};
   result.seed = std::numeric_limits<std::uint64_t>::max();

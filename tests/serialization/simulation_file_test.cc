@@ -1,3 +1,5 @@
+#include "src/serialization/simulation_file.h"
+
 #include <gtest/gtest.h>
 
 #include <string>
@@ -5,7 +7,6 @@
 
 #include "alidade/parameter_layout.h"
 #include "alidade/units.h"
-#include "src/serialization/job_file.h"
 #include "tests/support/config_files.h"
 #include "tests/support/io_test_util.h"
 

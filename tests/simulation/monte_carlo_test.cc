@@ -1,4 +1,4 @@
-#include "src/simulation/monte_carlo.h"
+#include "alidade/monte_carlo.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "alidade/error.h"
+#include "src/serialization/job_config.h"
 #include "tests/support/noisy_positions.h"
 #include "tests/support/rv2aj_arms.h"
 
@@ -19,11 +20,16 @@ JobConfig FlangeJob(int trials) {
   JobConfig config;
   config.title = "flange";
   config.arm = testing::Rv2ajFlange();
-  config.data = testing::NoisyPositions(config.arm, 56, kSigma, 7);
-  config.identifiability.policy = WeakPolicy::kFreeze;
+  config.data.training = testing::NoisyPositions(config.arm, 56, kSigma, 7);
+  config.options.identifiability.policy = WeakPolicy::kFreeze;
   config.montecarlo.trials = trials;
   config.montecarlo.workspace_poses = 20;
   return config;
+}
+
+MonteCarloResult Run(JobConfig job, int num_threads) {
+  job.options.num_threads = num_threads;
+  return RunMonteCarlo(job.arm, job.data, job.options, job.montecarlo);
 }
 
 double MeanCoverage(const MonteCarloResult& result) {
@@ -35,8 +41,8 @@ double MeanCoverage(const MonteCarloResult& result) {
 }
 
 TEST(MonteCarloTest, TrialsDoNotDependOnThreadsOrOnTheirNumber) {
-  const MonteCarloResult one = RunMonteCarlo(FlangeJob(12), 1);
-  const MonteCarloResult three = RunMonteCarlo(FlangeJob(20), 3);
+  const MonteCarloResult one = Run(FlangeJob(12), 1);
+  const MonteCarloResult three = Run(FlangeJob(20), 3);
   for (std::size_t k = 0; k < one.trials.size(); ++k) {
     EXPECT_EQ(one.trials[k].estimates, three.trials[k].estimates);
     EXPECT_EQ(one.trials[k].workspace_rms, three.trials[k].workspace_rms);
@@ -48,8 +54,8 @@ TEST(MonteCarloTest, TrialsDoNotDependOnThreadsOrOnTheirNumber) {
 TEST(MonteCarloTest, IntervalsHoldAsOftenAsTheySay) {
   for (const bool estimated : {false, true}) {
     JobConfig config = FlangeJob(300);
-    config.estimate_sigma = estimated;
-    const MonteCarloResult result = RunMonteCarlo(config, 2);
+    config.options.estimate_sigma = estimated;
+    const MonteCarloResult result = Run(config, 2);
     ASSERT_EQ(result.failed, 0);
     ASSERT_EQ(result.parameters.size(), 18u);
     EXPECT_NEAR(MeanCoverage(result), 0.95, 0.015);
@@ -64,8 +70,8 @@ TEST(MonteCarloTest, IntervalsHoldAsOftenAsTheySay) {
 // Intervals made for another confidence: the rates follow it.
 TEST(MonteCarloTest, RatesFollowTheConfidence) {
   JobConfig config = FlangeJob(200);
-  config.uncertainty.confidence = 0.5;
-  const MonteCarloResult result = RunMonteCarlo(config, 2);
+  config.options.uncertainty.confidence = 0.5;
+  const MonteCarloResult result = Run(config, 2);
   EXPECT_NEAR(MeanCoverage(result), 0.5, 0.04);
 }
 
@@ -73,9 +79,9 @@ TEST(MonteCarloTest, RobustLossWithstandsOutliers) {
   JobConfig config = FlangeJob(150);
   config.montecarlo.outlier_fraction = 0.05;
   config.montecarlo.outlier_size = 1e-3;
-  const double squares = RunMonteCarlo(config, 2).inefficiency;
-  config.loss = LossKind::kTukey;
-  const double robust = RunMonteCarlo(config, 2).inefficiency;
+  const double squares = Run(config, 2).inefficiency;
+  config.options.loss = LossKind::kTukey;
+  const double robust = Run(config, 2).inefficiency;
   // Variance 1 + 0.05 * 50^2 times that without outliers.
   EXPECT_NEAR(squares, std::sqrt(126.0), 2.5);
   // 5 % of the data lost and 95 % efficient: 1.05; 150 trials tell it to 6 %.
@@ -84,9 +90,9 @@ TEST(MonteCarloTest, RobustLossWithstandsOutliers) {
 
 TEST(MonteCarloTest, TruthDrawnFromThePriorsIsHeldByThePosterior) {
   JobConfig config = FlangeJob(300);
-  config.identifiability.policy = WeakPolicy::kPrior;
+  config.options.identifiability.policy = WeakPolicy::kPrior;
   config.montecarlo.truth = SimulatedTruth::kPriors;
-  const MonteCarloResult result = RunMonteCarlo(config, 2);
+  const MonteCarloResult result = Run(config, 2);
   EXPECT_NEAR(MeanCoverage(result), 0.95, 0.02);
   EXPECT_NEAR(result.ellipsoids.rate(), 0.95, 0.03);
 }
@@ -94,7 +100,7 @@ TEST(MonteCarloTest, TruthDrawnFromThePriorsIsHeldByThePosterior) {
 TEST(MonteCarloTest, StopsWhereTheMeanErrorIsKnownWellEnough) {
   JobConfig config = FlangeJob(100000);
   config.montecarlo.precision = 0.05;
-  const MonteCarloResult result = RunMonteCarlo(config, 2);
+  const MonteCarloResult result = Run(config, 2);
   EXPECT_TRUE(result.stopped_early);
   EXPECT_EQ(result.trials.size(), 256u);
 }
@@ -103,10 +109,10 @@ TEST(MonteCarloTest, StopsWhereTheMeanErrorIsKnownWellEnough) {
 // counts as the truth.
 TEST(MonteCarloTest, TruthIsWhatExactMeasurementsWouldGive) {
   JobConfig config = FlangeJob(100);
-  config.truth =
+  config.options.true_values =
       ParameterLayout(5).Values(testing::WithRv2ajDeviations(config.arm));
   config.montecarlo.truth = SimulatedTruth::kGiven;
-  const MonteCarloResult result = RunMonteCarlo(config, 2);
+  const MonteCarloResult result = Run(config, 2);
   EXPECT_NEAR(MeanCoverage(result), 0.95, 0.03);
   for (const SimulatedParameter& one : result.parameters) {
     if (one.name != "r2") continue;
@@ -117,9 +123,9 @@ TEST(MonteCarloTest, TruthIsWhatExactMeasurementsWouldGive) {
 
 TEST(MonteCarloTest, ContactsAreRefused) {
   JobConfig config = FlangeJob(10);
-  config.data.name = "balls.csv";
-  config.data.blocks[0].kind = MeasurementKind::kFixedPoint;
-  EXPECT_THROW(RunMonteCarlo(config, 1), InputError);
+  config.data.training.name = "balls.csv";
+  config.data.training.blocks[0].kind = MeasurementKind::kFixedPoint;
+  EXPECT_THROW(Run(config, 1), InputError);
 }
 
 }  // namespace

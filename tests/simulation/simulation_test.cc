@@ -10,7 +10,7 @@
 #include "alidade/units.h"
 #include "src/kernel/measurement_model.h"
 #include "src/model/chain_axes.h"
-#include "src/serialization/job_file.h"
+#include "src/serialization/simulation_file.h"
 
 namespace alidade::internal {
 namespace {

@@ -11,7 +11,7 @@
 #include "alidade/dataset.h"
 #include "alidade/parameter_layout.h"
 #include "alidade/units.h"
-#include "src/calibration/job_config.h"
+#include "src/serialization/job_config.h"
 #include "src/simulation/simulation.h"
 #include "tests/support/rv2aj_arms.h"
 

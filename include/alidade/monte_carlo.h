@@ -1,18 +1,20 @@
-#ifndef ALIDADE_SRC_SIMULATION_MONTE_CARLO_H_
-#define ALIDADE_SRC_SIMULATION_MONTE_CARLO_H_
+#ifndef ALIDADE_MONTE_CARLO_H_
+#define ALIDADE_MONTE_CARLO_H_
 
 #include <functional>
 
+#include "alidade/arm.h"
+#include "alidade/calibration_options.h"
+#include "alidade/monte_carlo_options.h"
 #include "alidade/monte_carlo_result.h"
-#include "src/calibration/job_config.h"
 
-namespace alidade::internal {
+namespace alidade {
 
 /// Called with the trials done and those wanted, from one thread.
 using TrialProgress = std::function<void(int done, int wanted)>;
 
 /// Calibrates simulated measurements of the job's poses again and again, as
-/// config.montecarlo says, and sets what the calibrations say of themselves
+/// the options says, and sets what the calibrations say of themselves
 /// beside the truth: bias and spread of every free parameter, how often its
 /// interval holds it, how often true positions over the workspace lie within
 /// their intervals and ellipsoids, and how far off the arm is there.
@@ -27,9 +29,11 @@ using TrialProgress = std::function<void(int done, int wanted)>;
 /// @throws InputError where the data hold contacts, which cannot be simulated
 /// at given joint values, or where the job itself, whose result is to be the
 /// truth, finds none.
-MonteCarloResult RunMonteCarlo(const JobConfig& config, int num_threads,
+MonteCarloResult RunMonteCarlo(const Arm& arm, const CalibrationData& data,
+                               const CalibrationOptions& options,
+                               const MonteCarloOptions& study = {},
                                const TrialProgress& progress = {});
 
-}  // namespace alidade::internal
+}  // namespace alidade
 
-#endif  // ALIDADE_SRC_SIMULATION_MONTE_CARLO_H_
+#endif  // ALIDADE_MONTE_CARLO_H_

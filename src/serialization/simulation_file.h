@@ -1,10 +1,12 @@
-#ifndef ALIDADE_SRC_SERIALIZATION_SIMULATION_SECTION_H_
-#define ALIDADE_SRC_SERIALIZATION_SIMULATION_SECTION_H_
+#ifndef ALIDADE_SRC_SERIALIZATION_SIMULATION_FILE_H_
+#define ALIDADE_SRC_SERIALIZATION_SIMULATION_FILE_H_
+
+#include <string>
 
 #include "alidade/units.h"
-#include "src/calibration/job_config.h"
 #include "src/serialization/config_file.h"
 #include "src/serialization/yaml_reader.h"
+#include "src/simulation/simulation.h"
 
 namespace alidade::internal {
 
@@ -18,6 +20,10 @@ void ReadSimulationSection(const YamlMap& map, const Units& units,
 SimulationConfig ReadSimulatedData(const YamlValue& value, const Arm& arm,
                                    const Units& units, NamedFiles* files);
 
+/// Reads a simulation and every file it names.
+/// @throws InputError with file, line, column and key.
+SimulationConfig LoadSimulation(const std::string& path);
+
 }  // namespace alidade::internal
 
-#endif  // ALIDADE_SRC_SERIALIZATION_SIMULATION_SECTION_H_
+#endif  // ALIDADE_SRC_SERIALIZATION_SIMULATION_FILE_H_

@@ -1,4 +1,4 @@
-#include "src/calibration/study.h"
+#include "src/job/study.h"
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -11,6 +11,7 @@
 
 #include "alidade/units.h"
 #include "src/calibration/evaluate.h"
+#include "src/calibration/preparation.h"
 #include "src/common/format.h"
 
 namespace alidade::internal {
@@ -39,14 +40,15 @@ std::string FormatRatio(double ratio) {
 
 class Study {
  public:
-  explicit Study(const StudyInput& input)
-      : config_(input.config),
-        published_(*input.config.published),
-        problem_(input.problem),
-        model_(input.problem.model),
-        layout_(input.problem.model.layout()),
-        result_(input.result),
-        values_(input.result.runs.front().values) {}
+  Study(const PublishedStudy& published, const CalibrationTask& task,
+        const CalibrationResult& result)
+      : task_(task),
+        published_(published),
+        model_(task.arm, task.data.references, task.options.num_threads),
+        problem_(ProblemOf(task, model_, result.identifiability)),
+        layout_(model_.layout()),
+        result_(result),
+        values_(result.runs.front().values) {}
 
   StudyResult Compare() {
     study_.source = published_.source;
@@ -69,7 +71,7 @@ class Study {
  private:
   // The study's fixed number of iterations, past the rounding floor and all.
   void TimeBaseline() {
-    SolverOptions options = config_.solver_options;
+    SolverOptions options = task_.options.solver_options;
     options.max_iterations = published_.baseline_iterations;
     options.function_tolerance = 0.0;
     options.rounding_floor_factor = 0.0;
@@ -86,7 +88,8 @@ class Study {
   }
 
   Eigen::VectorXd TrueValues() const {
-    return config_.truth ? *config_.truth : model_.NominalValues();
+    return task_.options.true_values ? *task_.options.true_values
+                                     : model_.NominalValues();
   }
 
   void ListParameters() {
@@ -111,8 +114,9 @@ class Study {
   // d(free) = -J_free^+ J_frozen d(frozen): the least-squares answer of the
   // free parameters to a frozen one that is off, at the identified geometry.
   void FindAbsorptions() {
-    if (!config_.truth) return;
-    const Eigen::VectorXd deviation = *config_.truth - model_.NominalValues();
+    if (!task_.options.true_values) return;
+    const Eigen::VectorXd deviation =
+        *task_.options.true_values - model_.NominalValues();
     std::vector<int> frozen;
     for (int c = 0; c < layout_.size(); ++c) {
       const bool is_frozen =
@@ -155,7 +159,7 @@ class Study {
 
   // The study prints deviations; angles in rad, lengths in mm.
   Accuracy EvaluateRounded(int length_decimals) const {
-    if (!config_.validation) return {};
+    if (!task_.data.validation) return {};
     Eigen::VectorXd values = model_.NominalValues();
     for (int c = 0; c < layout_.size(); ++c) {
       const double deviation = values_[c] - values[c];
@@ -164,7 +168,7 @@ class Study {
                        ? RoundTo(deviation, kRadian, published_.angle_decimals)
                        : RoundTo(deviation, kMillimetre, length_decimals);
     }
-    return EvaluateAccuracy(model_, *config_.validation, values);
+    return EvaluateAccuracy(model_, *task_.data.validation, values);
   }
 
   static std::string DescribeQuantity(const std::string& quantity) {
@@ -258,10 +262,10 @@ class Study {
            FormatLength(accuracy.max, 5);
   }
 
-  const JobConfig& config_;
+  const CalibrationTask& task_;
   const PublishedStudy& published_;
-  const CalibrationProblem& problem_;
-  const MeasurementModel& model_;
+  const MeasurementModel model_;
+  const CalibrationProblem problem_;
   const ParameterLayout& layout_;
   const CalibrationResult& result_;
   const Eigen::VectorXd& values_;
@@ -271,8 +275,10 @@ class Study {
 
 }  // namespace
 
-StudyResult CompareWithStudy(const StudyInput& input) {
-  return Study(input).Compare();
+StudyResult CompareWithStudy(const PublishedStudy& published,
+                             const CalibrationTask& task,
+                             const CalibrationResult& result) {
+  return Study(published, task, result).Compare();
 }
 
 }  // namespace alidade::internal

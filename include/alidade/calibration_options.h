@@ -1,0 +1,106 @@
+#ifndef ALIDADE_CALIBRATION_OPTIONS_H_
+#define ALIDADE_CALIBRATION_OPTIONS_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "alidade/dataset.h"
+#include "alidade/identifiability_options.h"
+#include "alidade/references.h"
+#include "alidade/robust_loss.h"
+#include "alidade/solver_options.h"
+#include "alidade/uncertainty_options.h"
+
+namespace alidade {
+
+/// What was measured, and against what.
+struct CalibrationData {
+  CalibrationData() = default;
+  /// Measurements to fit, and nothing else.
+  CalibrationData(Dataset training)  // NOLINT: what most calibrations have
+      : training(std::move(training)) {}
+
+  Dataset training;
+  /// Points and planes that observations name; empty for positions and poses.
+  References references;
+  /// Measurements that the fit does not use: the error there is the accuracy
+  /// that can be expected elsewhere.
+  std::optional<Dataset> validation;
+};
+
+enum class SolverName { kCeres, kPseudoInverse };
+
+/// Poses that the fit does not use, drawn from the training data by
+/// configuration, so that repeats of a pose stay together.
+struct HoldOutOptions {
+  double fraction = 0.3;  ///< of the configurations; in (0, 1)
+  std::uint64_t seed = 1;
+};
+
+/// Cross-validation: the fit is repeated for every fold, and the errors of the
+/// poses held out of each are pooled. The result itself is of the fit to all
+/// poses.
+struct FoldsOptions {
+  int folds = 5;  ///< >= 2
+  std::uint64_t seed = 1;
+};
+
+/// Limits of a parameter in the solve (rad, m; absolute values).
+struct ParameterBounds {
+  std::string parameter;  ///< its name: "d3"
+  double lower = 0.0;
+  double upper = 0.0;
+};
+
+/// Acceptance limits (m); absent = not asked for.
+struct AcceptanceLimits {
+  std::optional<double> train_rms;
+  std::optional<double> train_max;
+  std::optional<double> heldout_rms;
+  std::optional<double> heldout_max;
+  /// Of orientations (rad).
+  std::optional<double> train_rotation_rms;
+  std::optional<double> train_rotation_max;
+  std::optional<double> heldout_rotation_rms;
+  std::optional<double> heldout_rotation_max;
+};
+
+/// How an arm is calibrated. The defaults suit an industrial arm whose base and
+/// tool are known and whose measurements have the sigmas that the data state.
+struct CalibrationOptions {
+  /// Which parameters are candidates, and what is done with those that the
+  /// measurements cannot determine. `identifiability.candidates.base` and
+  /// `.tool` add the two frames to the joints.
+  IdentifiabilityOptions identifiability;
+  SolverName solver = SolverName::kCeres;
+  SolverOptions solver_options;
+  /// Against outliers; SolverName::kCeres only.
+  LossKind loss = LossKind::kNone;
+  /// The sigmas of lengths and of orientations are estimated from the
+  /// residuals; those of the data are a first guess.
+  bool estimate_sigma = false;
+  std::vector<ParameterBounds> bounds;  ///< SolverName::kCeres only
+  /// Splits the training data where there are no validation data.
+  std::optional<HoldOutOptions> holdout;
+  std::optional<FoldsOptions> folds;
+  UncertaintyOptions uncertainty;
+  AcceptanceLimits acceptance;
+  /// Further solvers to run on the same data, for comparison.
+  std::vector<SolverName> compare_with;
+  /// Values of the real arm, one per column of the layout, where it is known
+  /// (a simulation): results then state the true error.
+  std::optional<Eigen::VectorXd> true_values;
+  /// Results do not depend on it. >= 1.
+  int num_threads = 1;
+
+  /// False with a message that names the field, its value and the constraint.
+  bool IsValid(std::string* error) const;
+};
+
+}  // namespace alidade
+
+#endif  // ALIDADE_CALIBRATION_OPTIONS_H_

@@ -1,0 +1,78 @@
+#include "src/calibration/acceptance.h"
+
+#include <limits>
+#include <optional>
+
+#include "src/common/format.h"
+
+namespace alidade::internal {
+namespace {
+
+// A limit on what was not measured is not met.
+double OrInfinity(const Accuracy& accuracy, double value) {
+  return accuracy.n > 0 ? value : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+HeldOutErrors HeldOutErrorsOf(const CalibrationResult& result) {
+  if (result.heldout) {
+    return {result.heldout->after, result.heldout->rotation_after};
+  }
+  if (result.cross_validation) {
+    return {result.cross_validation->position,
+            result.cross_validation->rotation};
+  }
+  return {};
+}
+
+std::vector<AcceptanceCheck> CheckAcceptance(const AcceptanceLimits& limits,
+                                             const CalibrationResult& result) {
+  std::vector<AcceptanceCheck> checks;
+  const auto add = [&](const std::string& quantity,
+                       const std::optional<double>& limit, double obtained,
+                       Dimension dimension) {
+    if (limit) checks.push_back({quantity, *limit, obtained, dimension});
+  };
+  const auto add_lengths = [&](const std::string& set, const Accuracy& accuracy,
+                               const std::optional<double>& rms,
+                               const std::optional<double>& max) {
+    add(set + "_rms", rms, OrInfinity(accuracy, accuracy.rms),
+        Dimension::kLength);
+    add(set + "_max", max, OrInfinity(accuracy, accuracy.max),
+        Dimension::kLength);
+  };
+  const auto add_rotations =
+      [&](const std::string& set, const Accuracy& accuracy,
+          const std::optional<double>& rms, const std::optional<double>& max) {
+        add(set + "_rotation_rms", rms, OrInfinity(accuracy, accuracy.rms),
+            Dimension::kAngle);
+        add(set + "_rotation_max", max, OrInfinity(accuracy, accuracy.max),
+            Dimension::kAngle);
+      };
+  add_lengths("train", result.train.after, limits.train_rms, limits.train_max);
+  add_rotations("train", result.train.rotation_after, limits.train_rotation_rms,
+                limits.train_rotation_max);
+  const HeldOutErrors heldout = HeldOutErrorsOf(result);
+  add_lengths("heldout", heldout.lengths, limits.heldout_rms,
+              limits.heldout_max);
+  add_rotations("heldout", heldout.rotations, limits.heldout_rotation_rms,
+                limits.heldout_rotation_max);
+  return checks;
+}
+
+std::string MissedLimits(const CalibrationResult& result) {
+  std::string text;
+  for (const AcceptanceCheck& check : result.acceptance) {
+    if (check.met()) continue;
+    const bool length = check.dimension == Dimension::kLength;
+    const double unit = length ? kMillimetre : kDegree;
+    const std::string name = std::string(" ") + UnitForPeople(check.dimension);
+    text += (text.empty() ? "" : "; ") + check.quantity + " " +
+            FormatSignificant(check.obtained / unit, 3) + name + ", at most " +
+            FormatSignificant(check.limit / unit, 3) + name;
+  }
+  return text;
+}
+
+}  // namespace alidade::internal

@@ -1,0 +1,29 @@
+#ifndef ALIDADE_SRC_CALIBRATION_ACCEPTANCE_H_
+#define ALIDADE_SRC_CALIBRATION_ACCEPTANCE_H_
+
+#include <string>
+#include <vector>
+
+#include "alidade/calibration_options.h"
+#include "alidade/calibration_result.h"
+
+namespace alidade::internal {
+
+/// Errors of the poses held out of the fit, or of each fold; n = 0 without.
+struct HeldOutErrors {
+  Accuracy lengths;
+  Accuracy rotations;
+};
+HeldOutErrors HeldOutErrorsOf(const CalibrationResult& result);
+
+/// Each limit that is asked for beside what was obtained. A limit on what was
+/// not measured is missed.
+std::vector<AcceptanceCheck> CheckAcceptance(const AcceptanceLimits& limits,
+                                             const CalibrationResult& result);
+
+/// "heldout_max 0.071 mm, at most 0.01 mm; ...": the limits that are missed.
+std::string MissedLimits(const CalibrationResult& result);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_CALIBRATION_ACCEPTANCE_H_

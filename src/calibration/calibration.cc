@@ -1,0 +1,406 @@
+#include "alidade/calibration.h"
+
+#include <glog/logging.h>
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "alidade/error.h"
+#include "alidade/version.h"
+#include "src/calibration/acceptance.h"
+#include "src/calibration/calibration_task.h"
+#include "src/calibration/evaluate.h"
+#include "src/calibration/fit_report.h"
+#include "src/calibration/fit_uncertainty.h"
+#include "src/calibration/fit_warnings.h"
+#include "src/calibration/frame_fit.h"
+#include "src/calibration/identifiability_cache.h"
+#include "src/calibration/input_doubt.h"
+#include "src/calibration/preparation.h"
+#include "src/common/format.h"
+#include "src/identifiability/analysis.h"
+#include "src/kernel/partition.h"
+#include "src/solve/solver.h"
+
+namespace alidade::internal {
+namespace {
+
+double SecondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
+      .count();
+}
+
+SolverRun Solve(SolverName name, const CalibrationProblem& problem,
+                LossKind loss, const SolverOptions& options) {
+  SolverRun run;
+  run.values = problem.model.NominalValues();
+  run.summary = name == SolverName::kCeres
+                    ? SolveRobust(problem, loss, options, &run.values)
+                    : SolvePseudoInverse(problem, options, &run.values);
+  run.train = EvaluateAccuracy(problem.model, problem.data, run.values);
+  return run;
+}
+
+void RequireValid(const CalibrationTask& task) {
+  std::string error;
+  if (!task.options.IsValid(&error)) throw InputError({}, error);
+  const int joints = task.arm.num_joints();
+  for (const Dataset* data :
+       {&task.data.training,
+        task.data.validation ? &*task.data.validation : nullptr}) {
+    if (data == nullptr || data->num_poses() == 0) continue;
+    if (data->num_joints() == joints) continue;
+    SourceLocation location;
+    location.file = data->name;
+    throw InputError(location, "the data have " +
+                                   std::to_string(data->num_joints()) +
+                                   " joint values a pose, expected " +
+                                   std::to_string(joints) + ", as the arm");
+  }
+}
+
+// Data that fit nowhere, and would if one mistake were mended, are an error of
+// the input, before anything is fitted. Returns what speaks against others.
+std::string RefuseMistakes(const CalibrationTask& task) {
+  InputDoubt doubt =
+      DoubtInput(task.arm, task.data.training, task.communicator);
+  if (!doubt.is_explained) return doubt.text;
+  SourceLocation location;
+  location.file = task.data.training.name;
+  throw InputError(location, doubt.text);
+}
+
+/// A task as its solve sees it, and how it came there.
+struct Prepared {
+  CalibrationTask task;
+  std::string doubt;  ///< what was said against the input; empty: nothing
+  bool frames_fitted = false;
+  EstimatedSigmas sigmas;
+};
+
+Prepared Prepare(CalibrationTask task) {
+  Prepared prepared;
+  prepared.doubt = RefuseMistakes(task);
+  prepared.task = std::move(task);
+  prepared.frames_fitted = FitFrames(&prepared.task);
+  if (prepared.task.options.estimate_sigma) {
+    prepared.sigmas = EstimateSigmas(&prepared.task);
+  }
+  return prepared;
+}
+
+/// One calibration: from the prepared task to the result, step by step.
+class Calibrator {
+ public:
+  /// `as_given`: the task before its preparation, for what repeats all of it;
+  /// may be null where there are no folds.
+  Calibrator(Prepared prepared, const CalibrationTask* as_given,
+             IdentifiabilityCache* cache)
+      : prepared_(std::move(prepared)),
+        as_given_(as_given),
+        cache_(cache),
+        model_(task().arm, task().data.references, task().execution()) {
+    result_.arm = task().arm;
+  }
+
+  CalibrationResult Run() {
+    DescribeData();
+    if (!prepared_.doubt.empty()) Warn(prepared_.doubt);
+    if (task().options.estimate_sigma && !(prepared_.sigmas.length > 0.0)) {
+      Fail(CalibrationStatus::kRefused,
+           "sigma cannot be estimated: these poses leave no degree of freedom, "
+           "or the data are exact, or no fit succeeded. State `measurement: "
+           "{sigma: ...}`");
+      return std::move(result_);
+    }
+    if (prepared_.frames_fitted) {
+      const References& references = task().data.references;
+      const bool has_references =
+          references.num_points() + references.num_planes() > 0;
+      result_.before_note =
+          std::string("before: base and tool") +
+          (has_references ? ", points and planes" : "") +
+          " fitted to the training poses, the geometry of the joints nominal";
+    }
+    RefuseOrientations();
+    if (Identify() && SolveAll()) Evaluate();
+    return std::move(result_);
+  }
+
+ private:
+  const CalibrationTask& task() const { return prepared_.task; }
+
+  void Fail(CalibrationStatus status, std::string message) {
+    result_.status = status;
+    result_.message = std::move(message);
+  }
+
+  void Warn(const std::string& warning) {
+    result_.warnings.push_back(warning);
+    LOG(WARNING) << "warning: " << warning;
+  }
+
+  void DescribeData() {
+    const Dataset& data = task().data.training;
+    result_.version = Version();
+    result_.arm_name = task().arm.name;
+    result_.seed = task().options.identifiability.seed;
+    result_.sigma = MedianLengthSigma(data, task().communicator);
+    result_.estimated_sigma = prepared_.sigmas.length;
+    result_.estimated_rotation_sigma = prepared_.sigmas.rotation;
+    result_.repeats = MeasureRepeats(data, task().communicator);
+    const auto add = [&](const std::string& block, const std::string& name) {
+      if (!name.empty()) result_.aliases.emplace_back(block, name);
+    };
+    int number = 0;
+    for (const Target& target : task().arm.targets) {
+      ++number;
+      add(number == 1 ? "tool" : "tool" + std::to_string(number), target.name);
+    }
+    number = 0;
+    for (const ReferencePoint& point : task().data.references.points) {
+      add("point" + std::to_string(++number), point.name);
+    }
+    number = 0;
+    for (const ReferencePlane& plane : task().data.references.planes) {
+      add("plane" + std::to_string(++number), plane.name);
+    }
+  }
+
+  // Orientations that fit nowhere, whatever base and target, are misread.
+  void RefuseOrientations() {
+    constexpr double kTolerated = 0.3;  // rad
+    const Dataset& data = task().data.training;
+    if (!prepared_.frames_fitted || !data.Has(MeasurementKind::kPose)) return;
+    const Accuracy before =
+        EvaluateRotations(model_, data, model_.NominalValues());
+    if (before.median < kTolerated) return;
+    SourceLocation location;
+    location.file = data.name;
+    throw InputError(
+        location,
+        "the measured orientations do not fit this arm, whatever its base and "
+        "target: half of them are more than " +
+            FormatSignificant(before.median / kDegree, 3) +
+            " deg off. Look at the convention of the angles (`rotation`), "
+            "their unit, and the order of a quaternion's components");
+  }
+
+  bool Identify() {
+    const auto begin = std::chrono::steady_clock::now();
+    const IdentifiabilityOptions& options = task().options.identifiability;
+    result_.identifiability =
+        cache_ == nullptr
+            ? AnalyzeIdentifiability(model_, task().data.training, options)
+            : cache_->Analyze(model_, task().data.training, options);
+    result_.identify_time_s = SecondsSince(begin);
+    for (const std::string& warning : result_.identifiability.warnings) {
+      LOG(WARNING) << "warning: " << warning;
+    }
+    if (!result_.identifiability.exceeds_rank || options.proceed_beyond_rank) {
+      return true;
+    }
+    Fail(CalibrationStatus::kRefused, result_.identifiability.refusal);
+    return false;
+  }
+
+  bool SolveAll() {
+    SolverOptions options = task().options.solver_options;
+    options.num_threads = model_.num_threads();
+    problem_.emplace(ProblemOf(task(), model_, result_.identifiability));
+    result_.runs.push_back(
+        Solve(task().options.solver, *problem_, task().options.loss, options));
+    const SolverSummary& summary = result_.runs.front().summary;
+    if (!summary.IsSolutionUsable()) {
+      Fail(CalibrationStatus::kFailed, "the solver " + summary.solver + " " +
+                                           ToString(summary.status) + ": " +
+                                           summary.message);
+      return false;
+    }
+    for (const SolverName other : task().options.compare_with) {
+      if (other == task().options.solver) continue;
+      result_.runs.push_back(Solve(other, *problem_, LossKind::kNone, options));
+    }
+    return true;
+  }
+
+  void Evaluate() {
+    const Eigen::VectorXd nominal = model_.NominalValues();
+    const Eigen::VectorXd& values = result_.runs.front().values;
+    result_.arm = model_.layout().WithValues(task().arm, values);
+    ListParameters(nominal, values);
+    ListReferences(model_.ReferencesAt(values));
+    EvaluateSets(nominal, values);
+    const FinishedFit fit{task(), *problem_, values};
+    if (prepared_.frames_fitted) {
+      result_.stages = ListStages(fit, result_.identifiability.num_free);
+    }
+    if (task().options.folds) {
+      result_.cross_validation = CrossValidate(*as_given_);
+      if (!result_.cross_validation) {
+        Warn(
+            "cross-validation found no usable fit of one of its folds, or one "
+            "that leaves no pose to a point, plane or target: other folds "
+            "leave more");
+      }
+    }
+    result_.outliers = ListOutliers(fit, &result_.outlier_limit);
+    result_.reduced_chi_square = ReducedChiSquare(fit);
+    for (const std::string& warning :
+         WarnOfFit(fit,
+                   {prepared_.frames_fitted, prepared_.sigmas.is_bound,
+                    !prepared_.doubt.empty()},
+                   result_)) {
+      Warn(warning);
+    }
+    Assess(fit);
+    Accept();
+  }
+
+  void EvaluateSets(const Eigen::VectorXd& nominal,
+                    const Eigen::VectorXd& values) {
+    const CalibrationData& data = task().data;
+    result_.train = EvaluateSet(model_, data.training, nominal, values);
+    if (!data.validation) return;
+    result_.heldout = EvaluateSet(model_, *data.validation, nominal, values);
+    // Without orientations in the fit nothing determines the target's own.
+    if (!data.training.Has(MeasurementKind::kPose)) {
+      result_.heldout->rotation_before = {};
+      result_.heldout->rotation_after = {};
+    }
+  }
+
+  void Assess(const FinishedFit& fit) {
+    result_.uncertainty = AssessFit(fit, result_.identifiability,
+                                    result_.runs.front().summary.final_cost);
+    for (const ParameterUncertainty& one : result_.uncertainty->parameters) {
+      result_.parameters[*model_.layout().Find(one.name)].std = one.std;
+    }
+    for (const std::string& warning : result_.uncertainty->warnings) {
+      Warn(warning);
+    }
+  }
+
+  void Accept() {
+    result_.acceptance = CheckAcceptance(task().options.acceptance, result_);
+    result_.status = CalibrationStatus::kDone;
+    if (IsStoppedAndWorse()) {
+      Fail(CalibrationStatus::kFailed,
+           "the solver was stopped by the number of iterations, and the poses "
+           "held out are further off than before: the data do not tell this "
+           "many parameters apart, or do not fit this arm. Identify fewer, "
+           "measure more poses, or look for what is wrong with the data");
+    } else if (!result_.accepted()) {
+      Fail(CalibrationStatus::kMissedLimits,
+           "acceptance limits missed: " + MissedLimits(result_));
+    }
+  }
+
+  // No minimum was reached, and where it stopped is no better elsewhere.
+  bool IsStoppedAndWorse() const {
+    // Every pose is held out of one fold: before, folds are the training poses.
+    const Accuracy& before =
+        result_.heldout ? result_.heldout->before : result_.train.before;
+    return result_.runs.front().summary.status ==
+               SolverStatus::kIterationLimit &&
+           HeldOutErrorsOf(result_).lengths.rms > before.rms;
+  }
+
+  void ListReferences(const References& references) {
+    int number = 0;
+    for (const ReferencePoint& point : references.points) {
+      ReferenceResult reference;
+      reference.block = "point" + std::to_string(++number);
+      reference.name = point.name;
+      reference.is_known = point.is_known;
+      reference.vector = point.position;
+      result_.references.push_back(reference);
+    }
+    number = 0;
+    for (const ReferencePlane& plane : references.planes) {
+      ReferenceResult reference;
+      reference.block = "plane" + std::to_string(++number);
+      reference.name = plane.name;
+      reference.is_known = plane.is_known;
+      reference.vector = plane.normal;
+      reference.offset = plane.offset;
+      result_.references.push_back(reference);
+    }
+  }
+
+  void ListParameters(const Eigen::VectorXd& nominal,
+                      const Eigen::VectorXd& values) {
+    const ParameterLayout& layout = model_.layout();
+    const std::optional<Eigen::VectorXd>& truth = task().options.true_values;
+    for (const ParameterBlock& block : layout.blocks()) {
+      for (int i = 0; i < block.size; ++i) {
+        const int column = block.first_column + i;
+        ParameterResult parameter;
+        parameter.name = layout.parameter(column).name;
+        parameter.kind = block.name;
+        parameter.dimension = layout.parameter(column).dimension;
+        parameter.nominal = nominal[column];
+        parameter.value = values[column];
+        const ParameterKind kind = layout.parameter(column).kind;
+        if (truth && !ParameterLayout::IsReferenceKind(kind)) {
+          parameter.truth = (*truth)[column];
+        }
+        parameter.decision = result_.identifiability.decisions[column];
+        result_.parameters.push_back(std::move(parameter));
+      }
+    }
+  }
+
+  const Prepared prepared_;
+  const CalibrationTask* const as_given_;
+  IdentifiabilityCache* const cache_;
+  const MeasurementModel model_;
+  std::optional<CalibrationProblem> problem_;
+  CalibrationResult result_;
+};
+
+}  // namespace
+
+CalibrationResult Calibrate(CalibrationTask task, IdentifiabilityCache* cache) {
+  const auto start = std::chrono::steady_clock::now();
+  RequireValid(task);
+  HoldOutValidation(&task);
+  std::optional<CalibrationTask> as_given;
+  if (task.options.folds) as_given = task;
+  CalibrationResult result = Calibrator(Prepare(std::move(task)),
+                                        as_given ? &*as_given : nullptr, cache)
+                                 .Run();
+  result.total_time_s = SecondsSince(start);
+  return result;
+}
+
+IdentifiabilityResult AnalyzeTask(CalibrationTask task) {
+  RequireValid(task);
+  HoldOutValidation(&task);
+  RefuseMistakes(task);
+  FitFrames(&task);
+  const MeasurementModel model(task.arm, task.data.references,
+                               task.execution());
+  return AnalyzeIdentifiability(model, task.data.training,
+                                task.options.identifiability);
+}
+
+}  // namespace alidade::internal
+
+namespace alidade {
+
+CalibrationResult Calibrate(const Arm& arm, const CalibrationData& data,
+                            const CalibrationOptions& options) {
+  return internal::Calibrate({arm, data, options});
+}
+
+IdentifiabilityResult AnalyzeIdentifiability(
+    const Arm& arm, const CalibrationData& data,
+    const CalibrationOptions& options) {
+  return internal::AnalyzeTask({arm, data, options});
+}
+
+}  // namespace alidade

@@ -1,0 +1,149 @@
+#include "src/calibration/fit_warnings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "src/calibration/input_doubt.h"
+#include "src/calibration/preparation.h"
+#include "src/calibration/same_data.h"
+#include "src/common/format.h"
+#include "src/kernel/partition.h"
+
+namespace alidade::internal {
+namespace {
+
+// Residuals of so many sigmas in the root mean square are no chance: with ten
+// degrees of freedom the odds are below 1e-6.
+constexpr double kLargeResiduals = 2.5;
+
+// Balls in sockets and contacts with planes whose places are all unknown: an
+// arm twice as large would touch points twice as far.
+bool LeavesSizeOpen(const CalibrationTask& task) {
+  for (std::size_t k = 0; k < task.data.training.blocks.size(); ++k) {
+    if (task.data.training.global_observations(k) == 0) continue;
+    const MeasurementKind kind = task.data.training.blocks[k].kind;
+    if (kind != MeasurementKind::kFixedPoint &&
+        kind != MeasurementKind::kPlane) {
+      return false;
+    }
+  }
+  const auto is_known = [](const auto& reference) {
+    return reference.is_known;
+  };
+  const References& references = task.data.references;
+  return std::count_if(references.points.begin(), references.points.end(),
+                       is_known) +
+             std::count_if(references.planes.begin(), references.planes.end(),
+                           is_known) <
+         2;
+}
+
+// An outlier far beyond all others spoils the fit of them all.
+std::string WarnOfWorst(const CalibrationResult& result) {
+  constexpr double kFarBeyond = 3.0;
+  if (result.outliers.empty()) return "";
+  const Outlier& worst = result.outliers.front();
+  if (worst.standardised < kFarBeyond * result.outlier_limit) return "";
+  return (worst.label.where.empty() ? "" : worst.label.where + ": ") +
+         "the measurement that fits worst is " + FormatLength(worst.error, 3) +
+         " off, " + FormatSignificant(worst.standardised, 2) +
+         " standard deviations (" + std::to_string(result.outliers.size()) +
+         " are beyond chance): look at it, leave it out, or choose a `loss`";
+}
+
+// At the nominal geometry an arm is millimetres off, not a tenth of its size.
+std::string WarnOfFrames(const FinishedFit& fit, bool frames_fitted,
+                         const CalibrationResult& result) {
+  constexpr double kLargePart = 0.05;
+  Arm at_origin = fit.model().nominal();
+  at_origin.instrument_from_base.setIdentity();
+  const Accuracy& before = result.train.before;
+  if (before.n == 0 || before.median < kLargePart * Reach(at_origin)) return "";
+  return frames_fitted
+             ? "base, tool or references were not found: at the nominal "
+               "geometry half of the measurements are more than " +
+                   FormatLength(before.median, 3) +
+                   " off. State a guess of base and tool in the arm file"
+             : "half of the measurements are more than " +
+                   FormatLength(before.median, 3) +
+                   " off before calibration. If base or tool are not known, "
+                   "identify them too (`parameters: [joints, base, tool]`)";
+}
+
+// Where the loss expects outliers, they are not held against the fit.
+std::string WarnOfResiduals(const FinishedFit& fit,
+                            const CalibrationResult& result) {
+  const CalibrationTask& task = fit.task;
+  const double ratio =
+      task.options.loss == LossKind::kNone
+          ? std::sqrt(result.reduced_chi_square)
+          : TypicalResidual(fit.model(), task.data.training, fit.values);
+  if (!(ratio > kLargeResiduals)) return "";
+  return "the residuals are " + FormatSignificant(ratio, 3) +
+         " times as large as the sigmas say: look for wrong units, columns, "
+         "rotation convention, outliers, sigmas or a wrong arm";
+}
+
+std::string Listed(const std::string& before, const std::string& names,
+                   const std::string& after) {
+  return names.empty() ? "" : before + names + after;
+}
+
+}  // namespace
+
+std::vector<std::string> WarnOfFit(const FinishedFit& fit,
+                                   const FitHistory& history,
+                                   const CalibrationResult& result) {
+  std::vector<std::string> warnings;
+  const auto warn = [&warnings](std::string text) {
+    if (!text.empty()) warnings.push_back(std::move(text));
+  };
+  const SolverSummary& summary = result.runs.front().summary;
+  warn(DoubtZeros(fit.task.data.training, fit.task.communicator));
+  if (summary.status == SolverStatus::kIterationLimit) {
+    warn("the solver " + summary.solver +
+         " was stopped by the number of iterations and may be far from the "
+         "minimum");
+  }
+  for (std::string& doubt : DoubtSameData(fit.task)) warn(std::move(doubt));
+  warn(WarnOfResiduals(fit, result));
+  if (!history.input_was_doubted) {
+    warn(WarnOfFrames(fit, history.frames_fitted, result));
+  }
+  warn(WarnOfWorst(result));
+  if (history.sigma_is_bound) {
+    warn(
+        "too few measurements to tell sigma from the residuals: it is taken "
+        "as what the nominal geometry leaves, so that parameters stay near "
+        "nominal. Measure more poses or state sigma");
+  }
+  if (!(result.reduced_chi_square > 0.0) &&
+      DegreesOfFreedom(fit.problem, fit.values) < 1.0) {
+    warn(
+        "these poses leave no degree of freedom: small residuals say nothing "
+        "of the arm's accuracy. Measure more poses");
+  }
+  if (result.train.after.rms > result.train.before.rms) {
+    warn(
+        "the calibration made the error at the training poses larger: do not "
+        "use it, and look for what is wrong with the data or the arm");
+  }
+  if (LeavesSizeOpen(fit.task)) {
+    warn(
+        "these contacts leave the size of the arm open, which the priors "
+        "alone tell: state a known distance between two points (`references: "
+        "{distances: ...}`), or measure one");
+  }
+  warn(Listed(
+      "further from nominal than the priors allow, in standard deviations: ",
+      FarFromPriors(fit),
+      "; correct the nominal arm, widen the priors or use another policy"));
+  warn(Listed("at a bound: ", AtBounds(fit),
+              "; the data ask for values beyond, which the bounds do not "
+              "allow"));
+  return warnings;
+}
+
+}  // namespace alidade::internal

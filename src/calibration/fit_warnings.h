@@ -1,0 +1,30 @@
+#ifndef ALIDADE_SRC_CALIBRATION_FIT_WARNINGS_H_
+#define ALIDADE_SRC_CALIBRATION_FIT_WARNINGS_H_
+
+#include <string>
+#include <vector>
+
+#include "alidade/calibration_result.h"
+#include "src/calibration/fit_report.h"
+
+namespace alidade::internal {
+
+/// How the fit came about, as far as warnings depend on it.
+struct FitHistory {
+  bool frames_fitted = false;
+  /// Sigma was to be estimated, and too few measurements bound it only.
+  bool sigma_is_bound = false;
+  /// Something was said against the input already.
+  bool input_was_doubted = false;
+};
+
+/// What speaks against a result although a solver calls it usable: a minimum
+/// may be a bad one, of wrong data, of a wrong arm, or not reached at all.
+/// `result` has its runs, training accuracy, outliers and reduced chi-square.
+std::vector<std::string> WarnOfFit(const FinishedFit& fit,
+                                   const FitHistory& history,
+                                   const CalibrationResult& result);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_CALIBRATION_FIT_WARNINGS_H_

@@ -1,0 +1,61 @@
+#ifndef ALIDADE_SRC_SERIALIZATION_JOB_CONFIG_H_
+#define ALIDADE_SRC_SERIALIZATION_JOB_CONFIG_H_
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "alidade/monte_carlo_options.h"
+#include "src/calibration/calibration_task.h"
+#include "src/simulation/noise_study.h"
+
+namespace alidade::internal {
+
+/// What a result directory holds: all there is, or for fleets of thousands only
+/// what machines read, arm.yaml and result.json.
+enum class JobOutputs { kFull, kMinimal };
+
+/// One quantity of a study that the report prints beside ours.
+struct PublishedFigure {
+  std::string quantity;   ///< one of PublishedQuantityNames()
+  std::string published;  ///< as the study words it
+};
+
+/// What a published study says of the same calibration.
+struct PublishedStudy {
+  std::string source;
+  /// Deviations as its table prints them, one per column of the layout.
+  Eigen::VectorXd deviations;
+  int angle_decimals = 4;   ///< of rad
+  int length_decimals = 1;  ///< of mm
+  int baseline_iterations = 100;
+  double baseline_time_s = 0.0;
+  std::vector<PublishedFigure> figures;
+};
+
+/// The quantities a `published: figures:` entry may name.
+const std::vector<std::string>& PublishedQuantityNames();
+
+/// A calibration job, its files loaded and checked against each other: the
+/// calibration's task, and what is done with its result.
+struct JobConfig : CalibrationTask {
+  std::string path;
+  std::string title;
+  /// Of the data's files, in the order of reading.
+  std::vector<RejectedRow> rejected;
+  JobOutputs outputs = JobOutputs::kFull;
+  std::optional<PublishedStudy> published;
+  /// What `montecarlo` simulates.
+  MonteCarloOptions montecarlo;
+  /// What `compare` runs besides, with the sigmas of the data set.
+  std::optional<NoiseStudyConfig> noise_study;
+  /// Every file read for this job, the job file first.
+  std::vector<std::string> input_files;
+  /// The rank that has read each of them; empty: there is one.
+  std::vector<int> readers;
+};
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_SERIALIZATION_JOB_CONFIG_H_
