@@ -4,6 +4,7 @@
 #include <string>
 
 #include "alidade/arm.h"
+#include "alidade/communicator.h"
 #include "alidade/dataset.h"
 
 namespace alidade::internal {
