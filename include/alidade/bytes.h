@@ -13,8 +13,7 @@
 namespace alidade {
 
 /// Values one behind the other as bytes, for ByteReader on a machine of the
-/// same kind: what the members of a team (team.h) send each other. No format
-/// for files.
+/// same kind: what ranks (communicator.h) send each other. No format for files.
 class ByteWriter {
  public:
   template <typename T>

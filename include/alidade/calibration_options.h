@@ -21,8 +21,8 @@ namespace alidade {
 struct CalibrationData {
   CalibrationData() = default;
   /// Measurements to fit, and nothing else.
-  CalibrationData(Dataset training)  // NOLINT: what most calibrations have
-      : training(std::move(training)) {}
+  CalibrationData(Dataset measured)  // NOLINT: what most calibrations have
+      : training(std::move(measured)) {}
 
   Dataset training;
   /// Points and planes that observations name; empty for positions and poses.

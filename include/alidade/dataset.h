@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,8 +13,6 @@
 #include "alidade/shared_matrix.h"
 
 namespace alidade {
-
-class Team;
 
 /// What is measured. With p the position of the target at the observation's
 /// pose, R its orientation, both in the instrument's frame, and "m" what was
@@ -93,16 +92,16 @@ struct Shard {
   std::vector<Eigen::Index> first_observations = {};  ///< of each block
 };
 
-/// What a data set is a share of: other members of a team have the others. The
-/// whole is never in one place; its poses, and the observations of each of its
-/// blocks, are those of member 0, then those of member 1 and so on (share.h).
-struct DataShare {
-  Team* team = nullptr;         ///< null: the data set is whole
-  Eigen::Index first_pose = 0;  ///< of this share among all
-  Eigen::Index all_poses = 0;
+/// Where the poses and observations of a data set stand in a global one, of
+/// which each rank of a communicator holds a part (docs/cluster.md). The global
+/// one is never in one place; its poses, and the observations of each of its
+/// blocks, are those of rank 0, then those of rank 1 and so on.
+struct Partition {
+  Eigen::Index first_pose = 0;
+  Eigen::Index global_poses = 0;
   /// The same for the observations of each block.
   std::vector<Eigen::Index> first_observations = {};
-  std::vector<Eigen::Index> all_observations = {};
+  std::vector<Eigen::Index> global_observations = {};
 };
 
 /// Measurements of an arm at known joint values. Observations are counted, and
@@ -120,23 +119,24 @@ struct Dataset {
   /// or factored over all poses is so for each shard first, then over shards,
   /// so that bits do not depend on who has which of them.
   std::vector<Shard> shards = {};
-  /// Blocks are the same on every member, if empty on some.
-  DataShare share = {};
+  /// Nothing: the data set is a global one. Of a part, blocks are the same on
+  /// every rank, if empty on some.
+  std::optional<Partition> partition = {};
 
   int num_joints() const { return static_cast<int>(joint_values.rows()); }
   Eigen::Index num_poses() const { return joint_values.cols(); }
   Eigen::Index num_observations() const;
   /// Rows of the stacked residual, those not measured (always zero) included.
   Eigen::Index num_rows() const;
-  /// Number of scalar measurements (of a share: its own).
+  /// Number of scalar measurements here.
   Eigen::Index num_equations() const;
-  /// Of a share: whether the whole has any.
+  /// Whether the global data set has any.
   bool Has(MeasurementKind kind) const;
 
-  /// Of the whole that this is a share of; no collective call.
-  Eigen::Index all_poses() const;
-  Eigen::Index all_observations() const;
-  Eigen::Index all_observations(std::size_t block) const;
+  /// Of the global data set.
+  Eigen::Index global_poses() const;
+  Eigen::Index global_observations() const;
+  Eigen::Index global_observations(std::size_t block) const;
   std::size_t num_shards() const {
     return std::max<std::size_t>(1, shards.size());
   }
@@ -175,6 +175,9 @@ bool HaveOneSigma(const ObservationBlock& block, Eigen::Index first,
 /// 3 x N (m).
 Dataset MakePositions(SharedMatrix joint_values, SharedMatrix points,
                       SharedMatrix sigmas);
+/// The same with one standard deviation of every coordinate (m).
+Dataset MakePositions(SharedMatrix joint_values, SharedMatrix points,
+                      double sigma);
 
 /// Clears the block's list of poses where it says nothing: 0, 1, ... of a data
 /// set with as many poses, or observations that belong to none.

@@ -23,7 +23,7 @@
 #include "src/calibration/verdict.h"
 #include "src/common/format.h"
 #include "src/identifiability/analysis.h"
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 #include "src/solve/solver.h"
 
 namespace alidade::internal {
@@ -66,7 +66,8 @@ void RequireValid(const CalibrationTask& task) {
 // Data that fit nowhere, and would if one mistake were mended, are an error of
 // the input, before anything is fitted. Returns what speaks against others.
 std::optional<Finding> RefuseMistakes(const CalibrationTask& task) {
-  InputDiagnosis diagnosis = DiagnoseInput(task.arm, task.data.training);
+  InputDiagnosis diagnosis =
+      DiagnoseInput(task.arm, task.data.training, task.communicator);
   if (!diagnosis.is_explained) return diagnosis.finding;
   SourceLocation location;
   location.file = task.data.training.name;
@@ -102,7 +103,7 @@ class Calibrator {
       : prepared_(std::move(prepared)),
         as_given_(as_given),
         cache_(cache),
-        model_(task().arm, task().data.references, task().options.num_threads) {
+        model_(task().arm, task().data.references, task().execution()) {
     result_.arm = task().arm;
   }
 
@@ -144,10 +145,10 @@ class Calibrator {
     result_.version = Version();
     result_.arm_name = task().arm.name;
     result_.seed = task().options.identifiability.seed;
-    result_.sigma = MedianLengthSigma(data);
+    result_.sigma = MedianLengthSigma(data, task().communicator);
     result_.estimated_sigma = prepared_.sigmas.length;
     result_.estimated_rotation_sigma = prepared_.sigmas.rotation;
-    result_.repeats = MeasureRepeats(data);
+    result_.repeats = MeasureRepeats(data, task().communicator);
     const auto add = [&](const std::string& block, const std::string& name) {
       if (!name.empty()) result_.aliases.emplace_back(block, name);
     };
@@ -377,7 +378,7 @@ IdentifiabilityResult AnalyzeTask(CalibrationTask task) {
   RefuseMistakes(task);
   FitFrames(&task);
   const MeasurementModel model(task.arm, task.data.references,
-                               task.options.num_threads);
+                               task.execution());
   return AnalyzeIdentifiability(model, task.data.training,
                                 task.options.identifiability);
 }

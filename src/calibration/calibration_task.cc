@@ -9,8 +9,8 @@ namespace alidade::internal {
 void HoldOutValidation(CalibrationTask* task) {
   if (!task->options.holdout || task->data.validation) return;
   const HoldOutOptions& options = *task->options.holdout;
-  HoldOut split =
-      HoldOutFraction(task->data.training, options.fraction, options.seed);
+  HoldOut split = HoldOutFraction(task->data.training, options.fraction,
+                                  options.seed, task->communicator);
   task->data.training = std::move(split.train);
   task->data.validation = std::move(split.heldout);
 }

@@ -4,6 +4,7 @@
 #include "alidade/arm.h"
 #include "alidade/calibration_options.h"
 #include "alidade/calibration_result.h"
+#include "alidade/communicator.h"
 
 namespace alidade::internal {
 
@@ -16,6 +17,13 @@ struct CalibrationTask {
   Arm arm;
   CalibrationData data;
   CalibrationOptions options;
+  /// Ranks that have a part of the data each (partition.h); all else is the
+  /// same on all of them. Calibrate is then collective, and every rank finds
+  /// what one process would, to the bit, but for what has an entry for each
+  /// pose, observation or outlier, which the root alone has.
+  Communicator* communicator = SingleProcess();
+
+  Execution execution() const { return {options.num_threads, communicator}; }
 };
 
 /// Splits the training data as `options.holdout` says, unless there are

@@ -13,7 +13,7 @@
 #include "alidade/rotation.h"
 #include "src/calibration/label_bytes.h"
 #include "src/kernel/holdout.h"
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 #include "src/model/joint_draw.h"
 
 namespace alidade::internal {
@@ -104,9 +104,11 @@ SharedMatrix Rotations(const Dataset& data, const SharedVector& errors) {
 
 using Lists = std::vector<std::vector<double>>;  // one for each block
 
-Accuracy Summarize(const Dataset& data, Lists mine) {
-  const std::vector<double> norms = InOrder(data, std::move(mine));
-  return ComputeOnFirst(data, [&] {
+Accuracy Summarize(const MeasurementModel& model, const Dataset& data,
+                   Lists mine) {
+  const std::vector<double> norms =
+      InOrder(model.communicator(), data, std::move(mine));
+  return ComputeOnRoot(model.communicator(), data, [&] {
     return SummarizeErrors(Eigen::Map<const Eigen::VectorXd>(
         norms.data(), static_cast<Eigen::Index>(norms.size())));
   });
@@ -123,10 +125,11 @@ Lists RotationLists(const SharedVector& errors, const Dataset& data) {
   return lists;
 }
 
-// The labels of the whole data set, on member 0.
+// The labels of the global data set, on the root.
 std::vector<ObservationLabel> LabelsInOrder(
-    const Dataset& data, std::vector<ObservationLabel> mine) {
-  if (data.share.team == nullptr) return mine;
+    Communicator* communicator, const Dataset& data,
+    std::vector<ObservationLabel> mine) {
+  if (!data.partition) return mine;
   std::vector<ObservationLabel> all;
   auto label = mine.begin();
   for (const ObservationBlock& block : data.blocks) {
@@ -134,8 +137,7 @@ std::vector<ObservationLabel> LabelsInOrder(
     for (Eigen::Index i = 0; i < block.size(); ++i) {
       PutLabel(*label++, &writer);
     }
-    for (const std::string& bytes :
-         data.share.team->GatherToFirst(writer.Take())) {
+    for (const std::string& bytes : communicator->GatherToRoot(writer.Take())) {
       ByteReader reader(bytes);
       while (!reader.is_at_end()) all.push_back(GetLabel(&reader));
     }
@@ -160,33 +162,36 @@ std::uint64_t Fingerprint(const Eigen::Ref<const Eigen::VectorXd>& joints) {
   return print;
 }
 
-// The fingerprints of all members' poses that are there more than once, in
+// The fingerprints of all ranks' poses that are there more than once, in
 // order.
-std::vector<std::uint64_t> RepeatedPrints(const Dataset& data) {
+std::vector<std::uint64_t> RepeatedPrints(Communicator* communicator,
+                                          const Dataset& data) {
   std::vector<std::vector<std::uint64_t>> lists(data.blocks.size());
   if (lists.empty()) return {};
   lists.front().reserve(static_cast<std::size_t>(data.num_poses()));
   for (Eigen::Index i = 0; i < data.num_poses(); ++i) {
     lists.front().push_back(Fingerprint(data.joint_values.col(i)));
   }
-  std::vector<std::uint64_t> all = InOrder(data, std::move(lists));
+  std::vector<std::uint64_t> all =
+      InOrder(communicator, data, std::move(lists));
   std::sort(all.begin(), all.end());
   std::vector<std::uint64_t> repeated;
   for (std::size_t i = 1; i < all.size(); ++i) {
     if (all[i] == all[i - 1]) repeated.push_back(all[i]);
   }
-  Team* const team = data.share.team;
-  if (team == nullptr) return repeated;
   ByteWriter answer;
   answer.PutList(repeated);
-  const std::string bytes = team->Broadcast(answer.Take());
+  const std::string bytes =
+      HoldersOf(communicator, data)->Broadcast(answer.Take());
   return ByteReader(bytes).GetList<std::uint64_t>();
 }
 
-// Poses that others, here or at other members, repeat; with few that only seem
+// Poses that others, here or at other ranks, repeat; with few that only seem
 // to.
-std::vector<Eigen::Index> RepeatedPoses(const Dataset& data) {
-  const std::vector<std::uint64_t> repeated = RepeatedPrints(data);
+std::vector<Eigen::Index> RepeatedPoses(Communicator* communicator,
+                                        const Dataset& data) {
+  const std::vector<std::uint64_t> repeated =
+      RepeatedPrints(communicator, data);
   std::vector<Eigen::Index> poses;
   for (Eigen::Index i = 0; i < data.num_poses() && !repeated.empty(); ++i) {
     const std::uint64_t print = Fingerprint(data.joint_values.col(i));
@@ -236,7 +241,9 @@ ObservationLabel LabelOf(const Arm& arm, const Dataset& data, std::size_t block,
   if (mine.kind == MeasurementKind::kPointDistance) {
     label.pose = -1;
   } else {
-    label.pose = static_cast<int>(data.share.first_pose) + mine.pose(i);
+    label.pose =
+        mine.pose(i) +
+        static_cast<int>(data.partition ? data.partition->first_pose : 0);
     label.target = arm.targets[mine.target(i)].name;
     label.where = SourceOf(data, mine.pose(i));
   }
@@ -256,6 +263,7 @@ std::vector<ObservationLabel> LabelsOf(const Arm& arm, const Dataset& data) {
 EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
                          const Eigen::VectorXd& before,
                          const Eigen::VectorXd& after) {
+  Communicator* const communicator = model.communicator();
   EvaluatedSet set;
   set.name = data.name;
   for (const Joint& joint : model.nominal().joints) {
@@ -263,26 +271,32 @@ EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
     set.joint_dimensions.push_back(revolute ? Dimension::kAngle
                                             : Dimension::kLength);
   }
-  set.joint_values = PosesInOrder(data, data.joint_values);
+  set.joint_values = PosesInOrder(communicator, data, data.joint_values);
   if (!IsPlain(data)) {
-    set.labels = LabelsInOrder(data, LabelsOf(model.nominal(), data));
+    set.labels =
+        LabelsInOrder(communicator, data, LabelsOf(model.nominal(), data));
   }
-  set.positions = ObservationsInOrder(data, MeasuredPositions(data));
+  set.positions =
+      ObservationsInOrder(communicator, data, MeasuredPositions(data));
   const SharedVector errors_before = model.Errors(before, data);
   const SharedVector errors_after = model.Errors(after, data);
-  set.residual_before = ObservationsInOrder(data, Lengths(data, errors_before));
-  set.residual_after = ObservationsInOrder(data, Lengths(data, errors_after));
+  set.residual_before =
+      ObservationsInOrder(communicator, data, Lengths(data, errors_before));
+  set.residual_after =
+      ObservationsInOrder(communicator, data, Lengths(data, errors_after));
   if (data.Has(MeasurementKind::kPose)) {
     set.rotation_residual_before =
-        ObservationsInOrder(data, Rotations(data, errors_before));
+        ObservationsInOrder(communicator, data, Rotations(data, errors_before));
     set.rotation_residual_after =
-        ObservationsInOrder(data, Rotations(data, errors_after));
+        ObservationsInOrder(communicator, data, Rotations(data, errors_after));
   }
-  set.before = Summarize(data, CountedLengths(errors_before, data));
-  set.after = Summarize(data, CountedLengths(errors_after, data));
+  set.before = Summarize(model, data, CountedLengths(errors_before, data));
+  set.after = Summarize(model, data, CountedLengths(errors_after, data));
   if (data.Has(MeasurementKind::kPose)) {
-    set.rotation_before = Summarize(data, RotationLists(errors_before, data));
-    set.rotation_after = Summarize(data, RotationLists(errors_after, data));
+    set.rotation_before =
+        Summarize(model, data, RotationLists(errors_before, data));
+    set.rotation_after =
+        Summarize(model, data, RotationLists(errors_after, data));
   }
   return set;
 }
@@ -307,18 +321,20 @@ Lists CountedLengths(const SharedVector& errors, const Dataset& data) {
 
 Accuracy EvaluateAccuracy(const MeasurementModel& model, const Dataset& data,
                           const Eigen::VectorXd& values) {
-  return Summarize(data, CountedLengths(model.Errors(values, data), data));
+  return Summarize(model, data,
+                   CountedLengths(model.Errors(values, data), data));
 }
 
 Accuracy EvaluateRotations(const MeasurementModel& model, const Dataset& data,
                            const Eigen::VectorXd& values) {
   if (!data.Has(MeasurementKind::kPose)) return {};
-  return Summarize(data, RotationLists(model.Errors(values, data), data));
+  return Summarize(model, data,
+                   RotationLists(model.Errors(values, data), data));
 }
 
-RepeatSpread MeasureRepeats(const Dataset& data) {
-  const Dataset poses =
-      GatherData(data, SelectPoses(data, RepeatedPoses(data)));
+RepeatSpread MeasureRepeats(const Dataset& data, Communicator* communicator) {
+  const Dataset poses = GatherData(
+      communicator, data, SelectPoses(data, RepeatedPoses(communicator, data)));
   const std::vector<int> groups = GroupByJointValues(poses);
   RepeatSpread spread;
   for (const ObservationBlock& block : poses.blocks) {

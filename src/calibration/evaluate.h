@@ -17,9 +17,9 @@ ObservationLabel LabelOf(const Arm& arm, const Dataset& data, std::size_t block,
 /// The same of each observation.
 std::vector<ObservationLabel> LabelsOf(const Arm& arm, const Dataset& data);
 
-/// Errors of two sets of values, before and after, at the poses of `data`. Of a
-/// share (measurement/share.h) the whole is evaluated; what has an entry for
-/// each pose or observation is then on member 0 alone. This and all below that
+/// Errors of two sets of values, before and after, at the poses of `data`. Of
+/// a part (partition.h) the global data set is evaluated; what has an entry for
+/// each pose or observation is then on the root alone. This and all below that
 /// take a data set are collective.
 EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
                          const Eigen::VectorXd& before,
@@ -27,7 +27,7 @@ EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
 
 /// The norms of lengths that an accuracy is made of, block by block, from the
 /// stacked errors of a model: without point distances and observations of
-/// orientation alone. Of a share its own.
+/// orientation alone. Of a part its own.
 std::vector<std::vector<double>> CountedLengths(const SharedVector& errors,
                                                 const Dataset& data);
 
@@ -45,7 +45,8 @@ Accuracy EvaluateRotations(const MeasurementModel& model, const Dataset& data,
 /// over all configurations measured more than once: the square root of the sum
 /// of squares about their means over the degrees of freedom. Orientations about
 /// the first of each. Positions and poses only.
-RepeatSpread MeasureRepeats(const Dataset& data);
+RepeatSpread MeasureRepeats(const Dataset& data,
+                            Communicator* communicator = SingleProcess());
 
 /// Distance between the targets of two arms with the same joint types at
 /// `count` joint values drawn uniformly within the limits of the first

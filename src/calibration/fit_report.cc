@@ -16,7 +16,7 @@
 #include "src/common/format.h"
 #include "src/identifiability/analysis.h"
 #include "src/kernel/holdout.h"
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 
 namespace alidade::internal {
 namespace {
@@ -76,10 +76,11 @@ bool CoversObjects(const HoldOut& split) {
                        heldout.end());
 }
 
-// Of a share, those of all members, on member 0.
-std::vector<Outlier> WithThoseOfOthers(const Dataset& data,
+// Those of all ranks, on the root.
+std::vector<Outlier> WithThoseOfOthers(Communicator* communicator,
+                                       const Dataset& data,
                                        std::vector<Outlier> mine) {
-  if (data.share.team == nullptr) return mine;
+  if (!data.partition) return mine;
   ByteWriter writer;
   for (const Outlier& outlier : mine) {
     writer.Put(outlier.observation);
@@ -89,8 +90,7 @@ std::vector<Outlier> WithThoseOfOthers(const Dataset& data,
     writer.Put(outlier.weight);
   }
   std::vector<Outlier> all;
-  for (const std::string& bytes :
-       data.share.team->GatherToFirst(writer.Take())) {
+  for (const std::string& bytes : communicator->GatherToRoot(writer.Take())) {
     ByteReader reader(bytes);
     while (!reader.is_at_end()) {
       Outlier outlier;
@@ -131,8 +131,8 @@ std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit) {
   const SharedVector squared = SquaredNorms(errors, data);
   const SharedVector lengths = LengthErrors(errors, data);
   const double chance =
-      kChanceOfOutlier /
-      static_cast<double>(std::max<Eigen::Index>(1, data.all_observations()));
+      kChanceOfOutlier / static_cast<double>(std::max<Eigen::Index>(
+                             1, data.global_observations()));
   // Squared limits of observations of 0 to 6 rows.
   std::array<double, 7> limits{};
   for (std::size_t rows = 1; rows < limits.size(); ++rows) {
@@ -150,12 +150,13 @@ std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit) {
       if (rows == 0 || squared[count] <= limits[rows]) continue;
       const double weight =
           losses.empty() ? 1.0 : losses[rows - 1].Weight(squared[count]);
-      outliers.push_back({ObservationInAll(data, k, i),
+      outliers.push_back({GlobalObservation(data, k, i),
                           LabelOf(fit.model().nominal(), data, k, i),
                           lengths[count], std::sqrt(squared[count]), weight});
     }
   }
-  outliers = WithThoseOfOthers(data, std::move(outliers));
+  outliers =
+      WithThoseOfOthers(fit.task.communicator, data, std::move(outliers));
   std::stable_sort(outliers.begin(), outliers.end(),
                    [](const Outlier& a, const Outlier& b) {
                      if (a.standardised != b.standardised) {
@@ -172,7 +173,7 @@ double ReducedChiSquare(const FinishedFit& fit) {
   const Dataset& data = fit.task.data.training;
   const SharedVector squared =
       SquaredNorms(fit.model().Errors(fit.values, data), data);
-  return SumInOrder(data, squared) / freedom;
+  return SumInOrder(fit.task.communicator, data, squared) / freedom;
 }
 
 std::optional<CrossValidation> CrossValidate(const CalibrationTask& task) {
@@ -192,7 +193,7 @@ std::optional<CrossValidation> CrossValidate(const CalibrationTask& task) {
       return std::nullopt;
     }
     const MeasurementModel model(fold.arm, fold.data.references,
-                                 fold.options.num_threads);
+                                 fold.execution());
     const Fit fit = FitOnce(fold, model, fold.options.identifiability);
     if (!fit.summary.IsSolutionUsable()) return std::nullopt;
     const SharedVector errors = model.Errors(fit.values, split.heldout);

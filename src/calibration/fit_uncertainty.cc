@@ -127,7 +127,7 @@ UncertaintyResult AssessFit(const FinishedFit& fit,
       fit.task.options.uncertainty};
   input.sigma_estimated = fit.task.options.estimate_sigma;
   if (fit.task.options.solver == SolverName::kCeres &&
-      fit.task.data.training.all_observations() <= kMostForProfiles) {
+      fit.task.data.training.global_observations() <= kMostForProfiles) {
     input.fit_cost = final_cost;
     input.resolve = ResolveByCeres(problem, fit.task.options.solver_options);
   }

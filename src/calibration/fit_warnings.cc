@@ -10,7 +10,7 @@
 #include "src/calibration/preparation.h"
 #include "src/calibration/same_data.h"
 #include "src/common/format.h"
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 
 namespace alidade::internal {
 namespace {
@@ -23,7 +23,7 @@ constexpr double kLargeResiduals = 2.5;
 // arm twice as large would touch points twice as far.
 bool LeavesSizeOpen(const CalibrationTask& task) {
   for (std::size_t k = 0; k < task.data.training.blocks.size(); ++k) {
-    if (task.data.training.all_observations(k) == 0) continue;
+    if (task.data.training.global_observations(k) == 0) continue;
     const MeasurementKind kind = task.data.training.blocks[k].kind;
     if (kind != MeasurementKind::kFixedPoint &&
         kind != MeasurementKind::kPlane) {
@@ -111,7 +111,8 @@ void WarnOfFit(const FinishedFit& fit, const FitHistory& history,
     if (!text.empty()) AddWarning(text, added);
   };
   const SolverSummary& summary = result.runs.front().summary;
-  if (const auto zeros = DiagnoseZeros(fit.task.data.training)) {
+  if (const auto zeros =
+          DiagnoseZeros(fit.task.data.training, fit.task.communicator)) {
     AddWarning(*zeros, added);
   }
   if (summary.status == SolverStatus::kIterationLimit) {

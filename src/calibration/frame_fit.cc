@@ -9,7 +9,7 @@
 #include "src/calibration/preparation.h"
 #include "src/identifiability/generic_data.h"
 #include "src/initialization/initial_frames.h"
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 
 namespace alidade::internal {
 namespace {
@@ -23,9 +23,10 @@ constexpr double kMisplacedLength = 0.05;  // m
 constexpr double kMisplacedAngle = 0.05;   // rad
 
 double MedianError(const MeasurementModel& model, const Dataset& data) {
-  std::vector<double> errors = InOrder(
-      data, CountedLengths(model.Errors(model.NominalValues(), data), data));
-  return ComputeOnFirst(data, [&] {
+  std::vector<double> errors =
+      InOrder(model.communicator(), data,
+              CountedLengths(model.Errors(model.NominalValues(), data), data));
+  return ComputeOnRoot(model.communicator(), data, [&] {
     if (errors.empty()) return std::numeric_limits<double>::infinity();
     const auto middle =
         errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
@@ -53,22 +54,23 @@ bool FitFrames(CalibrationTask* task) {
   if (!HasUnknownFrames(*task) || task->options.true_values) return false;
   IdentifiabilityOptions& options = task->options.identifiability;
   const Dataset& data = task->data.training;
-  const int num_threads = task->options.num_threads;
+  const Execution execution = task->execution();
   bool is_found = false;
-  const MeasurementModel stated(task->arm, task->data.references, num_threads);
+  const MeasurementModel stated(task->arm, task->data.references, execution);
   const bool holds_part = !FramesOnly(options, stated.layout()).fix.empty();
   if (!holds_part) {
-    InitialFrames start = FindInitialFrames(task->arm, task->data.references,
-                                            EvenSubset(data, kEnoughForStart),
-                                            options.candidates);
-    const MeasurementModel found(start.arm, start.references, num_threads);
+    InitialFrames start =
+        FindInitialFrames(task->arm, task->data.references,
+                          EvenSubset(task->communicator, data, kEnoughForStart),
+                          options.candidates);
+    const MeasurementModel found(start.arm, start.references, execution);
     if (MedianError(found, data) < MedianError(stated, data)) {
       task->arm = std::move(start.arm);
       task->data.references = std::move(start.references);
       is_found = true;
     }
   }
-  const MeasurementModel model(task->arm, task->data.references, num_threads);
+  const MeasurementModel model(task->arm, task->data.references, execution);
   const Fit fit = FitPart(*task, model, FramesOnly(options, model.layout()));
   // A start that was found stays better than none.
   if (!fit.summary.IsSolutionUsable()) return is_found;

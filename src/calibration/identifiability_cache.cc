@@ -79,8 +79,8 @@ void PutBlock(const ObservationBlock& block, ByteWriter* writer) {
 }
 
 void PutData(const Dataset& data, ByteWriter* writer) {
-  // Names, files and lines are for messages of the reader; a share is not kept.
-  const auto& [name, joint_values, blocks, sources, files, shards, share] =
+  // Names, files and lines are for messages of the reader; a part is not kept.
+  const auto& [name, joint_values, blocks, sources, files, shards, partition] =
       data;
   writer->PutMatrix(joint_values);
   writer->Put(blocks.size());
@@ -129,7 +129,7 @@ std::string QuestionOf(const MeasurementModel& model, const Dataset& data,
 IdentifiabilityResult IdentifiabilityCache::Analyze(
     const MeasurementModel& model, const Dataset& data,
     const IdentifiabilityOptions& options) {
-  if (data.share.team != nullptr || data.num_poses() > kMostPoses) {
+  if (data.partition || data.num_poses() > kMostPoses) {
     return AnalyzeIdentifiability(model, data, options);
   }
   std::string question = QuestionOf(model, data, options);

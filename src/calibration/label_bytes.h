@@ -6,7 +6,7 @@
 
 namespace alidade::internal {
 
-/// Labels as the members of a team send them to each other.
+/// Labels as ranks send them to each other.
 void PutLabel(const ObservationLabel& label, ByteWriter* writer);
 ObservationLabel GetLabel(ByteReader* reader);
 

@@ -14,7 +14,7 @@
 #include "alidade/units.h"
 #include "src/common/format.h"
 #include "src/initialization/frame_start.h"
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 #include "src/model/chain_axes.h"
 
 namespace alidade::internal {
@@ -39,17 +39,16 @@ Eigen::Index Thinned(Eigen::Index k, Eigen::Index count, Eigen::Index all) {
   return k * all / count;
 }
 
-// The positions of the first target, numbered through the whole data set, and
-// those of them that are looked at, with their neighbours: of a share they come
-// from all members.
+// The positions of the first target, numbered through the global data set,
+// and those of them that are looked at, with their neighbours, from all ranks.
 class Positions {
  public:
-  explicit Positions(const Dataset& data) {
+  Positions(Communicator* holders, const Dataset& data) {
     for (const ObservationBlock& block : data.blocks) {
       members_.emplace_back(block);
     }
-    CountAll(data);
-    Collect(data);
+    CountAll(holders);
+    Collect(holders, data);
   }
 
   Eigen::Index count() const { return count_; }
@@ -101,24 +100,19 @@ class Positions {
   };
 
   // Numbers of the first of each block here, and of all.
-  void CountAll(const Dataset& data) {
+  void CountAll(Communicator* holders) {
     std::vector<std::int64_t> sizes;
     for (const Members& members : members_) sizes.push_back(members.size());
-    std::vector<std::vector<std::int64_t>> all = {sizes};
-    std::size_t mine = 0;
-    if (Team* const team = data.share.team; team != nullptr) {
-      mine = static_cast<std::size_t>(team->rank());
-      ByteWriter writer;
-      writer.PutList(sizes);
-      all.clear();
-      for (const std::string& bytes : team->Gather(writer.Take())) {
-        all.push_back(ByteReader(bytes).GetList<std::int64_t>());
-      }
+    ByteWriter writer;
+    writer.PutList(sizes);
+    std::vector<std::vector<std::int64_t>> all;
+    for (const std::string& bytes : holders->Gather(writer.Take())) {
+      all.push_back(ByteReader(bytes).GetList<std::int64_t>());
     }
     for (std::size_t block = 0; block < sizes.size(); ++block) {
-      for (std::size_t member = 0; member < all.size(); ++member) {
-        if (member == mine) first_.push_back(count_);
-        count_ += all[member][block];
+      for (int rank = 0; rank < holders->size(); ++rank) {
+        if (rank == holders->rank()) first_.push_back(count_);
+        count_ += all[static_cast<std::size_t>(rank)][block];
       }
     }
   }
@@ -138,8 +132,8 @@ class Positions {
     return wanted;
   }
 
-  // Fills the columns that are wanted, with those of other members.
-  void Collect(const Dataset& data) {
+  // Fills the columns that are wanted, with those of other ranks.
+  void Collect(Communicator* holders, const Dataset& data) {
     wanted_ = Wanted();
     const auto size = static_cast<Eigen::Index>(wanted_.size());
     joints_.setZero(data.num_joints(), size);
@@ -162,18 +156,14 @@ class Positions {
         mine.push_back(IndexOf(number));
       }
     }
-    are_finite_ = OnAllMembers(data, are_finite);
-    if (data.share.team != nullptr) Exchange(data.share.team, mine);
-  }
-
-  void Exchange(Team* team, const std::vector<std::int64_t>& mine) {
+    are_finite_ = holders->Sum(are_finite ? 0 : 1) == 0;
     ByteWriter writer;
     for (const std::int64_t column : mine) {
       writer.Put(column);
       writer.PutMatrix(joints_.col(column));
       writer.PutMatrix(points_.col(column));
     }
-    for (const std::string& bytes : team->Gather(writer.Take())) {
+    for (const std::string& bytes : holders->Gather(writer.Take())) {
       ByteReader reader(bytes);
       while (!reader.is_at_end()) {
         const auto column = reader.Get<std::int64_t>();
@@ -320,8 +310,9 @@ std::vector<InputMistake> JointMistakes(const Arm& arm) {
 
 }  // namespace
 
-InputDiagnosis DiagnoseInput(const Arm& arm, const Dataset& data) {
-  const Positions positions(data);
+InputDiagnosis DiagnoseInput(const Arm& arm, const Dataset& data,
+                             Communicator* communicator) {
+  const Positions positions(HoldersOf(communicator, data), data);
   if (positions.count() < kFewest || !positions.are_finite()) return {};
   Arm at_origin = arm;
   at_origin.instrument_from_base.setIdentity();
@@ -362,7 +353,8 @@ InputDiagnosis DiagnoseInput(const Arm& arm, const Dataset& data) {
   return {finding, best != nullptr};
 }
 
-std::optional<Finding> DiagnoseZeros(const Dataset& data) {
+std::optional<Finding> DiagnoseZeros(const Dataset& data,
+                                     Communicator* communicator) {
   std::string first;
   std::int64_t count = 0;
   for (const ObservationBlock& block : data.blocks) {
@@ -374,7 +366,7 @@ std::optional<Finding> DiagnoseZeros(const Dataset& data) {
       if (++count == 1) first = SourceOf(data, block.pose(i));
     }
   }
-  count = SumOverMembers(data, count);
+  count = SumOverRanks(communicator, data, count);
   if (count == 0) return std::nullopt;
   return Finding{
       "plausibility.zero_positions", static_cast<double>(count), 0.0,

@@ -5,6 +5,7 @@
 
 #include "alidade/arm.h"
 #include "alidade/calibration_result.h"
+#include "alidade/communicator.h"
 #include "alidade/dataset.h"
 
 namespace alidade::internal {
@@ -26,11 +27,13 @@ struct InputDiagnosis {
 /// row late or early. A misfit explains nothing unless it is small beside how
 /// far the positions lie apart. Nothing is said where fewer than twelve
 /// positions of the first target were measured. Looks at 60 positions.
-InputDiagnosis DiagnoseInput(const Arm& arm, const Dataset& data);
+InputDiagnosis DiagnoseInput(const Arm& arm, const Dataset& data,
+                             Communicator* communicator = SingleProcess());
 
 /// Positions that are exactly 0, 0, 0, if any: the finding's statistic is their
-/// number. Collective (kernel/share.h).
-std::optional<Finding> DiagnoseZeros(const Dataset& data);
+/// number. Collective (kernel/partition.h).
+std::optional<Finding> DiagnoseZeros(
+    const Dataset& data, Communicator* communicator = SingleProcess());
 
 }  // namespace alidade::internal
 

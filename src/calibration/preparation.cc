@@ -15,7 +15,7 @@
 #include "src/identifiability/observability.h"
 #include "src/identifiability/rules.h"
 #include "src/kernel/compression.h"
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 
 namespace alidade::internal {
 namespace {
@@ -130,8 +130,9 @@ std::optional<double> CommonSigma(RowClass which, const Dataset& data) {
   return common;
 }
 
-double MedianSigma(RowClass which, const Dataset& data) {
-  if (data.share.team == nullptr) {
+double MedianSigma(RowClass which, const Dataset& data,
+                   Communicator* communicator) {
+  if (!data.partition) {
     const std::optional<double> common = CommonSigma(which, data);
     if (common) return *common;
   }
@@ -146,8 +147,8 @@ double MedianSigma(RowClass which, const Dataset& data) {
       }
     }
   }
-  std::vector<double> sigmas = InOrder(data, std::move(lists));
-  return ComputeOnFirst(data, [&] {
+  std::vector<double> sigmas = InOrder(communicator, data, std::move(lists));
+  return ComputeOnRoot(communicator, data, [&] {
     if (sigmas.empty()) return 0.0;
     const auto middle =
         sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
@@ -177,7 +178,8 @@ double FreedomOfRows(const CalibrationProblem& problem,
   const Eigen::MatrixXd part =
       JacobianFactor(problem.model, values, rows, free);
   const double used = PredictTotal(all, PriorsOfFree(problem), part);
-  const auto equations = static_cast<double>(AllEquations(rows));
+  const auto equations =
+      static_cast<double>(GlobalEquations(problem.model.communicator(), rows));
   // What no row and no prior tells uses up nothing.
   return equations -
          (std::isfinite(used) ? used * used : static_cast<double>(free.size()));
@@ -189,7 +191,7 @@ void ScaleAll(double factor, Dataset* data) {
 }
 
 // What the sigmas of a class are compared with: squared errors and variances of
-// its rows, observation after observation, of the whole data set; on member 0.
+// its rows, observation after observation, of the global data set; on the root.
 struct ErrorsOfClass {
   struct Row {
     double squared_error;
@@ -198,7 +200,8 @@ struct ErrorsOfClass {
   std::vector<Row> rows;
   std::vector<int> dimensions;  // rows of each observation
 
-  ErrorsOfClass(const SharedVector& errors, const Dataset& data) {
+  ErrorsOfClass(Communicator* communicator, const SharedVector& errors,
+                const Dataset& data) {
     std::vector<std::vector<Row>> rows_of(data.blocks.size());
     std::vector<std::vector<int>> dimensions_of(data.blocks.size());
     Eigen::Index first = 0;
@@ -217,8 +220,8 @@ struct ErrorsOfClass {
         if (count > 0) dimensions_of[k].push_back(count);
       }
     }
-    rows = InOrder(data, std::move(rows_of));
-    dimensions = InOrder(data, std::move(dimensions_of));
+    rows = InOrder(communicator, data, std::move(rows_of));
+    dimensions = InOrder(communicator, data, std::move(dimensions_of));
   }
 
   // By what factor the sigmas are too small with a variance added to each.
@@ -295,9 +298,11 @@ double TypicalResidual(const MeasurementModel& model, const Dataset& data,
       lists[k].push_back(std::sqrt(squared[count]) / MedianOfChi(dimension));
     }
   }
-  std::vector<double> norms = InOrder(data, std::move(lists));
-  return ComputeOnFirst(
-      data, [&] { return RobustScale(std::move(norms), 1) * MedianOfChi(1); });
+  std::vector<double> norms =
+      InOrder(model.communicator(), data, std::move(lists));
+  return ComputeOnRoot(model.communicator(), data, [&] {
+    return RobustScale(std::move(norms), 1) * MedianOfChi(1);
+  });
 }
 
 CalibrationProblem ProblemOf(const CalibrationTask& task,
@@ -392,11 +397,11 @@ IdentifiabilityOptions OffsetsOnly(const IdentifiabilityOptions& options,
 namespace {
 
 // Residuals of a fit that uses up nearly all equations say nothing of sigma.
-bool TellsSigma(double freedom, const Dataset& rows) {
+bool TellsSigma(double freedom, Eigen::Index equations) {
   constexpr double kFewest = 3.0;
   constexpr double kSmallestPart = 0.1;
-  const auto equations = static_cast<double>(AllEquations(rows));
-  return freedom >= std::max(kFewest, kSmallestPart * equations);
+  return freedom >=
+         std::max(kFewest, kSmallestPart * static_cast<double>(equations));
 }
 
 // The sigmas that the nominal geometry would have: more than the true ones, so
@@ -409,15 +414,18 @@ EstimatedSigmas UseNominalResiduals(const MeasurementModel& model,
   if (!(typical > 0.0) || !std::isfinite(typical)) return {};
   ScaleAll(typical, &task->data.training);
   if (task->data.validation) ScaleAll(typical, &*task->data.validation);
-  return {MedianSigma(RowClass::kLength, task->data.training),
-          MedianSigma(RowClass::kRotation, task->data.training), true};
+  const auto median = [&](RowClass which) {
+    return MedianSigma(which, task->data.training, task->communicator);
+  };
+  return {median(RowClass::kLength), median(RowClass::kRotation), true};
 }
 
 }  // namespace
 
 EstimatedSigmas EstimateSigmas(CalibrationTask* task) {
   const MeasurementModel model(task->arm, task->data.references,
-                               task->options.num_threads);
+                               task->execution());
+  Communicator* const communicator = task->communicator;
   const Dataset stated = task->data.training;
   const std::optional<Dataset> stated_validation = task->data.validation;
   EstimatedSigmas sigmas;
@@ -433,31 +441,35 @@ EstimatedSigmas EstimateSigmas(CalibrationTask* task) {
     std::optional<Dataset> next_validation = stated_validation;
     for (const RowClass which : {RowClass::kLength, RowClass::kRotation}) {
       const Dataset current = RowsOfClass(task->data.training, which);
-      if (AllEquations(current) == 0) continue;
+      const Eigen::Index equations = GlobalEquations(communicator, current);
+      if (equations == 0) continue;
       const double freedom = FreedomOfRows(problem, fit.values, current);
-      if (!TellsSigma(freedom, current)) {
+      if (!TellsSigma(freedom, equations)) {
         task->data.validation = stated_validation;
         return UseNominalResiduals(model, stated, task);
       }
       const Dataset rows = RowsOfClass(stated, which);
-      const ErrorsOfClass errors(model.Errors(fit.values, rows), rows);
-      const SigmaChange change = ComputeOnFirst(rows, [&] {
+      const ErrorsOfClass errors(communicator, model.Errors(fit.values, rows),
+                                 rows);
+      const SigmaChange change = ComputeOnRoot(communicator, rows, [&] {
         return FindChange(task->options.loss, errors, freedom);
       });
       ChangeSigmas(which, change, &next);
-      if (!(MedianSigma(which, next) > kSmallestSigma)) return {};
+      if (!(MedianSigma(which, next, communicator) > kSmallestSigma)) return {};
       if (next_validation) ChangeSigmas(which, change, &*next_validation);
     }
     task->data.training = std::move(next);
     task->data.validation = std::move(next_validation);
-    sigmas.length = MedianSigma(RowClass::kLength, task->data.training);
-    sigmas.rotation = MedianSigma(RowClass::kRotation, task->data.training);
+    sigmas.length =
+        MedianSigma(RowClass::kLength, task->data.training, communicator);
+    sigmas.rotation =
+        MedianSigma(RowClass::kRotation, task->data.training, communicator);
   }
   return sigmas;
 }
 
-double MedianLengthSigma(const Dataset& data) {
-  return MedianSigma(RowClass::kLength, data);
+double MedianLengthSigma(const Dataset& data, Communicator* communicator) {
+  return MedianSigma(RowClass::kLength, data, communicator);
 }
 
 double DegreesOfFreedom(const CalibrationProblem& problem,

@@ -74,7 +74,7 @@ struct EstimatedSigmas {
 EstimatedSigmas EstimateSigmas(CalibrationTask* task);
 
 /// Median standard deviation of the measured lengths (m); 0 = there are none.
-double MedianLengthSigma(const Dataset& data);
+double MedianLengthSigma(const Dataset& data, Communicator* communicator);
 
 /// Degrees of freedom of a fit: equations less the parameters that the data
 /// rather than their priors decide,

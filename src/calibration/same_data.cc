@@ -42,7 +42,7 @@ Prints PrintsOf(const Dataset& data) {
 }
 
 bool IsTooLarge(const Dataset& data) {
-  return data.share.team != nullptr ||
+  return data.partition.has_value() ||
          data.num_observations() > kMostObservations;
 }
 

@@ -7,7 +7,7 @@
 #include "alidade/error.h"
 #include "src/cli/batch_progress.h"
 #include "src/cli/command.h"
-#include "src/cli/launched_team.h"
+#include "src/cli/launched_processes.h"
 #include "src/fleet/batch_csv.h"
 
 namespace alidade::internal {
@@ -89,16 +89,16 @@ void PrintSummary(const BatchSummary& summary, const BatchOptions& options) {
             << "  " << options.directory << "/comparison.html\n";
 }
 
-// `team` may be null. What is printed is so by member 0.
-ExitStatus Run(const CommandLine& line, Team* team) {
+// What is printed is so by the root.
+ExitStatus Run(const CommandLine& line, Communicator* communicator) {
   BatchOptions options;
   options.directory = line.out.empty() ? kDefaultDirectory : line.out;
   options.num_threads = line.threads;
   options.fail_fast = line.fail_fast;
   options.outputs = OutputsOf(line);
-  const bool is_first = team == nullptr || team->is_first();
+  const bool is_root = communicator->is_root();
   const BatchPlan plan = PlanBatch(PathsOf(line));
-  if (line.dry_run) return is_first ? PrintPlan(plan, options) : kExitDone;
+  if (line.dry_run) return is_root ? PrintPlan(plan, options) : kExitDone;
   // Warnings are in the results and counted in the summary; those of a thousand
   // jobs would bury what else is said.
   if (FLAGS_minloglevel == google::GLOG_WARNING) {
@@ -108,8 +108,8 @@ ExitStatus Run(const CommandLine& line, Team* team) {
   options.on_finished = [&reporter](const BatchProgress& progress) {
     reporter.Report(progress);
   };
-  const BatchSummary summary = RunBatch(plan, options, team);
-  if (!is_first) return kExitDone;
+  const BatchSummary summary = RunBatch(plan, options, communicator);
+  if (!is_root) return kExitDone;
   reporter.End();
   PrintSummary(summary, options);
   return StatusOf(summary.Worst());
@@ -118,7 +118,8 @@ ExitStatus Run(const CommandLine& line, Team* team) {
 }  // namespace
 
 ExitStatus RunBatchCommand(const CommandLine& line) {
-  return RunAsLaunched([&line](Team* team) { return Run(line, team); });
+  return RunAsLaunched(
+      [&line](Communicator* communicator) { return Run(line, communicator); });
 }
 
 }  // namespace alidade::internal

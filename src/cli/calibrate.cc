@@ -9,7 +9,7 @@
 
 #include "alidade/error.h"
 #include "src/cli/command.h"
-#include "src/cli/launched_team.h"
+#include "src/cli/launched_processes.h"
 #include "src/cli/progress_line.h"
 #include "src/cli/steps.h"
 #include "src/job/report_page.h"
@@ -35,38 +35,39 @@ void PrintSummary(const CalibrationResult& result,
 }
 
 // More processes than files are no error: those without one go along.
-void WarnOfIdle(const JobConfig& config, const Team& team) {
+void WarnOfIdle(const JobConfig& config, const Communicator& communicator) {
   std::set<int> busy(config.readers.begin(), config.readers.end());
   busy.insert(0);
-  if (static_cast<int>(busy.size()) == team.size()) return;
-  LOG(WARNING) << "warning: only " << busy.size() << " of " << team.size()
+  if (static_cast<int>(busy.size()) == communicator.size()) return;
+  LOG(WARNING) << "warning: only " << busy.size() << " of "
+               << communicator.size()
                << " processes have a file of data to read: cut the data into "
                   "as many files as there are processes, or more";
 }
 
-// `team` may be null. What is printed and written is so by member 0.
-ExitStatus Calibrate(const CommandLine& line, Team* team) {
-  const bool is_first = team == nullptr || team->is_first();
+// What is printed and written is so by the root.
+ExitStatus Calibrate(const CommandLine& line, Communicator* communicator) {
+  const bool is_root = communicator->is_root();
   const std::string& path = line.files.front();
   ProgressLine progress;
   progress.Show("reading " + path);
-  JobConfig config = LoadJob(path, line.threads, team);
-  if (team != nullptr) WarnOfIdle(config, *team);
-  ShowIterations(config.data.training.all_poses(), &progress,
+  JobConfig config = LoadJob(path, {line.threads, communicator});
+  WarnOfIdle(config, *communicator);
+  ShowIterations(config.data.training.global_poses(), &progress,
                  &config.options.solver_options);
   if (line.seed) config.options.identifiability.seed = *line.seed;
   progress.Clear();
   LogReading(config.data, config.input_files, config.rejected.size());
   const std::string directory =
       line.out.empty() ? DefaultDirectory(path) : line.out;
-  if (is_first) {
+  if (is_root) {
     CheckResultDirectory(directory, OutputKind::kCalibration,
                          config.input_files);
   }
   const JobOutputs outputs = config.outputs;
   const CalibrationResult result = RunJob(std::move(config), line.text);
   progress.Clear();
-  if (!is_first) return kExitDone;
+  if (!is_root) return kExitDone;
   LogJob(result);
   if (!result.IsUsable()) {
     PrintError(path + ": " + result.message);
@@ -95,7 +96,9 @@ ExitStatus Calibrate(const CommandLine& line, Team* team) {
 }  // namespace
 
 ExitStatus RunCalibrate(const CommandLine& line) {
-  return RunAsLaunched([&line](Team* team) { return Calibrate(line, team); });
+  return RunAsLaunched([&line](Communicator* communicator) {
+    return Calibrate(line, communicator);
+  });
 }
 
 }  // namespace alidade::internal

@@ -44,7 +44,7 @@ struct Command {
   int max_files;
   ExitStatus (*run)(const CommandLine& line);
   /// Whether mpirun may start several processes of it.
-  bool runs_as_team = false;
+  bool runs_on_several = false;
 };
 
 const std::vector<Command>& Commands();

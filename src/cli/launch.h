@@ -9,7 +9,7 @@ struct Launch {
   int rank = 0;
   int size = 1;  ///< processes that were started together
 
-  bool is_team() const { return size > 1; }
+  bool are_several() const { return size > 1; }
 };
 
 /// @throws InputError where the environment contradicts itself.

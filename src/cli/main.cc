@@ -238,7 +238,7 @@ ExitStatus RunCommand(const std::string& name,
   }
   CheckLine(command, line);
   if (const Launch launch = FindLaunch();
-      launch.is_team() && !command.runs_as_team) {
+      launch.are_several() && !command.runs_on_several) {
     ThrowUsage(command, "runs as one process, and " +
                             std::to_string(launch.size) +
                             " were started together");

@@ -16,10 +16,11 @@ std::string Seconds(double seconds) {
 void LogReading(const CalibrationData& data,
                 const std::vector<std::string>& input_files,
                 std::size_t rejected_rows) {
-  LOG(INFO) << "read " << data.training.all_poses() << " poses, "
-            << data.training.all_observations() << " measurements"
+  LOG(INFO) << "read " << data.training.global_poses() << " poses, "
+            << data.training.global_observations() << " measurements"
             << (data.validation
-                    ? ", and " + std::to_string(data.validation->all_poses()) +
+                    ? ", and " +
+                          std::to_string(data.validation->global_poses()) +
                           " poses for validation"
                     : "")
             << (rejected_rows == 0

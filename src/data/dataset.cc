@@ -87,24 +87,25 @@ Eigen::Index Dataset::num_equations() const {
 
 bool Dataset::Has(MeasurementKind kind) const {
   for (std::size_t block = 0; block < blocks.size(); ++block) {
-    if (blocks[block].kind == kind && all_observations(block) > 0) return true;
+    if (blocks[block].kind == kind && global_observations(block) > 0)
+      return true;
   }
   return false;
 }
 
-Eigen::Index Dataset::all_poses() const {
-  return share.team == nullptr ? num_poses() : share.all_poses;
+Eigen::Index Dataset::global_poses() const {
+  return partition ? partition->global_poses : num_poses();
 }
 
-Eigen::Index Dataset::all_observations(std::size_t block) const {
-  return share.team == nullptr ? blocks[block].size()
-                               : share.all_observations[block];
+Eigen::Index Dataset::global_observations(std::size_t block) const {
+  return partition ? partition->global_observations[block]
+                   : blocks[block].size();
 }
 
-Eigen::Index Dataset::all_observations() const {
+Eigen::Index Dataset::global_observations() const {
   Eigen::Index count = 0;
   for (std::size_t block = 0; block < blocks.size(); ++block) {
-    count += all_observations(block);
+    count += global_observations(block);
   }
   return count;
 }
@@ -159,6 +160,14 @@ Dataset MakePositions(SharedMatrix joint_values, SharedMatrix points,
   data.positions() = std::move(points);
   data.sigmas() = std::move(sigmas);
   return data;
+}
+
+Dataset MakePositions(SharedMatrix joint_values, SharedMatrix points,
+                      double sigma) {
+  SharedMatrix sigmas = SharedMatrix::Repeated(Eigen::Vector3d::Constant(sigma),
+                                               joint_values.cols());
+  return MakePositions(std::move(joint_values), std::move(points),
+                       std::move(sigmas));
 }
 
 void DropTrivialPoses(Eigen::Index num_poses, ObservationBlock* block) {

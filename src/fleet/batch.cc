@@ -10,8 +10,8 @@
 #include <thread>
 #include <utility>
 
+#include "alidade/communicator.h"
 #include "alidade/error.h"
-#include "alidade/team.h"
 #include "alidade/version.h"
 #include "src/common/files.h"
 #include "src/fleet/batch_csv.h"
@@ -33,9 +33,9 @@ constexpr std::size_t kMostItems = 2000;
 
 // Where there are fewer jobs than threads, each has several.
 int ThreadsEach(const BatchPlan& plan, const BatchOptions& options,
-                int num_members) {
+                int num_ranks) {
   const auto num_jobs = static_cast<std::int64_t>(plan.jobs.size());
-  const std::int64_t jobs_each = (num_jobs + num_members - 1) / num_members;
+  const std::int64_t jobs_each = (num_jobs + num_ranks - 1) / num_ranks;
   return static_cast<int>(std::max<std::int64_t>(
       1, options.num_threads / std::max<std::int64_t>(jobs_each, 1)));
 }
@@ -56,16 +56,16 @@ class FirstFailure {
   std::exception_ptr failure_;
 };
 
-// More members than that have their results wait for each other.
+// More ranks than that have their results wait for each other.
 constexpr int kMostCommitted = 16;
 
 class BatchRun {
  public:
-  BatchRun(const BatchPlan& plan, const BatchOptions& options, int num_members)
+  BatchRun(const BatchPlan& plan, const BatchOptions& options, int num_ranks)
       : plan_(plan),
         options_(options),
         store_(options.directory),
-        computer_(plan, options, ThreadsEach(plan, options, num_members),
+        computer_(plan, options, ThreadsEach(plan, options, num_ranks),
                   &times_),
         permits_(options.num_threads),
         queue_(static_cast<std::int64_t>(plan.jobs.size())) {
@@ -80,12 +80,11 @@ class BatchRun {
     progress_.num_jobs = static_cast<std::int64_t>(plan.jobs.size());
   }
 
-  /// `team`: null where this process is alone.
-  BatchSummary Run(Team* team) {
-    if (team == nullptr) {
+  BatchSummary Run(Communicator* communicator) {
+    if (communicator->size() == 1) {
       RunLocal();
     } else {
-      RunWithOthers(team);
+      RunWithOthers(communicator);
     }
     const ComparisonPage page = CompareResults();
     const ComparisonKind kind = page.GuessKind();
@@ -104,9 +103,9 @@ class BatchRun {
         [this] { return Work(); });
   }
 
-  // This thread speaks with other members, and others do what there is to do.
-  // Whatever fails, it listens until all members have left.
-  void RunWithOthers(Team* team) {
+  // This thread speaks with other ranks, and others do what there is to do.
+  // Whatever fails, it listens until all ranks have left.
+  void RunWithOthers(Communicator* communicator) {
     FirstFailure failure;
     const auto guarded = [this, &failure](const auto& work) {
       try {
@@ -118,7 +117,7 @@ class BatchRun {
     };
     // As many results wait to be committed together as from as many threads.
     const int num_committers =
-        kWorkersPerThread * std::min(team->size() - 1, kMostCommitted);
+        kWorkersPerThread * std::min(communicator->size() - 1, kMostCommitted);
     std::vector<std::thread> threads;
     guarded([&] {
       threads.emplace_back([&] { guarded([this] { RunLocal(); }); });
@@ -130,21 +129,23 @@ class BatchRun {
         });
       }
     });
-    JobDesk desk;
-    desk.take = [&] {
+    JobDispatcher dispatcher;
+    dispatcher.take = [&] {
       std::optional<std::int64_t> number;
       guarded([&] { number = TakeForOther(); });
       return number;
     };
-    desk.finish = [&](RemoteOutcome outcome) {
+    dispatcher.finish = [&](RemoteOutcome outcome) {
       StopWhereAsked(outcome.record.entry);
       outcomes_.Put(std::move(outcome));
     };
-    desk.fail = [&](const std::string& error) {
+    dispatcher.fail = [&](const std::string& error) {
       guarded([&] { ThrowDescribed(error); });
     };
-    desk.add_times = [this](const WorkTimes& times) { times_.Add(times); };
-    ServeJobs(team, desk);
+    dispatcher.add_times = [this](const WorkTimes& times) {
+      times_.Add(times);
+    };
+    ServeJobs(communicator, dispatcher);
     outcomes_.Close();
     for (std::thread& thread : threads) thread.join();
     failure.Rethrow();
@@ -268,13 +269,13 @@ class BatchRun {
 };
 
 // A job's number must mean the same to all.
-void RequireSamePlan(Team* team, const BatchPlan& plan) {
+void RequireSamePlan(Communicator* communicator, const BatchPlan& plan) {
   std::string all;
   for (const PlannedJob& job : plan.jobs) all += job.name + "\n" + job.error;
   for (const JobMatrix& matrix : plan.matrices) {
     for (const std::string& file : matrix.files()) all += Sha256OfFile(file);
   }
-  const std::vector<std::string> hashes = team->Gather(Sha256(all));
+  const std::vector<std::string> hashes = communicator->Gather(Sha256(all));
   for (const std::string& hash : hashes) {
     if (hash == hashes.front()) continue;
     throw InputError(
@@ -290,36 +291,37 @@ std::string NewMark() {
   return std::to_string(device()) + std::to_string(device());
 }
 
-BatchSummary RunAsFirst(const BatchPlan& plan, const BatchOptions& options,
-                        Team* team) {
-  BatchRun run(plan, options, team->size());
-  team->Broadcast(NewMark());
-  team->Sum(0);  // all see the directory
+BatchSummary RunAsRoot(const BatchPlan& plan, const BatchOptions& options,
+                       Communicator* communicator) {
+  BatchRun run(plan, options, communicator->size());
+  communicator->Broadcast(NewMark());
+  communicator->Sum(0);  // all see the directory
   try {
-    BatchSummary summary = run.Run(team);
-    DismissMembers(team);
+    BatchSummary summary = run.Run(communicator);
+    DismissRanks(communicator);
     return summary;
   } catch (...) {
-    DismissMembers(team);
+    DismissRanks(communicator);
     throw;
   }
 }
 
 void RunAsOther(const BatchPlan& plan, const BatchOptions& options,
-                Team* team) {
-  const std::string mark = team->Broadcast("");
+                Communicator* communicator) {
+  const std::string mark = communicator->Broadcast("");
   StagingArea staging(options.directory,
-                      mark + "-" + std::to_string(team->rank()));
+                      mark + "-" + std::to_string(communicator->rank()));
   if (!std::filesystem::exists(staging.path())) {
     throw InputError({staging.path(), 0, 0, ""},
                      "is not there for one of the processes: choose an --out "
                      "that all machines see");
   }
-  team->Sum(0);
+  communicator->Sum(0);
   WorkTimes times;
-  const JobComputer computer(plan, options,
-                             ThreadsEach(plan, options, team->size()), &times);
-  WorkForFirst(team, plan, computer, options.num_threads, &staging, &times);
+  const JobComputer computer(
+      plan, options, ThreadsEach(plan, options, communicator->size()), &times);
+  WorkForRoot(communicator, plan, computer, options.num_threads, &staging,
+              &times);
 }
 
 }  // namespace
@@ -339,13 +341,13 @@ std::vector<bool> FindDone(const BatchPlan& plan, const BatchOptions& options) {
 }
 
 BatchSummary RunBatch(const BatchPlan& plan, const BatchOptions& options,
-                      Team* team) {
-  if (team == nullptr || team->size() == 1) {
-    return BatchRun(plan, options, 1).Run(nullptr);
+                      Communicator* communicator) {
+  if (communicator->size() == 1) {
+    return BatchRun(plan, options, 1).Run(communicator);
   }
-  RequireSamePlan(team, plan);
-  if (team->is_first()) return RunAsFirst(plan, options, team);
-  RunAsOther(plan, options, team);
+  RequireSamePlan(communicator, plan);
+  if (communicator->is_root()) return RunAsRoot(plan, options, communicator);
+  RunAsOther(plan, options, communicator);
   return {};
 }
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "alidade/batch_summary.h"
-#include "alidade/team.h"
+#include "alidade/communicator.h"
 #include "src/fleet/batch_plan.h"
 #include "src/serialization/job_config.h"
 
@@ -27,15 +27,15 @@ std::vector<bool> FindDone(const BatchPlan& plan, const BatchOptions& options);
 ///
 /// Writes summary.json, summary.csv and comparison.html at the end.
 ///
-/// `team`: null, or members that share the work, each with so many threads, in
-/// a directory that all see; to be called by all, within Team::RunTogether.
-/// Member 0 hands out jobs as members become free, keeps the journal, gives
-/// results their names and has the summary; other members return an empty one.
-/// The bytes are those of one process.
+/// Ranks divide the work, each with so many threads, in a directory that all
+/// see; to be called by all, within Communicator::RunTogether. The root hands
+/// out jobs as ranks become free, keeps the journal, gives results their names
+/// and has the summary; other ranks return an empty one. The bytes are those of
+/// one process.
 /// @throws InputError where the directory cannot be written or another process
 /// works in it. What was finished before stays.
 BatchSummary RunBatch(const BatchPlan& plan, const BatchOptions& options,
-                      Team* team = nullptr);
+                      Communicator* communicator = SingleProcess());
 
 }  // namespace alidade::internal
 

@@ -51,7 +51,7 @@ struct BatchProgress {
 
 struct BatchOptions {
   std::string directory;  ///< results go below it
-  /// Jobs at a time, of each member of a team. Where there are fewer jobs, each
+  /// Jobs at a time, of each rank. Where there are fewer jobs, each
   /// gets several threads; its result does not depend on it.
   int num_threads = 1;
   /// Hand out no more jobs once one is not done. Otherwise all are run.

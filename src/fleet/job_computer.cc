@@ -102,9 +102,8 @@ JobComputer::JobComputer(const BatchPlan& plan, const BatchOptions& options,
     : plan_(plan),
       options_(options),
       times_(*times),
-      places_(plan, options.directory) {
-  reading_.num_threads = threads_each;
-}
+      threads_each_(threads_each),
+      places_(plan, options.directory) {}
 
 Computed JobComputer::Compute(const PlannedJob& job) const {
   Computed computed;
@@ -141,7 +140,7 @@ Computed JobComputer::Compute(const PlannedJob& job) const {
 JobConfig JobComputer::Read(const PlannedJob& job, BatchRecord* record) const {
   const ScopedTimer timer(&times_.reading);
   record->fingerprint = FingerprintOf(plan_, job, options_);
-  JobConfig config = plan_.matrices[job.matrix].Load(job.number, reading_);
+  JobConfig config = plan_.matrices[job.matrix].Load(job.number, threads_each_);
   for (const std::string& input : config.input_files) places_.Refuse(input);
   if (options_.outputs) config.outputs = *options_.outputs;
   return config;

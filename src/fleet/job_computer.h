@@ -82,7 +82,7 @@ class JobComputer {
   const BatchPlan& plan_;
   const BatchOptions& options_;
   WorkTimes& times_;
-  JobReading reading_;
+  const int threads_each_;
   const BatchPlaces places_;
   mutable IdentifiabilityCache cache_;
 };

@@ -18,10 +18,10 @@ namespace alidade::internal {
 namespace {
 
 enum class Topic {
-  kAsk,      ///< to member 0: a job is wanted
-  kOutcome,  ///< to member 0: RemoteOutcome
-  kFailure,  ///< to member 0: an error
-  kLeave,    ///< to member 0: times; the last message
+  kAsk,      ///< to the root: a job is wanted
+  kOutcome,  ///< to the root: RemoteOutcome
+  kFailure,  ///< to the root: an error
+  kLeave,    ///< to the root: times; the last message
 };
 
 // To others; numbers of jobs are above.
@@ -147,12 +147,13 @@ RemoteOutcome ReadOutcome(ByteReader* reader) {
   return outcome;
 }
 
-// One member's workers and the thread that speaks for them.
-class Crew {
+// One rank's workers and the thread that speaks for them.
+class WorkerGroup {
  public:
-  Crew(Team* team, const BatchPlan& plan, const JobComputer& computer,
-       int num_threads, StagingArea* staging, WorkTimes* times)
-      : team_(team),
+  WorkerGroup(Communicator* communicator, const BatchPlan& plan,
+              const JobComputer& computer, int num_threads,
+              StagingArea* staging, WorkTimes* times)
+      : communicator_(communicator),
         plan_(plan),
         computer_(computer),
         num_workers_(num_threads * kWorkersPerThread),
@@ -164,7 +165,7 @@ class Crew {
     std::thread workers([this] { RunAll(); });
     Speak();
     workers.join();
-    team_->Send(0, LeaveMessage(*times_));
+    communicator_->Send(0, LeaveMessage(*times_));
     AwaitDismissal();
   }
 
@@ -238,8 +239,9 @@ class Crew {
       }
       const std::vector<std::string> going = std::exchange(said_, {});
       lock.unlock();
-      for (const std::string& message : going) team_->Send(0, message);
-      const std::optional<Team::Message> answer = team_->Receive();
+      for (const std::string& message : going) communicator_->Send(0, message);
+      const std::optional<Communicator::Message> answer =
+          communicator_->Receive();
       lock.lock();
       if (!answer) continue;
       answers_.push_back(ByteReader(answer->bytes).Get<std::int64_t>());
@@ -250,10 +252,10 @@ class Crew {
 
   void AwaitDismissal() {
     const Pause pause;
-    while (!team_->Receive()) pause.Wait();
+    while (!communicator_->Receive()) pause.Wait();
   }
 
-  Team* const team_;
+  Communicator* const communicator_;
   const BatchPlan& plan_;
   const JobComputer& computer_;
   const int num_workers_;
@@ -272,11 +274,12 @@ class Crew {
 
 }  // namespace
 
-void ServeJobs(Team* team, const JobDesk& desk) {
-  int num_present = team->size() - 1;
+void ServeJobs(Communicator* communicator, const JobDispatcher& dispatcher) {
+  int num_present = communicator->size() - 1;
   Pause pause;
   while (num_present > 0) {
-    const std::optional<Team::Message> message = team->Receive();
+    const std::optional<Communicator::Message> message =
+        communicator->Receive();
     if (!message) {
       pause.Wait();
       continue;
@@ -285,24 +288,25 @@ void ServeJobs(Team* team, const JobDesk& desk) {
     ByteReader reader(message->bytes);
     switch (reader.Get<Topic>()) {
       case Topic::kAsk:
-        team->Send(message->from, NumberMessage(desk.take().value_or(kNoMore)));
+        communicator->Send(message->from,
+                           NumberMessage(dispatcher.take().value_or(kNoMore)));
         break;
       case Topic::kOutcome:
         try {
-          desk.finish(ReadOutcome(&reader));
+          dispatcher.finish(ReadOutcome(&reader));
         } catch (const std::exception& error) {
-          desk.fail(DescribeError(error));
+          dispatcher.fail(DescribeError(error));
         }
         break;
       case Topic::kFailure:
-        desk.fail(reader.GetText());
+        dispatcher.fail(reader.GetText());
         break;
       case Topic::kLeave: {
         WorkTimes times;
         times.reading = reader.Get<std::int64_t>();
         times.calibrating = reader.Get<std::int64_t>();
         times.writing = reader.Get<std::int64_t>();
-        desk.add_times(times);
+        dispatcher.add_times(times);
         --num_present;
         break;
       }
@@ -310,16 +314,16 @@ void ServeJobs(Team* team, const JobDesk& desk) {
   }
 }
 
-void DismissMembers(Team* team) {
-  for (int to = 1; to < team->size(); ++to) {
-    team->Send(to, NumberMessage(kDismissed));
+void DismissRanks(Communicator* communicator) {
+  for (int to = 1; to < communicator->size(); ++to) {
+    communicator->Send(to, NumberMessage(kDismissed));
   }
 }
 
-void WorkForFirst(Team* team, const BatchPlan& plan,
-                  const JobComputer& computer, int num_threads,
-                  StagingArea* staging, WorkTimes* times) {
-  Crew(team, plan, computer, num_threads, staging, times).Run();
+void WorkForRoot(Communicator* communicator, const BatchPlan& plan,
+                 const JobComputer& computer, int num_threads,
+                 StagingArea* staging, WorkTimes* times) {
+  WorkerGroup(communicator, plan, computer, num_threads, staging, times).Run();
 }
 
 }  // namespace alidade::internal

@@ -14,7 +14,7 @@
 #include "src/identifiability/perturbation.h"
 #include "src/identifiability/rank.h"
 #include "src/kernel/compression.h"
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 #include "src/model/joint_draw.h"
 
 namespace alidade::internal {
@@ -51,7 +51,7 @@ class DataAnalyzer {
         kept_(kept),
         weak_(weak),
         options_(options),
-        subset_(EvenSubset(data, kEnoughPoses)) {}
+        subset_(EvenSubset(model.communicator(), data, kEnoughPoses)) {}
 
   DataAnalysis Run() {
     analysis_.columns = kept_;
@@ -151,15 +151,15 @@ class DataAnalyzer {
           model_, PerturbedValues(model_, sizes, draw), subset_, all);
       draws.col(draw) = PredictDeviations(factor, NoPriors(factor.cols()));
     }
-    const double share =
+    const double factor =
         std::sqrt(static_cast<double>(subset_.joint_values.cols()) /
-                  static_cast<double>(data_.all_poses()));
+                  static_cast<double>(data_.global_poses()));
     std::string list;
     for (std::size_t k = 0; k < all.size(); ++k) {
       Eigen::VectorXd row = draws.row(static_cast<Eigen::Index>(k));
       std::sort(row.data(), row.data() + row.size());
       const Parameter& parameter = model_.layout().parameter(all[k]);
-      const double median = share * row[kSecondOrderDraws / 2];
+      const double median = factor * row[kSecondOrderDraws / 2];
       if (!(median > options_.priors.Of(parameter.kind))) continue;
       if (!list.empty()) list += ", ";
       list +=
@@ -186,7 +186,7 @@ bool HasClearGap(const RankReport& report) {
 
 // One sigma for all positions lets the factor be unwhitened without another
 // pass; 0 where they differ.
-double OneSigma(const Dataset& data) {
+double OneSigma(Communicator* communicator, const Dataset& data) {
   if (data.blocks.size() != 1) return 0.0;
   const ObservationBlock& block = data.blocks[0];
   const bool has_any = block.size() > 0;
@@ -196,12 +196,11 @@ double OneSigma(const Dataset& data) {
       (block.sigmas.map().array() == block.sigmas(0, 0)).all()) {
     mine = block.sigmas(0, 0);
   }
-  Team* const team = data.share.team;
-  if (team == nullptr) return mine;
   ByteWriter writer;
   if (has_any) writer.Put(mine);
   std::vector<double> sigmas;
-  for (const std::string& bytes : team->Gather(writer.Take())) {
+  for (const std::string& bytes :
+       HoldersOf(communicator, data)->Gather(writer.Take())) {
     if (!bytes.empty()) sigmas.push_back(ByteReader(bytes).Get<double>());
   }
   const bool are_one =
@@ -213,7 +212,7 @@ double OneSigma(const Dataset& data) {
 Eigen::MatrixXd Unwhitened(const MeasurementModel& model, const Dataset& data,
                            const std::vector<int>& free,
                            const Eigen::MatrixXd& whitened) {
-  const double sigma = OneSigma(data);
+  const double sigma = OneSigma(model.communicator(), data);
   if (sigma > 0.0) return whitened * sigma;
   return JacobianFactor(model, model.NominalValues(),
                         WithUnitSigmas(model, data), free);
@@ -252,16 +251,16 @@ FreeAnalysis AnalyzeFree(const MeasurementModel& model, const Dataset& data,
   analysis.rank =
       AnalyzeRank(ScaleColumns(model, free, analysis.whitened_factor),
                   options.relative_tolerance);
-  const Eigen::MatrixXd perturbed =
-      JacobianFactor(model, PerturbedValues(model, options.perturbation, 0),
-                     EvenSubset(data, kEnoughPoses), free);
+  const Eigen::MatrixXd perturbed = JacobianFactor(
+      model, PerturbedValues(model, options.perturbation, 0),
+      EvenSubset(model.communicator(), data, kEnoughPoses), free);
   analysis.perturbed_rank = AnalyzeRank(ScaleColumns(model, free, perturbed),
                                         options.relative_tolerance);
   const Eigen::MatrixXd plain =
       Unwhitened(model, data, free, analysis.whitened_factor);
-  analysis.unscaled = ComputeObservability(plain, data.all_poses());
-  analysis.scaled =
-      ComputeObservability(ScaleColumns(model, free, plain), data.all_poses());
+  analysis.unscaled = ComputeObservability(plain, data.global_poses());
+  analysis.scaled = ComputeObservability(ScaleColumns(model, free, plain),
+                                         data.global_poses());
   return analysis;
 }
 
@@ -291,10 +290,11 @@ void WarnAboutFree(const MeasurementModel& model, const Dataset& data,
         "therefore moves no measured point: two parameters fewer can be "
         "identified than with a target off the axis");
   }
-  const Eigen::Index num_equations = AllEquations(data);
+  const Eigen::Index num_equations =
+      GlobalEquations(model.communicator(), data);
   if (num_equations < result->num_free) {
     result->warnings.push_back(
-        std::to_string(data.all_poses()) + " poses give " +
+        std::to_string(data.global_poses()) + " poses give " +
         std::to_string(num_equations) + " equations for " +
         std::to_string(result->num_free) + " parameters");
   }

@@ -11,7 +11,7 @@
 
 #include "alidade/forward_kinematics.h"
 #include "src/kernel/holdout.h"
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 #include "src/model/joint_draw.h"
 
 namespace alidade::internal {
@@ -43,24 +43,17 @@ std::map<Pattern, std::vector<Eigen::Index>> ByPattern(
   return observations;
 }
 
-// How many observations of each pattern the whole data set has, and how many of
-// them other members have before this one's.
+// How many observations of each pattern the global data set has, and how many
+// of them other ranks have before this one's.
 struct PatternCount {
   Eigen::Index before = 0;
   Eigen::Index all = 0;
 };
 
 std::map<Pattern, PatternCount> CountPatterns(
-    const Dataset& data,
+    Communicator* holders,
     const std::map<Pattern, std::vector<Eigen::Index>>& mine) {
   std::map<Pattern, PatternCount> counts;
-  Team* const team = data.share.team;
-  if (team == nullptr) {
-    for (const auto& [pattern, list] : mine) {
-      counts[pattern].all = static_cast<Eigen::Index>(list.size());
-    }
-    return counts;
-  }
   ByteWriter writer;
   for (const auto& [pattern, list] : mine) {
     const auto& [target, reference, axes] = pattern;
@@ -70,8 +63,8 @@ std::map<Pattern, PatternCount> CountPatterns(
     writer.Put(static_cast<std::int64_t>(list.size()));
   }
   int rank = 0;
-  for (const std::string& bytes : team->Gather(writer.Take())) {
-    const bool is_before = rank++ < team->rank();
+  for (const std::string& bytes : holders->Gather(writer.Take())) {
+    const bool is_before = rank++ < holders->rank();
     ByteReader reader(bytes);
     while (!reader.is_at_end()) {
       const int target = reader.Get<int>();
@@ -87,14 +80,14 @@ std::map<Pattern, PatternCount> CountPatterns(
 }
 
 // About `count` observations of a block, evenly spaced among those of each
-// pattern, so that rare ones keep their say. Of a share those that are here.
-std::vector<Eigen::Index> EvenlySpaced(const Dataset& data,
+// pattern, so that rare ones keep their say: those that are here.
+std::vector<Eigen::Index> EvenlySpaced(Communicator* holders,
                                        const ObservationBlock& block,
                                        Eigen::Index count) {
   constexpr Eigen::Index kFewestOfEach = 32;
   const std::map<Pattern, std::vector<Eigen::Index>> mine = ByPattern(block);
-  const std::map<Pattern, PatternCount> patterns = CountPatterns(data, mine);
-  const Eigen::Index share =
+  const std::map<Pattern, PatternCount> patterns = CountPatterns(holders, mine);
+  const Eigen::Index of_each =
       std::max(kFewestOfEach,
                count / std::max<Eigen::Index>(
                            1, static_cast<Eigen::Index>(patterns.size())));
@@ -102,7 +95,7 @@ std::vector<Eigen::Index> EvenlySpaced(const Dataset& data,
   for (const auto& [pattern, list] : mine) {
     const auto& [before, size] = patterns.at(pattern);
     const auto end = before + static_cast<Eigen::Index>(list.size());
-    const Eigen::Index taken = std::min(share, size);
+    const Eigen::Index taken = std::min(of_each, size);
     for (Eigen::Index k = 0; k < taken; ++k) {
       const Eigen::Index i = k * size / taken;
       if (i >= before && i < end) chosen.push_back(list[i - before]);
@@ -164,8 +157,9 @@ void MeasureOrientations(const MeasurementModel& model, Dataset* data) {
 Dataset MakeGenericData(const MeasurementModel& model, const Dataset& data,
                         int num_poses, std::uint64_t seed) {
   // A subset has every combination that its data set has.
-  if (data.share.team != nullptr) {
-    return MakeGenericData(model, EvenSubset(data, 1), num_poses, seed);
+  if (data.partition) {
+    return MakeGenericData(model, EvenSubset(model.communicator(), data, 1),
+                           num_poses, seed);
   }
   Dataset generic;
   generic.joint_values = DrawJointValues(model.nominal(), num_poses, seed);
@@ -195,8 +189,11 @@ Dataset WithUnitSigmas(const MeasurementModel& model, Dataset data) {
   return data;
 }
 
-Dataset EvenSubset(const Dataset& data, Eigen::Index count) {
-  if (data.all_poses() <= count) return GatherData(data, data);
+Dataset EvenSubset(Communicator* communicator, const Dataset& data,
+                   Eigen::Index count) {
+  if (data.global_poses() <= count) {
+    return GatherData(communicator, data, data);
+  }
   Dataset subset;
   subset.name = data.name;
   subset.files = data.files;
@@ -208,8 +205,8 @@ Dataset EvenSubset(const Dataset& data, Eigen::Index count) {
       subset.blocks.push_back(block);
       continue;
     }
-    subset.blocks.push_back(
-        TakeObservations(block, EvenlySpaced(data, block, count)));
+    subset.blocks.push_back(TakeObservations(
+        block, EvenlySpaced(HoldersOf(communicator, data), block, count)));
     const ObservationBlock& taken = subset.blocks.back();
     for (Eigen::Index i = 0; i < taken.size(); ++i) {
       is_needed[taken.pose(i)] = true;
@@ -221,7 +218,7 @@ Dataset EvenSubset(const Dataset& data, Eigen::Index count) {
   for (std::size_t pose = 0; pose < is_needed.size(); ++pose) {
     if (is_needed[pose]) poses.push_back(static_cast<Eigen::Index>(pose));
   }
-  return GatherData(data, SelectPoses(subset, poses));
+  return GatherData(communicator, data, SelectPoses(subset, poses));
 }
 
 }  // namespace alidade::internal

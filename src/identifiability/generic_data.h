@@ -26,8 +26,10 @@ Dataset WithUnitSigmas(const MeasurementModel& model, Dataset data);
 /// About `count` observations of each kind, evenly spaced among those of the
 /// same target, reference and axes and at least 32 of these where there are as
 /// many, with the poses that they are of. `data` itself where it has no more
-/// than `count` poses.
-Dataset EvenSubset(const Dataset& data, Eigen::Index count);
+/// than `count` poses. Of a part: of the global data set, on every rank
+/// (partition.h).
+Dataset EvenSubset(Communicator* communicator, const Dataset& data,
+                   Eigen::Index count);
 
 }  // namespace alidade::internal
 

@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "alidade/team.h"
 #include "src/calibration/calibration_task.h"
 #include "src/common/files.h"
 #include "src/job/study.h"
@@ -13,22 +12,20 @@
 namespace alidade::internal {
 namespace {
 
-// Every file by a member that has read it.
+// Every file by a rank that has read it.
 std::vector<InputFile> HashInputs(const JobConfig& job) {
-  Team* const team = job.data.training.share.team;
-  const int rank = team == nullptr ? 0 : team->rank();
   std::vector<InputFile> files;
   std::vector<std::string> mine;
   for (std::size_t k = 0; k < job.input_files.size(); ++k) {
-    const bool is_mine = (job.readers.empty() ? 0 : job.readers[k]) == rank;
+    const bool is_mine =
+        (job.readers.empty() ? 0 : job.readers[k]) == job.communicator->rank();
     files.push_back({job.input_files[k], ""});
     if (is_mine) files.back().sha256 = Sha256OfFile(files.back().path);
     mine.push_back(files.back().sha256);
   }
-  if (team == nullptr) return files;
   ByteWriter writer;
   writer.PutTexts(mine);
-  for (const std::string& bytes : team->Gather(writer.Take())) {
+  for (const std::string& bytes : job.communicator->Gather(writer.Take())) {
     const std::vector<std::string> hashes = ByteReader(bytes).GetTexts();
     for (std::size_t k = 0; k < files.size(); ++k) {
       if (!hashes[k].empty()) files[k].sha256 = hashes[k];

@@ -12,10 +12,7 @@ namespace alidade::internal {
 /// the hashes of the files that were read), and sets a published study beside
 /// it. Writes nothing. Data are not copied where the job is moved in.
 ///
-/// With a share of the data (LoadJob of a team) collective: every member takes
-/// the same steps and has the same result, but for what has an entry for each
-/// pose, observation or outlier, which member 0 alone has. It is what one
-/// process would find, to the bit.
+/// Collective where several ranks have loaded the job (LoadJob).
 ///
 /// `cache`: null, or what jobs of one arm and the same poses share; the result
 /// is the same.

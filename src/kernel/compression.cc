@@ -89,7 +89,7 @@ class Compressor::Implementation {
         losses_(losses),
         factorization_(options.factorization),
         may_use_gram_(options.factorization != Factorization::kOrthogonal),
-        is_large_(data.all_observations() >= kFewestForSample) {
+        is_large_(data.global_observations() >= kFewestForSample) {
     if (options.priors.size() == 0) return;
     prior_columns_ = columns;
     nominal_ = model.NominalValues()(prior_columns_);

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "alidade/random.h"
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 
 namespace alidade::internal {
 namespace {
@@ -156,11 +156,11 @@ struct PosePair {
 };
 
 // Joint values and differences of all poses, which tell the configurations; on
-// member 0.
-Dataset ConfigurationsOf(const Dataset& data) {
+// the root.
+Dataset ConfigurationsOf(Communicator* communicator, const Dataset& data) {
   Dataset all;
-  all.joint_values = PosesInOrder(data, data.joint_values);
-  const auto first = static_cast<int>(data.share.first_pose);
+  all.joint_values = PosesInOrder(communicator, data, data.joint_values);
+  const auto first = static_cast<int>(data.partition->first_pose);
   std::vector<std::vector<PosePair>> pairs(data.blocks.size());
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const ObservationBlock& block = data.blocks[k];
@@ -171,7 +171,8 @@ Dataset ConfigurationsOf(const Dataset& data) {
   }
   ObservationBlock differences;
   differences.kind = MeasurementKind::kDifference;
-  for (const auto& [pose, second] : InOrder(data, std::move(pairs))) {
+  for (const auto& [pose, second] :
+       InOrder(communicator, data, std::move(pairs))) {
     differences.poses.push_back(pose);
     differences.seconds.push_back(second);
   }
@@ -209,18 +210,10 @@ std::vector<char> DrawFraction(const Dataset& data, double fraction,
   return IsHeldout(groups, {seed, 0, 1, num_heldout});
 }
 
-HoldOut Split(const Dataset& data, const std::vector<char>& is_heldout) {
-  return HoldOutPoses(data, {is_heldout.begin(), is_heldout.end()});
-}
-
-// What member 0 drew, as far as it is of this share.
-std::vector<char> MineOf(const Dataset& data,
-                         const std::vector<char>& is_heldout) {
-  Team* const team = data.share.team;
-  const std::string all =
-      team->Broadcast({is_heldout.begin(), is_heldout.end()});
-  const auto first = all.begin() + data.share.first_pose;
-  return {first, first + data.num_poses()};
+HoldOut Split(const Dataset& data, const std::vector<char>& is_heldout,
+              Communicator* communicator) {
+  return HoldOutPoses(data, {is_heldout.begin(), is_heldout.end()},
+                      communicator);
 }
 
 }  // namespace
@@ -275,7 +268,8 @@ Dataset SelectPoses(const Dataset& data,
   return selected;
 }
 
-HoldOut HoldOutPoses(const Dataset& data, const std::vector<bool>& is_heldout) {
+HoldOut HoldOutPoses(const Dataset& data, const std::vector<bool>& is_heldout,
+                     Communicator* communicator) {
   std::vector<Eigen::Index> train;
   std::vector<Eigen::Index> heldout;
   for (std::size_t pose = 0; pose < is_heldout.size(); ++pose) {
@@ -296,26 +290,29 @@ HoldOut HoldOutPoses(const Dataset& data, const std::vector<bool>& is_heldout) {
     }
   }
   for (Dataset* part : {&split.train, &split.heldout}) {
-    part->share.team = data.share.team;
-    CountShare(part);
+    CountParts(communicator, data, part);
   }
   return split;
 }
 
 HoldOut HoldOutFraction(const Dataset& data, double fraction,
-                        std::uint64_t seed) {
-  if (data.share.team == nullptr) {
-    return Split(data, DrawFraction(data, fraction, seed));
+                        std::uint64_t seed, Communicator* communicator) {
+  if (!data.partition) {
+    return Split(data, DrawFraction(data, fraction, seed), communicator);
   }
-  const Dataset all = ConfigurationsOf(data);
+  const Dataset all = ConfigurationsOf(communicator, data);
   std::vector<char> is_heldout;
-  if (KnowsAll(data)) is_heldout = DrawFraction(all, fraction, seed);
-  return Split(data, MineOf(data, is_heldout));
+  if (communicator->is_root()) is_heldout = DrawFraction(all, fraction, seed);
+  const std::string drawn =
+      communicator->Broadcast({is_heldout.begin(), is_heldout.end()});
+  const auto first = drawn.begin() + data.partition->first_pose;
+  return Split(data, {first, first + data.num_poses()}, communicator);
 }
 
 HoldOut HoldOutFold(const Dataset& data, int folds, int k, std::uint64_t seed) {
   const std::vector<int> groups = GroupByConfiguration(data);
-  return Split(data, IsHeldout(groups, {seed, k, folds, CountGroups(groups)}));
+  return Split(data, IsHeldout(groups, {seed, k, folds, CountGroups(groups)}),
+               SingleProcess());
 }
 
 }  // namespace alidade::internal

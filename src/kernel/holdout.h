@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "alidade/communicator.h"
 #include "alidade/dataset.h"
 
 namespace alidade::internal {
@@ -44,10 +45,13 @@ struct HoldOut {
 /// @pre 0 < fraction < 1. Where so few configurations are there that one part
 /// would be empty, it stays empty: the caller decides what that means.
 HoldOut HoldOutFraction(const Dataset& data, double fraction,
-                        std::uint64_t seed);
+                        std::uint64_t seed,
+                        Communicator* communicator = SingleProcess());
 
 /// Holds out the poses that `is_heldout` is true for, one entry per pose.
-HoldOut HoldOutPoses(const Dataset& data, const std::vector<bool>& is_heldout);
+/// Collective for a part (partition.h), as HoldOutFraction.
+HoldOut HoldOutPoses(const Dataset& data, const std::vector<bool>& is_heldout,
+                     Communicator* communicator = SingleProcess());
 
 /// Fold k of `folds`: the configurations are shuffled by the seed and dealt
 /// out in turn, so that every one is held out in exactly one fold and the folds

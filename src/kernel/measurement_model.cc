@@ -67,11 +67,11 @@ void CopyLane(TileRows* rows, int lane, Eigen::MatrixXd* out) {
 }  // namespace
 
 MeasurementModel::MeasurementModel(Arm nominal, References references,
-                                   int num_threads)
+                                   const Execution& execution)
     : nominal_(std::move(nominal)),
       references_(std::move(references)),
       layout_(ShapeOf(nominal_, references_)),
-      num_threads_(num_threads) {}
+      execution_(execution) {}
 
 Eigen::VectorXd MeasurementModel::NominalValues() const {
   Eigen::VectorXd values = layout_.Values(nominal_);
@@ -141,7 +141,7 @@ SharedVector MeasurementModel::Errors(const Eigen::VectorXd& values,
       }
     }
   };
-  ParallelFor(num_threads_, tiles.size(), kTilesPerBlock, work);
+  ParallelFor(num_threads(), tiles.size(), kTilesPerBlock, work);
   return errors.Freeze();
 }
 

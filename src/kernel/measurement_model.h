@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "alidade/arm.h"
+#include "alidade/communicator.h"
 #include "alidade/dataset.h"
 #include "alidade/parameter_layout.h"
 #include "alidade/references.h"
@@ -38,18 +39,22 @@ struct ResidualSummary {
 /// (docs/kernel.md).
 ///
 /// `values` have one entry per column of the layout. Results do not depend on
-/// the number of threads. Const methods may be called from several threads.
+/// the execution. Const methods may be called from several threads.
 class MeasurementModel {
  public:
-  /// @pre nominal has a joint and a target; num_threads >= 1.
-  explicit MeasurementModel(Arm nominal, int num_threads = 1)
-      : MeasurementModel(std::move(nominal), References(), num_threads) {}
-  MeasurementModel(Arm nominal, References references, int num_threads);
+  /// @pre nominal has a joint and a target.
+  explicit MeasurementModel(Arm nominal, const Execution& execution = {})
+      : MeasurementModel(std::move(nominal), References(), execution) {}
+  MeasurementModel(Arm nominal, References references,
+                   const Execution& execution);
 
   const Arm& nominal() const { return nominal_; }
   const References& references() const { return references_; }
   const ParameterLayout& layout() const { return layout_; }
-  int num_threads() const { return num_threads_; }
+  /// Who reduces sums over data sets (partition.h), and by how many threads.
+  const Execution& execution() const { return execution_; }
+  int num_threads() const { return execution_.num_threads; }
+  Communicator* communicator() const { return execution_.communicator; }
 
   /// Values of the nominal arm and references.
   Eigen::VectorXd NominalValues() const;
@@ -78,7 +83,7 @@ class MeasurementModel {
   Arm nominal_;
   References references_;
   ParameterLayout layout_;
-  int num_threads_;
+  Execution execution_;
 };
 
 /// Squared norm of each observation's whitened residual, from the stacked

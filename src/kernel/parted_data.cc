@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "alidade/team.h"
 #include "src/kernel/lane_factor.h"
+#include "src/kernel/partition.h"
 
 namespace alidade::internal {
 namespace {
@@ -87,8 +87,8 @@ PartedData::PartedData(const MeasurementModel& model, const Dataset& data,
     : model_(model),
       tiles_(model.nominal(), data, cache_bytes),
       width_(width),
-      team_(data.share.team),
-      all_observations_(data.all_observations()),
+      communicator_(HoldersOf(model.communicator(), data)),
+      global_observations_(data.global_observations()),
       work_(AllocateDoubles(kernel::MergeSize(width))) {
   std::int64_t first_tile = 0;
   for (const std::int64_t end : tiles_.shard_ends()) {
@@ -153,8 +153,8 @@ void PartedData::Add(const Sums& more, Sums* sums) {
 }
 
 void PartedData::Merge(Content content) {
-  if (team_ != nullptr) {
-    MergeMembers(content);
+  if (communicator_->size() > 1) {
+    MergeRanks(content);
     return;
   }
   Sums all;
@@ -178,9 +178,9 @@ PartedData::Sums PartedData::MergeShard(Content content, const Range& shard) {
   return sums;
 }
 
-// Every shard is one message, so that they are merged in the order of the
-// whole, whoever has them.
-void PartedData::MergeMembers(Content content) {
+// Every shard is one message, so that they are merged in the global order,
+// whoever has them.
+void PartedData::MergeRanks(Content content) {
   const std::size_t size =
       content == Content::kSums ? 0 : kernel::TriangleSize(width_);
   ByteWriter writer;
@@ -188,11 +188,11 @@ void PartedData::MergeMembers(Content content) {
     writer.Put(MergeShard(content, shard));
     writer.PutArray(parts_[shard.begin].triangle(), size);
   }
-  const std::vector<std::string> members = team_->Gather(writer.Take());
+  const std::vector<std::string> ranks = communicator_->Gather(writer.Take());
   const AlignedDoubles triangle = AllocateDoubles(size);
   Sums all;
   bool is_first = true;
-  for (const std::string& bytes : members) {
+  for (const std::string& bytes : ranks) {
     ByteReader reader(bytes);
     while (!reader.is_at_end()) {
       Add(reader.Get<Sums>(), &all);
@@ -218,7 +218,7 @@ void PartedData::SumProducts(Eigen::MatrixXd* sum) {
 void PartedData::MergeSums() { Merge(Content::kSums); }
 
 void PartedData::Summarize(const Sums& sums) {
-  const auto count = static_cast<double>(all_observations_);
+  const auto count = static_cast<double>(global_observations_);
   summary_.cost = sums.cost;
   summary_.max_error = std::sqrt(sums.largest);
   summary_.rms_error = std::sqrt(sums.squares / std::max(1.0, count));

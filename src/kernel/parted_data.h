@@ -52,8 +52,8 @@ class Part {
 
 /// A data set cut into parts, which do not depend on the number of threads, and
 /// neither does the order in which they are merged: the parts of each shard,
-/// then the shards. Of a share (dataset.h) the shards of all members are
-/// merged, on every member: what is marked collective is so then.
+/// then the shards, those of all ranks that hold some of the data
+/// (partition.h), on every rank: what is marked collective is so then.
 class PartedData {
  public:
   /// `width` columns of the rows are factored: all derivatives, with or
@@ -140,17 +140,17 @@ class PartedData {
   void Combine(Content content, const double* other, double* triangle);
   // The shard's first part <- all of its parts.
   Sums MergeShard(Content content, const Range& shard);
-  // The first part <- all shards, those of other members too.
+  // The first part <- all shards, those of other ranks too.
   void Merge(Content content);
-  void MergeMembers(Content content);
+  void MergeRanks(Content content);
   static void Add(const Sums& more, Sums* sums);
   void Summarize(const Sums& sums);
 
   const MeasurementModel& model_;
   Tiles tiles_;
   const int width_;
-  Team* const team_;
-  const Eigen::Index all_observations_;
+  Communicator* const communicator_;
+  const Eigen::Index global_observations_;
   std::vector<Range> ranges_;  // tiles of each part
   std::vector<Range> shards_;  // parts of each shard that has some
   std::vector<Part> parts_;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "src/common/parallel.h"
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 
 namespace alidade::internal {
 namespace {
@@ -66,31 +66,28 @@ std::vector<Piece> PiecesOf(const Dataset& data, std::size_t shard) {
 
 }  // namespace
 
-SigmaTotals SumSigmas(const Dataset& data, int num_threads) {
+SigmaTotals SumSigmas(const Dataset& data, const Execution& execution) {
   std::vector<SigmaTotals> shards;
   for (std::size_t shard = 0; shard < data.num_shards(); ++shard) {
     const std::vector<Piece> pieces = PiecesOf(data, shard);
     std::vector<SigmaTotals> sums(pieces.size());
-    ParallelFor(num_threads, static_cast<std::int64_t>(pieces.size()), 1,
-                [&](std::int64_t begin, std::int64_t /*end*/) {
+    ParallelFor(execution.num_threads, static_cast<std::int64_t>(pieces.size()),
+                1, [&](std::int64_t begin, std::int64_t /*end*/) {
                   const Piece& piece = pieces[begin];
                   sums[begin] = Sum(data.blocks[piece.block], piece);
                 });
     shards.emplace_back();
     for (const SigmaTotals& sum : sums) Add(sum, &shards.back());
   }
-  if (data.share.team != nullptr) {
-    ByteWriter writer;
-    writer.PutList(shards);
-    shards.clear();
-    for (const std::string& bytes : data.share.team->Gather(writer.Take())) {
-      for (const SigmaTotals& sum : ByteReader(bytes).GetList<SigmaTotals>()) {
-        shards.push_back(sum);
-      }
+  ByteWriter writer;
+  writer.PutList(shards);
+  SigmaTotals all;
+  for (const std::string& bytes :
+       HoldersOf(execution.communicator, data)->Gather(writer.Take())) {
+    for (const SigmaTotals& sum : ByteReader(bytes).GetList<SigmaTotals>()) {
+      Add(sum, &all);
     }
   }
-  SigmaTotals all;
-  for (const SigmaTotals& shard : shards) Add(shard, &all);
   return all;
 }
 

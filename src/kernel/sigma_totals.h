@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "alidade/communicator.h"
 #include "alidade/dataset.h"
 
 namespace alidade::internal {
@@ -15,9 +16,9 @@ struct SigmaTotals {
   double rotation_information = 0.0;  ///< of orientations (1/rad^2)
 };
 
-/// One pass over the sigmas by `num_threads`, in fixed blocks, so that bits do
-/// not depend on it. Of a share: of the whole, and collective (share.h). O(N).
-SigmaTotals SumSigmas(const Dataset& data, int num_threads);
+/// One pass over the sigmas of the global data set (partition.h), in fixed
+/// blocks, so that bits do not depend on the execution. O(N).
+SigmaTotals SumSigmas(const Dataset& data, const Execution& execution);
 
 }  // namespace alidade::internal
 

@@ -11,7 +11,7 @@
 #include "src/common/names.h"
 #include "src/data/merge.h"
 #include "src/dataio/read_options.h"
-#include "src/serialization/shared_data.h"
+#include "src/serialization/partitioned_data.h"
 #include "src/serialization/simulation_file.h"
 #include "src/simulation/simulation.h"
 
@@ -215,7 +215,7 @@ std::vector<std::string> PathsOf(const std::vector<YamlValue>& entries,
   for (const YamlValue& entry : entries) {
     std::optional<YamlValue> file = entry;
     if (entry.IsMap()) file = entry.Find("file");
-    // Simulated data are made by one member, as a file is read by one.
+    // Simulated data are made by one rank, as a file is read by one.
     if (entry.Find("simulate")) paths.emplace_back();
     if (!file) continue;
     for (std::string& path : files.PathsOf(*file)) {
@@ -269,25 +269,25 @@ LoadedData SimulatedData(const SimulationConfig& config,
 }
 
 void SimulateEntry(const YamlValue& value, const DataFormat& defaults,
-                   JobContext* context, const JobConfig& job, FileShare* share,
-                   std::vector<LoadedData>* parts) {
+                   JobContext* context, const JobConfig& job,
+                   FileAssignment* assignment, std::vector<LoadedData>* parts) {
   // Read by all, so that all know the same input files.
   const SimulationConfig config =
       ReadSimulatedData(value, job.arm, context->units, &context->files);
-  if (share->NextReader() != share->rank()) return;
+  if (assignment->NextReader() != assignment->rank()) return;
   parts->push_back(SimulatedData(config, defaults));
 }
 
 // A path, or a map where more is to be said of the file; or of the files, where
 // the path is a pattern; or how to simulate.
 void ReadEntry(const YamlValue& value, const DataFormat& defaults,
-               JobContext* context, JobConfig* job, FileShare* share,
+               JobContext* context, JobConfig* job, FileAssignment* assignment,
                std::vector<LoadedData>* parts) {
   DataFormat format = defaults;
   std::optional<YamlValue> file;
   if (value.Find("simulate")) {
     const YamlValue simulate = value.Map({"simulate"}).Required("simulate");
-    SimulateEntry(simulate, defaults, context, *job, share, parts);
+    SimulateEntry(simulate, defaults, context, *job, assignment, parts);
     return;
   }
   if (value.IsMap()) {
@@ -298,9 +298,9 @@ void ReadEntry(const YamlValue& value, const DataFormat& defaults,
     file = map.Required("file");
   }
   context->files.ReadEach(file.value_or(value), [&](const std::string& path) {
-    const int reader = share->NextReader();
+    const int reader = assignment->NextReader();
     context->readers.emplace(path, reader);
-    if (reader != share->rank()) return;
+    if (reader != assignment->rank()) return;
     parts->push_back(LoadData(path, job->arm, format, &job->data.references,
                               context->num_threads));
   });
@@ -332,19 +332,21 @@ LoadedData ReadData(const YamlValue& value, const MeasurementSigmas& sigmas,
   std::vector<YamlValue> entries = {value};
   if (value.IsList()) entries = value.List();
   if (entries.empty()) value.Fail("the list is empty, expected data sets");
-  FileShare share;
-  if (context->team != nullptr) {
-    share = FileShare(context->team, value, PathsOf(entries, context->files));
+  const bool is_partitioned = job->communicator->size() > 1;
+  FileAssignment assignment;
+  if (is_partitioned) {
+    assignment = FileAssignment(job->communicator, value,
+                                PathsOf(entries, context->files));
   }
   RefuseTwice(entries, context->files);
   const References known = job->data.references;
   std::vector<LoadedData> parts;
   for (const YamlValue& entry : entries) {
-    ReadEntry(entry, defaults, context, job, &share, &parts);
+    ReadEntry(entry, defaults, context, job, &assignment, &parts);
   }
   LoadedData all = Merge(std::move(parts), job->arm.num_joints());
-  if (context->team != nullptr) {
-    ShareLoaded(context->team, known, &all, &job->data.references);
+  if (is_partitioned) {
+    PartitionLoaded(job->communicator, known, &all, &job->data.references);
   }
   job->rejected.insert(job->rejected.end(), all.rejected.begin(),
                        all.rejected.end());

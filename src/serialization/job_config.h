@@ -38,8 +38,7 @@ struct PublishedStudy {
 const std::vector<std::string>& PublishedQuantityNames();
 
 /// A calibration job, its files loaded and checked against each other: the
-/// calibration's task, and what is done with its result. Members of a team have
-/// a share of `data` each (kernel/share.h), and all else alike.
+/// calibration's task, and what is done with its result.
 struct JobConfig : CalibrationTask {
   std::string path;
   std::string title;
@@ -53,7 +52,7 @@ struct JobConfig : CalibrationTask {
   std::optional<NoiseStudyConfig> noise_study;
   /// Every file read for this job, the job file first.
   std::vector<std::string> input_files;
-  /// The member of the team that has read each of them; empty: there is none.
+  /// The rank that has read each of them; empty: there is one.
   std::vector<int> readers;
 };
 

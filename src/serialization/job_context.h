@@ -4,7 +4,6 @@
 #include <map>
 #include <string>
 
-#include "alidade/team.h"
 #include "src/serialization/config_file.h"
 #include "src/serialization/yaml_reader.h"
 
@@ -16,9 +15,7 @@ struct JobContext {
   Units units;
   NamedFiles files;
   int num_threads = 1;  ///< to read data sets with
-  /// Members that read a share of the data each; null: all is read here.
-  Team* team = nullptr;
-  /// The member that reads each data set's file.
+  /// The rank that reads each data set's file.
   std::map<std::string, int> readers = {};
 };
 

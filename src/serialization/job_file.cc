@@ -296,11 +296,12 @@ void ReadNoiseStudy(const JobContext& context, JobConfig* job) {
 }
 
 // What asks for all data in one place.
-void RefuseForTeam(const JobContext& context, const JobConfig& job) {
-  if (context.team == nullptr) return;
+void RefuseForMany(const JobContext& context, const JobConfig& job) {
+  const int num_ranks = job.communicator->size();
+  if (num_ranks == 1) return;
   const auto refuse = [&](const YamlValue& value, const std::string& what) {
     value.Fail(what + " needs all data in one process, and this job runs in " +
-               std::to_string(context.team->size()) +
+               std::to_string(num_ranks) +
                ": leave it out, or run without mpirun");
   };
   for (const char* key : {"compare_with", "published"}) {
@@ -317,9 +318,9 @@ void RefuseForTeam(const JobContext& context, const JobConfig& job) {
   }
 }
 
-std::vector<int> ReadersOf(const JobContext& context) {
+std::vector<int> ReadersOf(const JobContext& context, const JobConfig& job) {
   std::vector<int> readers;
-  if (context.team == nullptr) return readers;
+  if (job.communicator->size() == 1) return readers;
   for (const std::string& path : context.files.paths()) {
     const auto found = context.readers.find(path);
     readers.push_back(found == context.readers.end() ? 0 : found->second);
@@ -335,20 +336,20 @@ void ReadOutputs(const JobContext& context, JobConfig* job) {
 }
 
 JobConfig Load(const YamlValue& root, bool with_validation,
-               const JobReading& reading) {
+               const Execution& execution) {
   const YamlMap file = root.Map(JobKeys());
-  const bool is_shared = reading.team != nullptr && reading.team->size() > 1;
   JobContext context{file, Units(file), NamedFiles(root.document()),
-                     reading.num_threads, is_shared ? reading.team : nullptr};
+                     execution.num_threads};
   JobConfig job;
   job.path = root.document().files.front();
-  job.options.num_threads = reading.num_threads;
+  job.options.num_threads = execution.num_threads;
+  job.communicator = execution.communicator;
   job.title = file.Required("title").Text();
   job.arm = context.files.ReadArm(file.Required("arm"), LoadArm);
   ReadSolver(context, &job);
   ReadRobust(context, &job);
   ReadCompareWith(context, &job);
-  RefuseForTeam(context, job);
+  RefuseForMany(context, job);
   ReadMeasurements(with_validation, &context, &job);
   ReadTruth(&context, &job);
   ReadAcceptance(context, with_validation, &job);
@@ -358,7 +359,7 @@ JobConfig Load(const YamlValue& root, bool with_validation,
   ReadMonteCarlo(context, &job);
   ReadOutputs(context, &job);
   job.input_files = context.files.paths();
-  job.readers = ReadersOf(context);
+  job.readers = ReadersOf(context, job);
   return job;
 }
 
@@ -382,16 +383,12 @@ const std::vector<std::string>& PublishedQuantityNames() {
   return *names;
 }
 
-JobConfig LoadJobTree(YamlDocument tree, const JobReading& reading) {
-  return Load(RootOf(std::move(tree)), true, reading);
+JobConfig LoadJobTree(YamlDocument tree, const Execution& execution) {
+  return Load(RootOf(std::move(tree)), true, execution);
 }
 
-JobConfig LoadJob(const std::string& path, const JobReading& reading) {
-  return Load(ReadOneJob(path), true, reading);
-}
-
-JobConfig LoadJob(const std::string& path, int num_threads, Team* team) {
-  return LoadJob(path, {num_threads, team});
+JobConfig LoadJob(const std::string& path, const Execution& execution) {
+  return Load(ReadOneJob(path), true, execution);
 }
 
 JobConfig LoadWholeJob(const std::string& path) {

@@ -149,8 +149,8 @@ JobOutline JobMatrix::OutlineOf(std::int64_t job) const {
   return {NameOf(job), TextOf(root, "arm"), TextOf(root, "data")};
 }
 
-JobConfig JobMatrix::Load(std::int64_t job, const JobReading& reading) const {
-  JobConfig config = LoadJobTree(contents_->TreeOf(job), reading);
+JobConfig JobMatrix::Load(std::int64_t job, const Execution& execution) const {
+  JobConfig config = LoadJobTree(contents_->TreeOf(job), execution);
   const std::string variant = contents_->VariantOf(job);
   if (!variant.empty()) config.title += ", " + variant;
   return config;

@@ -41,7 +41,7 @@ class JobMatrix {
   std::string NameOf(std::int64_t job) const;
   JobOutline OutlineOf(std::int64_t job) const;
   /// The job with every file it names. @throws InputError as LoadJob.
-  JobConfig Load(std::int64_t job, const JobReading& reading) const;
+  JobConfig Load(std::int64_t job, const Execution& execution) const;
   /// SHA-256 of all that the job's file and those it extends say of this job:
   /// where it changes, or the content of a file that the job reads, so may the
   /// result. Patterns and environment variables count as what they stand for.

@@ -8,7 +8,7 @@
 
 #include "src/common/names.h"
 #include "src/dataio/dataset_builder.h"
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 
 namespace alidade::internal {
 namespace {
@@ -146,7 +146,7 @@ void ReadPointDistances(const JobContext& context, double default_sigma,
   }
   for (const ObservationBlock& block :
        MakeBlocks(observations, job->data.training.num_poses())) {
-    AppendShared(block, &job->data.training);
+    AppendGlobal(job->communicator, block, &job->data.training);
   }
 }
 

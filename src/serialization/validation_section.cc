@@ -8,8 +8,8 @@
 
 #include "src/common/names.h"
 #include "src/kernel/holdout.h"
-#include "src/kernel/share.h"
-#include "src/serialization/shared_data.h"
+#include "src/kernel/partition.h"
+#include "src/serialization/partitioned_data.h"
 
 namespace alidade::internal {
 namespace {
@@ -30,9 +30,9 @@ void ReadFraction(const YamlMap& map, JobConfig* job) {
                   fraction.Text());
   }
   map.ReadSeed("seed", &holdout.seed);
-  HoldOut split =
-      HoldOutFraction(job->data.training, holdout.fraction, holdout.seed);
-  if (split.train.all_poses() == 0 || split.heldout.all_poses() == 0) {
+  HoldOut split = HoldOutFraction(job->data.training, holdout.fraction,
+                                  holdout.seed, job->communicator);
+  if (split.train.global_poses() == 0 || split.heldout.global_poses() == 0) {
     fraction.Fail(
         "leaves no configuration on one side: the data set has too few "
         "different ones for it");
@@ -71,27 +71,25 @@ void RejectStraddling(const std::vector<bool>& is_heldout, JobConfig* job) {
            "a difference between a pose that is held out and one that is not"});
     }
   }
-  if (data.share.team != nullptr) {
-    rejected = OfAllMembers(data.share.team, rejected);
-  }
+  rejected = OfAllRanks(job->communicator, rejected);
   job->rejected.insert(job->rejected.end(), rejected.begin(), rejected.end());
 }
 
 // Holds out the poses, unless that leaves nothing to fit.
 void HoldOutChosen(const std::vector<bool>& is_heldout, const YamlValue& key,
                    JobConfig* job) {
-  if (OnAllMembers(job->data.training,
-                   std::all_of(is_heldout.begin(), is_heldout.end(),
-                               [](bool held) { return held; }))) {
+  const bool are_all = std::all_of(is_heldout.begin(), is_heldout.end(),
+                                   [](bool held) { return held; });
+  if (OnAllRanks(job->communicator, job->data.training, are_all)) {
     key.Fail("holds out all poses, expected some to be left for the fit");
   }
   RejectStraddling(is_heldout, job);
-  Take(HoldOutPoses(job->data.training, is_heldout), job);
+  Take(HoldOutPoses(job->data.training, is_heldout, job->communicator), job);
 }
 
 // In the order that they first come in.
 std::vector<std::string> NamesOfSets(const std::vector<std::string>& sets,
-                                     Team* team) {
+                                     Communicator* communicator) {
   std::vector<std::string> names;
   const auto add = [&](const std::string& set) {
     if (set.empty()) return;
@@ -100,11 +98,10 @@ std::vector<std::string> NamesOfSets(const std::vector<std::string>& sets,
     }
   };
   for (const std::string& set : sets) add(set);
-  if (team == nullptr) return names;
   ByteWriter writer;
   writer.PutTexts(names);
   names.clear();
-  for (const std::string& bytes : team->Gather(writer.Take())) {
+  for (const std::string& bytes : communicator->Gather(writer.Take())) {
     for (const std::string& set : ByteReader(bytes).GetTexts()) add(set);
   }
   return names;
@@ -112,11 +109,10 @@ std::vector<std::string> NamesOfSets(const std::vector<std::string>& sets,
 
 void ReadSets(const YamlValue& value, const std::vector<std::string>& sets,
               JobConfig* job) {
-  if (OnAllMembers(job->data.training, sets.empty())) {
+  if (OnAllRanks(job->communicator, job->data.training, sets.empty())) {
     value.Fail("no data set has a column \"set\", expected one");
   }
-  const std::vector<std::string> names =
-      NamesOfSets(sets, job->data.training.share.team);
+  const std::vector<std::string> names = NamesOfSets(sets, job->communicator);
   std::vector<bool> is_heldout(sets.size(), false);
   std::vector<YamlValue> items = {value};
   if (value.IsList()) items = value.List();
@@ -160,8 +156,9 @@ void ReadFile(const YamlValue& value, const JobContext& context,
     is_heldout.push_back(
         NamesFile(text, resolved, data, data.sources[pose].file));
   }
-  if (OnAllMembers(data, std::none_of(is_heldout.begin(), is_heldout.end(),
-                                      [](bool held) { return held; }))) {
+  const bool is_none = std::none_of(is_heldout.begin(), is_heldout.end(),
+                                    [](bool held) { return held; });
+  if (OnAllRanks(job->communicator, data, is_none)) {
     value.Fail(
         "found " + Quote(text) + ", expected one of the files of " +
         "`data` or its place in that list, from 1: " + JoinNames(data.files));
@@ -169,13 +166,14 @@ void ReadFile(const YamlValue& value, const JobContext& context,
   HoldOutChosen(is_heldout, value, job);
 }
 
-// Which points and planes observations are of; of a share, those of all.
+// Which points and planes observations are of, those of all ranks.
 struct Mentioned {
   std::vector<bool> points;
   std::vector<bool> planes;
 };
 
-void Mention(const Dataset& data, Mentioned* mentioned) {
+void Mention(Communicator* communicator, const Dataset& data,
+             Mentioned* mentioned) {
   for (const ObservationBlock& block : data.blocks) {
     if (block.kind == MeasurementKind::kPointDistance) continue;
     std::vector<bool>& list = block.kind == MeasurementKind::kPlane
@@ -185,7 +183,7 @@ void Mention(const Dataset& data, Mentioned* mentioned) {
   }
   for (std::vector<bool>* list : {&mentioned->points, &mentioned->planes}) {
     for (std::size_t i = 0; i < list->size(); ++i) {
-      (*list)[i] = !OnAllMembers(data, !(*list)[i]);
+      (*list)[i] = !OnAllRanks(communicator, data, !(*list)[i]);
     }
   }
 }
@@ -201,8 +199,8 @@ void CheckReferences(const YamlValue& value, const JobConfig& job) {
   Mentioned heldout{std::vector<bool>(references.points.size()),
                     std::vector<bool>(references.planes.size())};
   Mentioned fitted = heldout;
-  Mention(job.data.training, &fitted);
-  Mention(*job.data.validation, &heldout);
+  Mention(job.communicator, job.data.training, &fitted);
+  Mention(job.communicator, *job.data.validation, &heldout);
   for (std::size_t i = 0; i < references.points.size(); ++i) {
     const ReferencePoint& point = references.points[i];
     if (!heldout.points[i] || fitted.points[i] || point.is_known) continue;

@@ -27,9 +27,9 @@ Progress::Progress(const CalibrationProblem& problem,
                    const SolverOptions& options, const std::string& solver)
     : problem_(problem),
       options_(options),
-      sigmas_(SumSigmas(problem.data, problem.model.num_threads())) {
+      sigmas_(SumSigmas(problem.data, problem.model.execution())) {
   summary_.solver = solver;
-  summary_.num_poses = static_cast<int>(problem.data.all_poses());
+  summary_.num_poses = static_cast<int>(problem.data.global_poses());
   summary_.num_residuals = static_cast<int>(sigmas_.equations);
   summary_.num_parameters = problem.model.layout().size();
   summary_.num_free = static_cast<int>(problem.free_columns.size());

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "alidade/robust_loss.h"
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 #include "src/solve/solver.h"
 
 namespace alidade::internal {
@@ -41,7 +41,7 @@ double EffectiveEquations(const CalibrationProblem& problem,
     if (problem.losses.empty()) continue;
     equations[i] *= problem.losses[dimension - 1].Weight(squared[i]);
   }
-  return SumInOrder(problem.data, all.Freeze());
+  return SumInOrder(problem.model.communicator(), problem.data, all.Freeze());
 }
 
 // Data of which no more than this part is left are given up.
@@ -56,7 +56,8 @@ void CheckWeights(const CalibrationProblem& problem,
       static_cast<double>(problem.ColumnsWithPrior().size());
   const double needed =
       std::max(free - with_prior,
-               kFewestLeft * static_cast<double>(AllEquations(problem.data)));
+               kFewestLeft * static_cast<double>(GlobalEquations(
+                                 problem.model.communicator(), problem.data)));
   if (equations >= needed) return;
   summary->status = SolverStatus::kFailed;
   summary->message =

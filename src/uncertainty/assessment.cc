@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "src/common/distributions.h"
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 #include "src/uncertainty/diagnostics.h"
 #include "src/uncertainty/prediction.h"
 
@@ -39,7 +39,8 @@ class Assessment {
     }
     if (input_.sigma_estimated) {
       covariance_.degrees_of_freedom =
-          std::max(1.0, static_cast<double>(AllEquations(fit_.data)) -
+          std::max(1.0, static_cast<double>(GlobalEquations(
+                            fit_.model.communicator(), fit_.data)) -
                             EffectiveParameters(covariance_, prior_));
     }
     result_.degrees_of_freedom = covariance_.degrees_of_freedom;

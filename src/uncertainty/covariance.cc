@@ -8,7 +8,7 @@
 #include "src/common/svd.h"
 #include "src/kernel/compression.h"
 #include "src/kernel/measurement_model.h"
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 
 namespace alidade::internal {
 namespace {
@@ -76,7 +76,7 @@ struct LossMoments {
   double observations = 0.0;
 };
 
-// Of the whole data set, whoever has it.
+// Of the global data set.
 LossMoments MomentsOf(const FinishedProblem& fit) {
   struct Entry {
     double squared_norm;
@@ -93,8 +93,9 @@ LossMoments MomentsOf(const FinishedProblem& fit) {
       if (d > 0) entries[k].push_back({squared[count], d});
     }
   }
-  const std::vector<Entry> all = InOrder(fit.data, std::move(entries));
-  return ComputeOnFirst(fit.data, [&] {
+  const std::vector<Entry> all =
+      InOrder(fit.model.communicator(), fit.data, std::move(entries));
+  return ComputeOnRoot(fit.model.communicator(), fit.data, [&] {
     LossMoments moments;
     for (const auto& [squared_norm, d] : all) {
       std::array<double, 3> rho{};

@@ -12,7 +12,7 @@
 #include "src/common/distributions.h"
 #include "src/identifiability/generic_data.h"
 #include "src/kernel/measurement_model.h"
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 
 namespace alidade::internal {
 namespace {
@@ -37,12 +37,13 @@ struct Observed {
   std::array<double, 6> studentised{};  // NaN where not measured
 };
 
-// A sample of many data, or all of a few that several members have; nothing
+// A sample of many data, or all of a few that several ranks have; nothing
 // where the data may be looked at as they are.
-std::optional<Dataset> Gathered(const Dataset& data, bool is_sample) {
-  if (is_sample) return EvenSubset(data, kMostObservations);
-  if (data.share.team == nullptr) return std::nullopt;
-  return GatherData(data, data);
+std::optional<Dataset> Gathered(const FinishedProblem& fit, bool is_sample) {
+  Communicator* const communicator = fit.model.communicator();
+  if (is_sample) return EvenSubset(communicator, fit.data, kMostObservations);
+  if (!fit.data.partition) return std::nullopt;
+  return GatherData(communicator, fit.data, fit.data);
 }
 
 class Diagnosis {
@@ -50,8 +51,8 @@ class Diagnosis {
   Diagnosis(const FinishedProblem& fit, const ParameterCovariance& covariance)
       : fit_(fit),
         covariance_(covariance),
-        is_sample_(fit.data.all_observations() > kMostObservations),
-        gathered_(Gathered(fit.data, is_sample_)),
+        is_sample_(fit.data.global_observations() > kMostObservations),
+        gathered_(Gathered(fit, is_sample_)),
         data_(gathered_ ? *gathered_ : fit.data),
         first_(FirstObservations(data_)),
         observed_(data_.num_observations()) {}
@@ -119,10 +120,11 @@ class Diagnosis {
 
   void SumUp(bool sigma_given, ResidualDiagnostics* out) const {
     out->chi_square = SumInOrder(
-        fit_.data,
+        fit_.model.communicator(), fit_.data,
         SquaredNorms(fit_.model.Errors(fit_.values, fit_.data), fit_.data));
     out->degrees_of_freedom =
-        static_cast<double>(AllEquations(fit_.data)) -
+        static_cast<double>(
+            GlobalEquations(fit_.model.communicator(), fit_.data)) -
         EffectiveParameters(covariance_, FreePriors(fit_));
     if (out->degrees_of_freedom < 1.0) return;
     out->reduced_chi_square = out->chi_square / out->degrees_of_freedom;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "src/identifiability/generic_data.h"
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 
 namespace alidade::internal {
 namespace {
@@ -125,18 +125,20 @@ Eigen::VectorXd MeasureNonlinearity(const FinishedProblem& fit,
                                     const ParameterCovariance& covariance) {
   const Eigen::Index p = covariance.size();
   Eigen::VectorXd nonlinearity = Eigen::VectorXd::Zero(p);
-  if (p == 0 || fit.data.all_poses() == 0) return nonlinearity;
-  const Dataset sample = EvenSubset(fit.data, kMostPoses);
+  if (p == 0 || fit.data.global_poses() == 0) return nonlinearity;
+  const Dataset sample =
+      EvenSubset(fit.model.communicator(), fit.data, kMostPoses);
   // What of the data the sample stands for.
-  const double share = static_cast<double>(AllEquations(fit.data)) /
-                       static_cast<double>(sample.num_equations());
+  const double factor =
+      static_cast<double>(GlobalEquations(fit.model.communicator(), fit.data)) /
+      static_cast<double>(sample.num_equations());
   const Eigen::MatrixXd directions = covariance.root.rowwise().normalized();
   Curvature curvature(fit, covariance, sample);
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(p);
   Eigen::VectorXd traces = Eigen::VectorXd::Zero(p);
   for (Eigen::Index i = 0; i < p; ++i) {
     // Row k: Q_k,ij over j.
-    const Eigen::MatrixXd rows = share * directions * curvature.Along(i);
+    const Eigen::MatrixXd rows = factor * directions * curvature.Along(i);
     squares += rows.rowwise().squaredNorm();
     traces += rows.col(i);
   }

@@ -13,7 +13,7 @@
 #include "src/common/distributions.h"
 #include "src/common/parallel.h"
 #include "src/kernel/measurement_model.h"
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 #include "src/model/joint_draw.h"
 
 namespace alidade::internal {

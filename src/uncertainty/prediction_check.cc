@@ -8,7 +8,7 @@
 
 #include "src/common/distributions.h"
 #include "src/kernel/measurement_model.h"
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 #include "src/uncertainty/expected_share.h"
 #include "src/uncertainty/prediction.h"
 
@@ -31,14 +31,15 @@ std::vector<Eigen::Index> MeasuredRows(const ObservationBlock& block,
 // What held-out observations say, collected by several threads.
 class HeldOut {
  public:
-  HeldOut(const ParameterCovariance& covariance, const Dataset& data,
-          double confidence)
-      : covariance_(covariance),
+  HeldOut(Communicator* communicator, const ParameterCovariance& covariance,
+          const Dataset& data, double confidence)
+      : communicator_(communicator),
+        covariance_(covariance),
         data_(data),
         ellipsoid_(3.0 * FisherQuantile(confidence, 3.0,
                                         covariance.degrees_of_freedom)),
         first_(FirstObservations(data)),
-        stride_((data.all_observations() + kMostSampled - 1) / kMostSampled),
+        stride_((data.global_observations() + kMostSampled - 1) / kMostSampled),
         scores_(data.num_observations()) {}
 
   // `rows`: whitened derivatives of observation i, and its residual.
@@ -67,7 +68,7 @@ class HeldOut {
       scores.held =
           error.dot(of_position.llt().solve(error)) <= ellipsoid_ ? 1 : 0;
     }
-    if (ObservationInAll(data_, b, i - first_[b]) % stride_ != 0) return;
+    if (GlobalObservation(data_, b, i - first_[b]) % stride_ != 0) return;
     for (const Eigen::Index row : measured) {
       for (Eigen::Index k = 0; k < p; ++k) {
         scores.spread.push_back(spread(row, k));
@@ -76,7 +77,7 @@ class HeldOut {
     scores.is_whole_position = is_position;
   }
 
-  // Collective; complete on the first member.
+  // Collective; complete on the root.
   std::vector<double> ZScores() const {
     return Gather([](const Scores& one) { return one.z; });
   }
@@ -98,7 +99,7 @@ class HeldOut {
         std::count_if(scores_.begin(), scores_.end(), [&](const Scores& one) {
           return held_alone ? one.held > 0 : one.held >= 0;
         });
-    return SumOverMembers(data_, static_cast<std::int64_t>(mine));
+    return SumOverRanks(communicator_, data_, static_cast<std::int64_t>(mine));
   }
 
  private:
@@ -119,7 +120,7 @@ class HeldOut {
         by_block[b].insert(by_block[b].end(), more.begin(), more.end());
       }
     }
-    return InOrder(data_, std::move(by_block));
+    return InOrder(communicator_, data_, std::move(by_block));
   }
 
   Eigen::MatrixXd AsRows(const std::vector<double>& numbers) const {
@@ -130,6 +131,7 @@ class HeldOut {
         .transpose();
   }
 
+  Communicator* const communicator_;
   const ParameterCovariance& covariance_;
   const Dataset& data_;
   const double ellipsoid_;
@@ -170,7 +172,7 @@ PredictionCheck CheckPrediction(const MeasurementModel& model,
                                 const Eigen::VectorXd& values,
                                 const ParameterCovariance& covariance,
                                 const Dataset& heldout, double confidence) {
-  HeldOut scores(covariance, heldout, confidence);
+  HeldOut scores(model.communicator(), covariance, heldout, confidence);
   ForEachObservation(
       model, values, heldout, covariance.columns,
       [&](int, Eigen::Index i, const Eigen::Ref<const Eigen::MatrixXd>& rows) {

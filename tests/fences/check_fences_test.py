@@ -25,7 +25,7 @@ CLEAN = {
     'src/kernel/cost.h':
         '#include <ceres/jet.h>\nnamespace ceres {\nclass Problem;\n}\n',
     'src/dataio/reader.h': '#include "yaml-cpp/yaml.h"\n',
-    'src/cli/mpi_team.cc': '#include <mpi.h>\nnamespace alidade::internal {\n'
+    'src/cli/mpi_communicator.cc': '#include <mpi.h>\nnamespace alidade::internal {\n'
         'namespace {\nclass Chain {};\n}\nvoid G() { MPI_Finalize(); }\n}\n',
     'src/cli/main.cc': '#include <gflags/gflags.h>\n#include <glog/logging.h>\n'
         'DEFINE_bool(x, false, "");\nint main() { return 0; }\n',
@@ -111,7 +111,7 @@ class FencesTest(unittest.TestCase):
   def test_mpi_is_in_one_file(self):
     self.expect('src/cli/run.cc', 'namespace alidade::internal {\n'
                 'void H() { MPI_Init(); }\n}\n', 2,
-                'MPI is used in one file alone, src/cli/mpi_team.cc')
+                'MPI is used in one file alone, src/cli/mpi_communicator.cc')
     self.expect('src/cli/run.cc', '#include <mpi.h>\n', 1,
                 'MPI is used in one file alone')
 

@@ -252,7 +252,7 @@ TEST(EvenSubsetTest, KeepsEverySocketThatContactsCycleOver) {
     block->poses.push_back(i);
     block->references.push_back(i % kSockets);
   }
-  const Dataset subset = EvenSubset(data, kSubset);
+  const Dataset subset = EvenSubset(SingleProcess(), data, kSubset);
   const ObservationBlock& left = BlockOf(subset, MeasurementKind::kFixedPoint);
   ASSERT_EQ(static_cast<Eigen::Index>(left.references.size()), left.size());
   ExpectPosesFrom(data, subset);
@@ -280,7 +280,7 @@ TEST(EvenSubsetTest, KeepsRareContactsAmongManyPositions) {
     contacts->poses.push_back(kPositions + i);
     contacts->references.push_back(0);
   }
-  const Dataset subset = EvenSubset(data, kSubset);
+  const Dataset subset = EvenSubset(SingleProcess(), data, kSubset);
   ExpectPosesFrom(data, subset);
   EXPECT_GE(BlockOf(subset, MeasurementKind::kFixedPoint).size(), 30);
   const Eigen::Index positions =
@@ -298,7 +298,7 @@ TEST(EvenSubsetTest, KeepsDifferencesOfConsecutivePoses) {
     block->poses.push_back(i);
     block->seconds.push_back(i + 1);
   }
-  const Dataset subset = EvenSubset(data, kSubset);
+  const Dataset subset = EvenSubset(SingleProcess(), data, kSubset);
   ExpectPosesFrom(data, subset);
   const ObservationBlock& left = BlockOf(subset, MeasurementKind::kDifference);
   EXPECT_GE(left.size(), 30);
@@ -315,7 +315,7 @@ TEST(EvenSubsetTest, LeavesSmallDataAsTheyAre) {
   Random random(83);
   const Dataset data =
       testing::RandomMeasurements(3, Weighting::kFull, &random).data;
-  const Dataset subset = EvenSubset(data, kSubset);
+  const Dataset subset = EvenSubset(SingleProcess(), data, kSubset);
   EXPECT_EQ(subset.joint_values, data.joint_values);
   ASSERT_EQ(subset.blocks.size(), data.blocks.size());
   for (std::size_t k = 0; k < data.blocks.size(); ++k) {

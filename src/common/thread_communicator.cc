@@ -5,12 +5,12 @@
 #include <thread>
 #include <utility>
 
-#include "alidade/team.h"
+#include "alidade/communicator.h"
 
 namespace alidade {
 namespace {
 
-// Where the threads of a team meet.
+// Where the threads meet.
 class Meeting {
  public:
   explicit Meeting(int size)
@@ -25,15 +25,15 @@ class Meeting {
   std::vector<std::string>& blobs() { return blobs_; }
   std::vector<std::exception_ptr>& failures() { return failures_; }
 
-  void Post(int to, Team::Message message) {
+  void Post(int to, Communicator::Message message) {
     const std::lock_guard<std::mutex> lock(mutex_);
     mail_[to].push_back(std::move(message));
   }
 
-  std::optional<Team::Message> Collect(int by) {
+  std::optional<Communicator::Message> Collect(int by) {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (mail_[by].empty()) return std::nullopt;
-    Team::Message message = std::move(mail_[by].front());
+    Communicator::Message message = std::move(mail_[by].front());
     mail_[by].pop_front();
     return message;
   }
@@ -55,7 +55,7 @@ class Meeting {
   std::vector<std::int64_t> numbers_;
   std::vector<std::string> blobs_;
   std::vector<std::exception_ptr> failures_;
-  std::vector<std::deque<Team::Message>> mail_;
+  std::vector<std::deque<Communicator::Message>> mail_;
   const int size_;
   std::mutex mutex_;
   std::condition_variable all_here_;
@@ -63,10 +63,10 @@ class Meeting {
   std::int64_t round_ = 0;
 };
 
-class ThreadTeam : public Team {
+class ThreadCommunicator : public Communicator {
  public:
-  ThreadTeam(int rank, Meeting* meeting)
-      : Team(rank, meeting->size()), meeting_(meeting) {}
+  ThreadCommunicator(int rank, Meeting* meeting)
+      : Communicator(rank, meeting->size()), meeting_(meeting) {}
 
  private:
   std::vector<std::int64_t> Exchange(std::int64_t mine) override {
@@ -82,8 +82,8 @@ class ThreadTeam : public Team {
     meeting_->blobs()[rank()] = std::move(mine);
     meeting_->Wait();
     std::vector<std::string> all;
-    if (is_first()) all = std::move(meeting_->blobs());
-    if (is_first()) meeting_->blobs().assign(size(), "");
+    if (is_root()) all = std::move(meeting_->blobs());
+    if (is_root()) meeting_->blobs().assign(size(), "");
     meeting_->Wait();
     return all;
   }
@@ -110,12 +110,12 @@ class ThreadTeam : public Team {
 
 }  // namespace
 
-void RunAsTeam(int size, const std::function<void(Team*)>& work) {
+void RunOnThreads(int size, const std::function<void(Communicator*)>& work) {
   Meeting meeting(size);
   const auto take_part = [&](int rank) {
-    ThreadTeam member(rank, &meeting);
+    ThreadCommunicator communicator(rank, &meeting);
     try {
-      member.RunTogether([&] { work(&member); });
+      communicator.RunTogether([&] { work(&communicator); });
     } catch (...) {
       meeting.failures()[rank] = std::current_exception();
     }

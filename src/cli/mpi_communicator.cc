@@ -1,5 +1,5 @@
 // All that the project has to do with MPI; tests/fences looks after it.
-#include "src/cli/mpi_team.h"
+#include "src/cli/mpi_communicator.h"
 
 #include "alidade/error.h"
 
@@ -38,10 +38,10 @@ void InPieces(std::string* bytes, const Transfer& transfer) {
 }
 
 // MPI's own error handler ends all processes, so that no call returns an error.
-class MpiTeam : public Team {
+class MpiCommunicator : public Communicator {
  public:
-  MpiTeam(int rank, int size) : Team(rank, size) {}
-  ~MpiTeam() override { MPI_Finalize(); }
+  MpiCommunicator(int rank, int size) : Communicator(rank, size) {}
+  ~MpiCommunicator() override { MPI_Finalize(); }
 
  private:
   std::vector<std::int64_t> Exchange(std::int64_t mine) override {
@@ -54,7 +54,7 @@ class MpiTeam : public Team {
   std::vector<std::string> Collect(
       std::string mine, const std::vector<std::int64_t>& sizes) override {
     std::vector<std::string> all;
-    if (!is_first()) {
+    if (!is_root()) {
       InPieces(&mine, [](char* data, int count) {
         MPI_Send(data, count, MPI_BYTE, 0, kPieceTag, MPI_COMM_WORLD);
       });
@@ -78,7 +78,7 @@ class MpiTeam : public Team {
     });
   }
 
-  // Members that send to each other at once must not wait for each other: what
+  // Ranks that send to each other at once must not wait for each other: what
   // arrives is taken in until the own message is gone.
   void Transmit(int to, const std::string& bytes) override {
     if (bytes.size() > kMostBytes) Abandon("a message is longer than 1 GiB");
@@ -127,7 +127,7 @@ class MpiTeam : public Team {
 
 }  // namespace
 
-std::unique_ptr<Team> JoinTeam(const Launch& launch) {
+std::unique_ptr<Communicator> JoinProcesses(const Launch& launch) {
   int provided = 0;
   MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
   int rank = 0;
@@ -145,7 +145,7 @@ std::unique_ptr<Team> JoinTeam(const Launch& launch) {
                 ": start it by the mpirun of the Open MPI that it was built "
                 "with");
   }
-  return std::make_unique<MpiTeam>(rank, size);
+  return std::make_unique<MpiCommunicator>(rank, size);
 }
 
 }  // namespace alidade::internal
@@ -154,7 +154,7 @@ std::unique_ptr<Team> JoinTeam(const Launch& launch) {
 
 namespace alidade::internal {
 
-std::unique_ptr<Team> JoinTeam(const Launch& launch) {
+std::unique_ptr<Communicator> JoinProcesses(const Launch& launch) {
   throw InputError(
       {}, std::to_string(launch.size) +
               " processes were started together, but this program was built "

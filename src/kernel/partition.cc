@@ -1,4 +1,6 @@
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
+
+#include <glog/logging.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -42,8 +44,8 @@ std::string Pack(const Dataset& data) {
   return writer.Take();
 }
 
-// The blocks of the whole: kinds in the order that they first come in.
-class Whole {
+// The global blocks: kinds in the order that they first come in.
+class GlobalOutline {
  public:
   void Add(const std::string& bytes) {
     ByteReader reader(bytes);
@@ -61,14 +63,14 @@ class Whole {
       mine->has_whiteners = mine->has_whiteners || block.has_whiteners;
       mine->is_of_each_pose = mine->is_of_each_pose && block.is_of_each_pose;
     }
-    if (has_poses) kinds_of_members_.push_back(blocks);
+    if (has_poses) kinds_of_ranks_.push_back(blocks);
   }
 
   // Once all are added.
   void Finish() {
     for (BlockOutline& block : blocks_) {
-      for (const std::vector<BlockOutline>& member : kinds_of_members_) {
-        const bool is_there = std::any_of(member.begin(), member.end(),
+      for (const std::vector<BlockOutline>& rank : kinds_of_ranks_) {
+        const bool is_there = std::any_of(rank.begin(), rank.end(),
                                           [&](const BlockOutline& other) {
                                             return other.kind == block.kind;
                                           });
@@ -79,7 +81,7 @@ class Whole {
 
   const std::string& name() const { return name_; }
   const std::vector<std::string>& files() const { return files_; }
-  int first_file(int member) const { return first_files_[member]; }
+  int first_file(int rank) const { return first_files_[rank]; }
   const std::vector<BlockOutline>& blocks() const { return blocks_; }
 
  private:
@@ -95,7 +97,7 @@ class Whole {
   std::vector<std::string> files_;
   std::vector<int> first_files_;
   std::vector<BlockOutline> blocks_;
-  std::vector<std::vector<BlockOutline>> kinds_of_members_;
+  std::vector<std::vector<BlockOutline>> kinds_of_ranks_;
 };
 
 ObservationBlock EmptyBlock(MeasurementKind kind) {
@@ -117,7 +119,7 @@ void GiveLists(const BlockOutline& outline, ObservationBlock* block) {
   }
 }
 
-// Puts the blocks, and what shards say of them, in the order of the whole.
+// Puts the blocks, and what shards say of them, in the global order.
 void Rearrange(const std::vector<BlockOutline>& outlines, Dataset* data) {
   std::vector<ObservationBlock> blocks;
   std::vector<Shard> shards = data->shards;
@@ -184,12 +186,12 @@ ObservationBlock GetBlock(MeasurementKind kind, ByteReader* reader) {
   return block;
 }
 
-// Columns of every member, one member after the other.
+// Columns of every rank, one rank after the other.
 SharedMatrix SideBySide(Eigen::Index rows,
-                        const std::vector<std::string>& members) {
+                        const std::vector<std::string>& ranks) {
   std::vector<Eigen::MatrixXd> parts;
   Eigen::Index count = 0;
-  for (const std::string& bytes : members) {
+  for (const std::string& bytes : ranks) {
     parts.push_back(ByteReader(bytes).GetMatrix());
     count += parts.back().cols();
   }
@@ -202,8 +204,8 @@ SharedMatrix SideBySide(Eigen::Index rows,
   return all.Freeze();
 }
 
-// What was taken out of all shares as one. `mine` tells the names.
-Dataset JoinMembers(const std::vector<Dataset>& parts, Dataset mine) {
+// What was taken out of all parts as one. `mine` has the names.
+Dataset JoinRanks(const std::vector<Dataset>& parts, Dataset mine) {
   Dataset all;
   all.name = std::move(mine.name);
   all.files = std::move(mine.files);
@@ -228,27 +230,10 @@ Dataset JoinMembers(const std::vector<Dataset>& parts, Dataset mine) {
   return all;
 }
 
-}  // namespace
-
-void ShareData(Team* team, Dataset* data) {
-  Whole whole;
-  for (const std::string& bytes : team->Gather(Pack(*data))) whole.Add(bytes);
-  whole.Finish();
-  Rearrange(whole.blocks(), data);
-  data->name = whole.name();
-  data->files = whole.files();
-  PoseSources sources;
-  sources.Append(data->sources, whole.first_file(team->rank()));
-  data->sources = std::move(sources);
-  data->share.team = team;
-  CountShare(data);
-}
-
-void CountShare(Dataset* data) {
-  DataShare& share = data->share;
-  if (share.team == nullptr) return;
-  std::vector<std::int64_t> mine = {data->num_poses()};
-  for (const ObservationBlock& block : data->blocks) {
+// What is here among what all ranks have.
+Partition Count(Communicator* communicator, const Dataset& data) {
+  std::vector<std::int64_t> mine = {data.num_poses()};
+  for (const ObservationBlock& block : data.blocks) {
     mine.push_back(block.size());
   }
   ByteWriter writer;
@@ -256,50 +241,80 @@ void CountShare(Dataset* data) {
   std::vector<Eigen::Index> first(mine.size(), 0);
   std::vector<Eigen::Index> all(mine.size(), 0);
   int rank = 0;
-  for (const std::string& bytes : share.team->Gather(writer.Take())) {
-    if (rank++ == share.team->rank()) first = all;
+  for (const std::string& bytes : communicator->Gather(writer.Take())) {
+    if (rank++ == communicator->rank()) first = all;
     const auto counts = ByteReader(bytes).GetList<std::int64_t>();
     for (std::size_t k = 0; k < all.size(); ++k) all[k] += counts[k];
   }
-  share.first_pose = first[0];
-  share.all_poses = all[0];
-  share.first_observations.assign(first.begin() + 1, first.end());
-  share.all_observations.assign(all.begin() + 1, all.end());
+  return {first[0],
+          all[0],
+          {first.begin() + 1, first.end()},
+          {all.begin() + 1, all.end()}};
 }
 
-void AppendShared(const ObservationBlock& block, Dataset* data) {
-  const bool is_mine = KnowsAll(*data);
+}  // namespace
+
+void MakePartition(Communicator* communicator, Dataset* data) {
+  GlobalOutline global;
+  for (const std::string& bytes : communicator->Gather(Pack(*data))) {
+    global.Add(bytes);
+  }
+  global.Finish();
+  Rearrange(global.blocks(), data);
+  data->name = global.name();
+  data->files = global.files();
+  PoseSources sources;
+  sources.Append(data->sources, global.first_file(communicator->rank()));
+  data->sources = std::move(sources);
+  data->partition = Count(communicator, *data);
+}
+
+void CountParts(Communicator* communicator, const Dataset& data,
+                Dataset* part) {
+  if (data.partition) part->partition = Count(communicator, *part);
+}
+
+void AppendGlobal(Communicator* communicator, const ObservationBlock& block,
+                  Dataset* data) {
+  const bool is_mine = HoldersOf(communicator, *data)->is_root();
   data->blocks.push_back(is_mine ? block : EmptyBlock(block.kind));
   const Eigen::Index size = data->blocks.back().size();
   for (std::size_t s = 0; s < data->shards.size(); ++s) {
     data->shards[s].first_observations.push_back(s == 0 ? 0 : size);
   }
-  CountShare(data);
+  CountParts(communicator, *data, data);
 }
 
-std::int64_t SumOverMembers(const Dataset& data, std::int64_t mine) {
-  return data.share.team == nullptr ? mine : data.share.team->Sum(mine);
+Communicator* HoldersOf(Communicator* communicator, const Dataset& data) {
+  if (!data.partition) return SingleProcess();
+  CHECK(communicator != SingleProcess()) << "who has the other parts?";
+  return communicator;
 }
 
-Eigen::Index AllEquations(const Dataset& data) {
-  return SumOverMembers(data, data.num_equations());
+std::int64_t SumOverRanks(Communicator* communicator, const Dataset& data,
+                          std::int64_t mine) {
+  return HoldersOf(communicator, data)->Sum(mine);
 }
 
-bool OnAllMembers(const Dataset& data, bool mine) {
-  return SumOverMembers(data, mine ? 0 : 1) == 0;
+Eigen::Index GlobalEquations(Communicator* communicator, const Dataset& data) {
+  return SumOverRanks(communicator, data, data.num_equations());
 }
 
-Dataset GatherData(const Dataset& data, Dataset mine) {
+bool OnAllRanks(Communicator* communicator, const Dataset& data, bool mine) {
+  return SumOverRanks(communicator, data, mine ? 0 : 1) == 0;
+}
+
+Dataset GatherData(Communicator* communicator, const Dataset& data,
+                   Dataset mine) {
   mine.shards.clear();
-  Team* const team = data.share.team;
-  mine.share = {};
-  if (team == nullptr) return mine;
+  mine.partition.reset();
+  if (!data.partition) return mine;
   ByteWriter writer;
   writer.PutMatrix(mine.joint_values);
   PutSources(mine.sources, &writer);
   for (const ObservationBlock& block : mine.blocks) PutBlock(block, &writer);
   std::vector<Dataset> parts;
-  for (const std::string& bytes : team->Gather(writer.Take())) {
+  for (const std::string& bytes : communicator->Gather(writer.Take())) {
     ByteReader reader(bytes);
     parts.emplace_back();
     parts.back().joint_values = reader.GetMatrix();
@@ -308,51 +323,57 @@ Dataset GatherData(const Dataset& data, Dataset mine) {
       parts.back().blocks.push_back(GetBlock(block.kind, &reader));
     }
   }
-  return JoinMembers(parts, std::move(mine));
+  return JoinRanks(parts, std::move(mine));
 }
 
-SharedMatrix PosesInOrder(const Dataset& data, SharedMatrix mine) {
-  if (data.share.team == nullptr) return mine;
+SharedMatrix PosesInOrder(Communicator* communicator, const Dataset& data,
+                          SharedMatrix mine) {
+  if (!data.partition) return mine;
   const Eigen::Index rows = mine.rows();
   ByteWriter writer;
   writer.PutMatrix(mine);
   mine = {};
-  return SideBySide(rows, data.share.team->GatherToFirst(writer.Take()));
+  return SideBySide(rows, communicator->GatherToRoot(writer.Take()));
 }
 
-SharedMatrix ObservationsInOrder(const Dataset& data, SharedMatrix mine) {
-  if (data.share.team == nullptr) return mine;
-  MatrixBuilder all(mine.rows(), KnowsAll(data) ? data.all_observations() : 0);
+SharedMatrix ObservationsInOrder(Communicator* communicator,
+                                 const Dataset& data, SharedMatrix mine) {
+  if (!data.partition) return mine;
+  MatrixBuilder all(mine.rows(),
+                    communicator->is_root() ? data.global_observations() : 0);
   Eigen::Index mine_first = 0;
   Eigen::Index first = 0;
-  for (std::size_t block = 0; block < data.blocks.size(); ++block) {
-    const Eigen::Index size = data.blocks[block].size();
+  for (const ObservationBlock& block : data.blocks) {
     ByteWriter writer;
-    writer.PutMatrix(mine.map().middleCols(mine_first, size));
-    mine_first += size;
+    writer.PutMatrix(mine.Columns(mine_first, block.size()));
+    mine_first += block.size();
     const SharedMatrix columns =
-        SideBySide(mine.rows(), data.share.team->GatherToFirst(writer.Take()));
+        SideBySide(mine.rows(), communicator->GatherToRoot(writer.Take()));
     all.map().middleCols(first, columns.cols()) = columns.map();
     first += columns.cols();
   }
   return all.Freeze();
 }
 
-SharedVector EntriesInOrder(const Dataset& data, SharedVector mine) {
-  if (data.share.team == nullptr) return mine;
-  return ObservationsInOrder(data, mine.map().transpose()).map().transpose();
+SharedVector EntriesInOrder(Communicator* communicator, const Dataset& data,
+                            SharedVector mine) {
+  if (!data.partition) return mine;
+  return ObservationsInOrder(communicator, data, mine.Reshaped(1))
+      .map()
+      .transpose();
 }
 
-double SumInOrder(const Dataset& data, SharedVector mine) {
-  const SharedVector all = EntriesInOrder(data, std::move(mine));
-  return ComputeOnFirst(data, [&] { return all.map().sum(); });
+double SumInOrder(Communicator* communicator, const Dataset& data,
+                  SharedVector mine) {
+  const SharedVector all = EntriesInOrder(communicator, data, std::move(mine));
+  return ComputeOnRoot(communicator, data, [&] { return all.map().sum(); });
 }
 
-Eigen::Index ObservationInAll(const Dataset& data, std::size_t block,
-                              Eigen::Index i) {
+Eigen::Index GlobalObservation(const Dataset& data, std::size_t block,
+                               Eigen::Index i) {
   Eigen::Index first =
-      data.share.team == nullptr ? 0 : data.share.first_observations[block];
-  for (std::size_t k = 0; k < block; ++k) first += data.all_observations(k);
+      data.partition ? data.partition->first_observations[block] : 0;
+  for (std::size_t k = 0; k < block; ++k) first += data.global_observations(k);
   return first + i;
 }
 

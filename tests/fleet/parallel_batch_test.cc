@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "alidade/communicator.h"
 #include "alidade/error.h"
-#include "alidade/team.h"
 #include "src/fleet/remote_jobs.h"
 #include "src/fleet/staging_area.h"
 #include "tests/fleet/batch_test_util.h"
@@ -27,30 +27,30 @@ using ::testing::StartsWith;
 using testing::WithoutTimes;
 using testing::WriteWhole;
 
-// Runs of teams of threads, which have a directory each.
-class TeamBatchTest : public BatchTest {
+// Runs of several threads as ranks, which have a directory each.
+class ParallelBatchTest : public BatchTest {
  protected:
-  TeamBatchTest() { options_.on_finished = nullptr; }
+  ParallelBatchTest() { options_.on_finished = nullptr; }
 
   BatchSummary RunAs(int size, const std::vector<std::string>& files,
                      const std::string& directory) {
     std::vector<std::string> paths;
     for (const std::string& file : files) paths.push_back(Path(file));
     options_.directory = Path(directory);
-    BatchSummary of_first;
-    RunAsTeam(size, [&](Team* team) {
-      BatchSummary summary = RunBatch(PlanBatch(paths), options_, team);
-      if (team->is_first()) {
-        of_first = std::move(summary);
+    BatchSummary of_root;
+    RunOnThreads(size, [&](Communicator* communicator) {
+      BatchSummary summary = RunBatch(PlanBatch(paths), options_, communicator);
+      if (communicator->is_root()) {
+        of_root = std::move(summary);
       } else {
         EXPECT_THAT(summary.entries, IsEmpty());
       }
     });
-    return of_first;
+    return of_root;
   }
 };
 
-TEST_F(TeamBatchTest, MembersWriteTheBytesOfOneProcess) {
+TEST_F(ParallelBatchTest, RanksWriteTheBytesOfOneProcess) {
   WriteWhole(Path("many.yaml"),
              kJob + "matrix: {data.simulate.seed: {range: 12}}\n");
   WriteWhole(Path("wrong.yaml"), "format: alidade-job-1\ntitel: x\n");
@@ -60,7 +60,7 @@ TEST_F(TeamBatchTest, MembersWriteTheBytesOfOneProcess) {
                                           "refused.yaml"};
   RunAs(1, files, "alone");
   for (const int size : {2, 4}) {
-    const std::string out = "team" + std::to_string(size);
+    const std::string out = "ranks" + std::to_string(size);
     const BatchSummary summary = RunAs(size, files, out);
     EXPECT_EQ(summary.Count(BatchStatus::kDone), 12);
     EXPECT_EQ(summary.Worst(), BatchStatus::kFailed);
@@ -78,7 +78,7 @@ TEST_F(TeamBatchTest, MembersWriteTheBytesOfOneProcess) {
       const std::string arm = "/" + entry.directory + "/arm.yaml";
       EXPECT_EQ(ReadWhole(Path(out + arm)), ReadWhole(Path("alone" + arm)));
     }
-    // Nothing is left of what members wrote; nothing is to be done again.
+    // Nothing is left of what ranks wrote; nothing is to be done again.
     for (const auto& entry : fs::directory_iterator(Path(out + "/.batch"))) {
       EXPECT_THAT(entry.path().filename().string(), Not(StartsWith("staged")));
     }
@@ -87,7 +87,7 @@ TEST_F(TeamBatchTest, MembersWriteTheBytesOfOneProcess) {
   }
 }
 
-TEST_F(TeamBatchTest, ASecondRunDoesNothing) {
+TEST_F(ParallelBatchTest, ASecondRunDoesNothing) {
   RunAs(2, {"fleet.yaml"}, "out");
   const std::string result = ReadWhole(Path("out/fleet/seed-1/result.json"));
   std::int64_t num_found = 0;
@@ -99,21 +99,21 @@ TEST_F(TeamBatchTest, ASecondRunDoesNothing) {
   EXPECT_EQ(ReadWhole(Path("out/fleet/seed-1/result.json")), result);
 }
 
-TEST_F(TeamBatchTest, FailFastStopsAllMembers) {
+TEST_F(ParallelBatchTest, FailFastStopsAllRanks) {
   std::vector<std::string> files;
   for (int i = 0; i < 200; ++i) {
     files.push_back("missing" + std::to_string(i) + ".yaml");
   }
   options_.fail_fast = true;
   const BatchSummary summary = RunAs(3, files, "out");
-  // Each member may have had one under way when the first failed, and taken
+  // Each rank may have had one under way when the first failed, and taken
   // another before that was known.
   EXPECT_GE(summary.Count(BatchStatus::kBadInput), 1);
   EXPECT_LE(summary.Count(BatchStatus::kBadInput), 20);
   EXPECT_GE(summary.Count(BatchStatus::kNotRun), 180);
 }
 
-TEST_F(TeamBatchTest, ADirectoryThatCannotBeWrittenEndsAllMembers) {
+TEST_F(ParallelBatchTest, ADirectoryThatCannotBeWrittenEndsAllRanks) {
   WriteWhole(Path("file"), "");
   EXPECT_THROW(RunAs(3, {"fleet.yaml"}, "file/out"), InputError);
   // A result's parent that is a file: seen when the first result is placed.
@@ -121,35 +121,35 @@ TEST_F(TeamBatchTest, ADirectoryThatCannotBeWrittenEndsAllMembers) {
   EXPECT_THROW(RunAs(3, {"fleet.yaml"}, "out"), InputError);
 }
 
-// Members of which all but the first compute, so that no one else can have.
-TEST_F(TeamBatchTest, OtherMembersDoAllThatTheFirstHandsOut) {
+// Ranks of which all but the first compute, so that no one else can have.
+TEST_F(ParallelBatchTest, OtherRanksDoAllThatTheRootHandsOut) {
   const BatchPlan plan = PlanBatch({Path("fleet.yaml")});
   fs::create_directories(Path("out/.batch"));
   options_.directory = Path("out");
   std::int64_t next = 0;
   std::vector<std::string> done;
-  RunAsTeam(3, [&](Team* team) {
+  RunOnThreads(3, [&](Communicator* communicator) {
     WorkTimes times;
-    if (!team->is_first()) {
+    if (!communicator->is_root()) {
       const JobComputer computer(plan, options_, 1, &times);
-      StagingArea staging(Path("out"), std::to_string(team->rank()));
-      WorkForFirst(team, plan, computer, 2, &staging, &times);
+      StagingArea staging(Path("out"), std::to_string(communicator->rank()));
+      WorkForRoot(communicator, plan, computer, 2, &staging, &times);
       return;
     }
-    JobDesk desk;
-    desk.take = [&]() -> std::optional<std::int64_t> {
+    JobDispatcher dispatcher;
+    dispatcher.take = [&]() -> std::optional<std::int64_t> {
       if (next == 3) return std::nullopt;
       return next++;
     };
-    desk.finish = [&](const RemoteOutcome& outcome) {
+    dispatcher.finish = [&](const RemoteOutcome& outcome) {
       EXPECT_EQ(outcome.record.entry.name, plan.jobs[outcome.number].name);
       EXPECT_TRUE(fs::exists(outcome.staged + "/result.json"));
       done.push_back(outcome.record.entry.name);
     };
-    desk.fail = [](const std::string& error) { ADD_FAILURE() << error; };
-    desk.add_times = [&times](const WorkTimes& more) { times.Add(more); };
-    ServeJobs(team, desk);
-    DismissMembers(team);
+    dispatcher.fail = [](const std::string& error) { ADD_FAILURE() << error; };
+    dispatcher.add_times = [&times](const WorkTimes& more) { times.Add(more); };
+    ServeJobs(communicator, dispatcher);
+    DismissRanks(communicator);
     EXPECT_GT(times.calibrating, 0);
   });
   std::sort(done.begin(), done.end());
@@ -158,36 +158,36 @@ TEST_F(TeamBatchTest, OtherMembersDoAllThatTheFirstHandsOut) {
 }
 
 // As on a full disk.
-TEST_F(TeamBatchTest, WhatAMemberCannotWriteIsToldToTheFirst) {
+TEST_F(ParallelBatchTest, WhatARankCannotWriteIsToldToTheRoot) {
   const BatchPlan plan = PlanBatch({Path("fleet.yaml")});
   options_.directory = Path("out");
   WriteWhole(Path("out/.batch"), "a file where a folder should be");
   std::int64_t next = 0;
   std::vector<std::string> errors;
-  RunAsTeam(2, [&](Team* team) {
+  RunOnThreads(2, [&](Communicator* communicator) {
     WorkTimes times;
-    if (!team->is_first()) {
+    if (!communicator->is_root()) {
       const JobComputer computer(plan, options_, 1, &times);
       StagingArea staging(Path("out"), "1");
-      WorkForFirst(team, plan, computer, 1, &staging, &times);
+      WorkForRoot(communicator, plan, computer, 1, &staging, &times);
       return;
     }
-    JobDesk desk;
-    desk.take = [&]() -> std::optional<std::int64_t> {
+    JobDispatcher dispatcher;
+    dispatcher.take = [&]() -> std::optional<std::int64_t> {
       if (next == 3 || !errors.empty()) return std::nullopt;
       return next++;
     };
-    desk.finish = [](const RemoteOutcome&) { ADD_FAILURE(); };
-    desk.fail = [&](const std::string& error) {
+    dispatcher.finish = [](const RemoteOutcome&) { ADD_FAILURE(); };
+    dispatcher.fail = [&](const std::string& error) {
       try {
         ThrowDescribed(error);
       } catch (const InputError& input) {
         errors.emplace_back(input.what());
       }
     };
-    desk.add_times = [](const WorkTimes&) {};
-    ServeJobs(team, desk);
-    DismissMembers(team);
+    dispatcher.add_times = [](const WorkTimes&) {};
+    ServeJobs(communicator, dispatcher);
+    DismissRanks(communicator);
   });
   ASSERT_FALSE(errors.empty());
   EXPECT_THAT(errors.front(), StartsWith(Path("out/.batch")));

@@ -1,11 +1,11 @@
-#include "src/serialization/shared_data.h"
+#include "src/serialization/partitioned_data.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <utility>
 
 #include "src/common/names.h"
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 
 namespace alidade::internal {
 namespace {
@@ -21,16 +21,16 @@ std::vector<std::string> NewNames(const std::vector<Reference>& references,
   return names;
 }
 
-// The list with what other members have added to it, in their order. Returns
+// The list with what other ranks have added to it, in their order. Returns
 // the new number of each of its entries.
 template <typename Reference>
-std::vector<int> MergeNames(Team* team, std::size_t num_known,
+std::vector<int> MergeNames(Communicator* communicator, std::size_t num_known,
                             std::vector<Reference>* references) {
   const std::vector<std::string> mine = NewNames(*references, num_known);
   ByteWriter writer;
   writer.PutTexts(mine);
   std::vector<std::string> all;
-  for (const std::string& bytes : team->Gather(writer.Take())) {
+  for (const std::string& bytes : communicator->Gather(writer.Take())) {
     for (std::string& name : ByteReader(bytes).GetTexts()) {
       if (std::find(all.begin(), all.end(), name) != all.end()) continue;
       all.push_back(std::move(name));
@@ -50,53 +50,51 @@ std::vector<int> MergeNames(Team* team, std::size_t num_known,
   return numbers;
 }
 
-void ShareSets(const Dataset& data, std::vector<std::string>* sets) {
-  if (OnAllMembers(data, sets->empty())) return;
-  sets->resize(static_cast<std::size_t>(data.num_poses()));
-}
-
 }  // namespace
 
-FileShare::FileShare(Team* team, const YamlValue& value,
-                     const std::vector<std::string>& paths)
-    : rank_(team->rank()),
-      size_(team->size()),
+FileAssignment::FileAssignment(Communicator* communicator,
+                               const YamlValue& value,
+                               const std::vector<std::string>& paths)
+    : rank_(communicator->rank()),
+      size_(communicator->size()),
       count_(static_cast<std::int64_t>(paths.size())) {
   ByteWriter writer;
   writer.PutTexts(paths);
-  const std::vector<std::string> all = team->Gather(writer.Take());
-  for (std::size_t member = 1; member < all.size(); ++member) {
-    if (all[member] == all[0]) continue;
-    value.Fail("process " + std::to_string(member) + " sees " +
-               std::to_string(ByteReader(all[member]).GetTexts().size()) +
+  const std::vector<std::string> all = communicator->Gather(writer.Take());
+  for (std::size_t rank = 1; rank < all.size(); ++rank) {
+    if (all[rank] == all[0]) continue;
+    value.Fail("process " + std::to_string(rank) + " sees " +
+               std::to_string(ByteReader(all[rank]).GetTexts().size()) +
                " files here that are not the " +
                std::to_string(ByteReader(all[0]).GetTexts().size()) +
                " that process 0 sees: expected the same names on all machines");
   }
 }
 
-int FileShare::NextReader() {
+int FileAssignment::NextReader() {
   return size_ == 1 ? 0 : static_cast<int>(next_++ * size_ / count_);
 }
 
-void ShareLoaded(Team* team, const References& known, LoadedData* loaded,
-                 References* references) {
+void PartitionLoaded(Communicator* communicator, const References& known,
+                     LoadedData* loaded, References* references) {
   const std::vector<int> points =
-      MergeNames(team, known.points.size(), &references->points);
+      MergeNames(communicator, known.points.size(), &references->points);
   const std::vector<int> planes =
-      MergeNames(team, known.planes.size(), &references->planes);
+      MergeNames(communicator, known.planes.size(), &references->planes);
   for (ObservationBlock& block : loaded->data.blocks) {
     const std::vector<int>& numbers =
         block.kind == MeasurementKind::kPlane ? planes : points;
     for (int& reference : block.references) reference = numbers[reference];
   }
-  ShareData(team, &loaded->data);
-  ShareSets(loaded->data, &loaded->sets);
-  loaded->rejected = OfAllMembers(team, loaded->rejected);
+  MakePartition(communicator, &loaded->data);
+  if (!OnAllRanks(communicator, loaded->data, loaded->sets.empty())) {
+    loaded->sets.resize(static_cast<std::size_t>(loaded->data.num_poses()));
+  }
+  loaded->rejected = OfAllRanks(communicator, loaded->rejected);
 }
 
-std::vector<RejectedRow> OfAllMembers(Team* team,
-                                      const std::vector<RejectedRow>& mine) {
+std::vector<RejectedRow> OfAllRanks(Communicator* communicator,
+                                    const std::vector<RejectedRow>& mine) {
   ByteWriter writer;
   for (const RejectedRow& row : mine) {
     writer.PutText(row.file);
@@ -104,7 +102,7 @@ std::vector<RejectedRow> OfAllMembers(Team* team,
     writer.PutText(row.reason);
   }
   std::vector<RejectedRow> all;
-  for (const std::string& bytes : team->Gather(writer.Take())) {
+  for (const std::string& bytes : communicator->Gather(writer.Take())) {
     ByteReader reader(bytes);
     while (!reader.is_at_end()) {
       RejectedRow row;

@@ -1,4 +1,4 @@
-#include "src/cli/launched_team.h"
+#include "src/cli/launched_processes.h"
 
 #include <memory>
 #include <string>
@@ -6,16 +6,16 @@
 
 #include "alidade/error.h"
 #include "src/cli/launch.h"
-#include "src/cli/mpi_team.h"
+#include "src/cli/mpi_communicator.h"
 #include "src/kernel/compression.h"
 
 namespace alidade::internal {
 namespace {
 
 // Vector code adds up in another order where vectors have another length.
-void RequireSameMachines(Team* team) {
+void RequireSameMachines(Communicator* communicator) {
   const std::string mine = VectorInstructions();
-  const std::vector<std::string> all = team->Gather(mine);
+  const std::vector<std::string> all = communicator->Gather(mine);
   for (const std::string& each : all) {
     if (each == all.front()) continue;
     throw InputError(
@@ -28,14 +28,14 @@ void RequireSameMachines(Team* team) {
 
 }  // namespace
 
-ExitStatus RunAsLaunched(const std::function<ExitStatus(Team*)>& work) {
+ExitStatus RunAsLaunched(const std::function<ExitStatus(Communicator*)>& work) {
   const Launch launch = FindLaunch();
-  if (!launch.is_team()) return work(nullptr);
-  const std::unique_ptr<Team> team = JoinTeam(launch);
+  if (!launch.are_several()) return work(SingleProcess());
+  const std::unique_ptr<Communicator> communicator = JoinProcesses(launch);
   ExitStatus status = kExitDone;
-  team->RunTogether([&] {
-    RequireSameMachines(team.get());
-    status = work(team.get());
+  communicator->RunTogether([&] {
+    RequireSameMachines(communicator.get());
+    status = work(communicator.get());
   });
   return status;
 }

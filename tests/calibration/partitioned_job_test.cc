@@ -1,5 +1,5 @@
-// Jobs whose data are in many files, done by a team of which every member reads
-// some of them: what comes out must be what one process finds, to the bit.
+// Jobs whose data are in many files, done by ranks of which each reads some of
+// them: what comes out must be what one process finds, to the bit.
 
 #include <gtest/gtest.h>
 
@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "alidade/arm_file.h"
+#include "alidade/communicator.h"
 #include "alidade/error.h"
 #include "alidade/random.h"
-#include "alidade/team.h"
 #include "alidade/units.h"
 #include "src/job/result_directory.h"
 #include "src/job/run_job.h"
@@ -154,7 +154,7 @@ Files ResultOf(CalibrationResult outcome) {
   return files;
 }
 
-class TeamJobTest : public ::testing::Test {
+class PartitionedJobTest : public ::testing::Test {
  protected:
   void Write(const std::string& name, const std::string& text) {
     testing::WriteWhole(scratch_ / name, text);
@@ -168,16 +168,16 @@ class TeamJobTest : public ::testing::Test {
     return scratch_ / "job.yaml";
   }
 
-  // What member 0 of a team finds; size 0: one process.
+  // What the root of so many ranks finds; size 0: one process.
   static Files Find(const std::string& job, int size, int threads = 1) {
     if (size == 0) {
-      return ResultOf(RunJob(LoadJob(job, threads, nullptr), "test"));
+      return ResultOf(RunJob(LoadJob(job, threads), "test"));
     }
     Files found;
-    RunAsTeam(size, [&](Team* team) {
-      const JobConfig config = LoadJob(job, threads, team);
-      CalibrationResult outcome = RunJob(config, "test");
-      if (team->is_first()) found = ResultOf(std::move(outcome));
+    RunOnThreads(size, [&](Communicator* communicator) {
+      CalibrationResult outcome =
+          RunJob(LoadJob(job, {threads, communicator}), "test");
+      if (communicator->is_root()) found = ResultOf(std::move(outcome));
     });
     return found;
   }
@@ -198,7 +198,7 @@ class TeamJobTest : public ::testing::Test {
 };
 
 // Uneven shards, sigma from the residuals, base and tool from nothing.
-TEST_F(TeamJobTest, OfPositionsFindsTheSameBitsWhateverItsSize) {
+TEST_F(PartitionedJobTest, OfPositionsFindsTheSameBitsWhateverItsSize) {
   Bench bench;
   Write("a1.csv", bench.Positions(700));
   Write("a2.csv", bench.Positions(40));
@@ -208,7 +208,7 @@ TEST_F(TeamJobTest, OfPositionsFindsTheSameBitsWhateverItsSize) {
       "validation: {fraction: 0.2, seed: 5}\n"
       "identifiability: {parameters: [joints, base, tool]}\n"
       "acceptance: {heldout_max: 0.01}\n");
-  // More members than files: one has nothing.
+  // More ranks than files: one has nothing.
   for (const int size : {1, 2, 3, 4}) ExpectSame(job, size);
   // What differs would be too much to print.
   EXPECT_TRUE(Find(job, 2, 2) == Find(job, 0, 1));
@@ -216,7 +216,7 @@ TEST_F(TeamJobTest, OfPositionsFindsTheSameBitsWhateverItsSize) {
 
 // Kinds, references and sets that only some of the files have; few enough poses
 // for every subset to be all of them in one of the jobs, too many in the other.
-TEST_F(TeamJobTest, OfManyKindsFindsTheSameBits) {
+TEST_F(PartitionedJobTest, OfManyKindsFindsTheSameBits) {
   Bench bench;
   Write("b1.csv", bench.Distances(150, {"right"}));
   Write("b2.csv", bench.RepeatsInSets(60));
@@ -231,7 +231,7 @@ TEST_F(TeamJobTest, OfManyKindsFindsTheSameBits) {
   for (const int size : {2, 3}) ExpectSame(job, size);
 }
 
-TEST_F(TeamJobTest, SimulatedDataAreMadeByOneMember) {
+TEST_F(PartitionedJobTest, SimulatedDataAreMadeByOneMember) {
   const std::string simulate = "- simulate: {deviations: " + Robots() +
                                "rv2aj_deviations.yaml, poses: {random: "
                                "{count: 50}}, noise: {sigma: 0.03}, seed: ";
@@ -240,7 +240,7 @@ TEST_F(TeamJobTest, SimulatedDataAreMadeByOneMember) {
   ExpectSame(job, 2);
 }
 
-TEST_F(TeamJobTest, DataThatFitNowhereAreRefusedInTheSameWords) {
+TEST_F(PartitionedJobTest, DataThatFitNowhereAreRefusedInTheSameWords) {
   Bench bench;
   std::string wrong = bench.Positions(200);
   // Radians that a header calls degrees would be refused the same; metres are
@@ -265,7 +265,7 @@ TEST_F(TeamJobTest, DataThatFitNowhereAreRefusedInTheSameWords) {
   EXPECT_NE(errors[0].find("state the unit mm"), std::string::npos);
 }
 
-TEST_F(TeamJobTest, AShardThatCannotBeReadEndsAllWithItsError) {
+TEST_F(PartitionedJobTest, AShardThatCannotBeReadEndsAllWithItsError) {
   Bench bench;
   Write("d1.csv", bench.Positions(50));
   std::string broken = bench.Positions(50);
@@ -282,7 +282,7 @@ TEST_F(TeamJobTest, AShardThatCannotBeReadEndsAllWithItsError) {
   }
 }
 
-TEST_F(TeamJobTest, WhatNeedsAllDataIsRefusedBeforeAnyWork) {
+TEST_F(PartitionedJobTest, WhatNeedsAllDataIsRefusedBeforeAnyWork) {
   // The data are not even there.
   for (const char* key :
        {"compare_with: [pseudo_inverse]", "solver: {name: pseudo_inverse}",

@@ -1,4 +1,4 @@
-#include "alidade/team.h"
+#include "alidade/communicator.h"
 
 #include <algorithm>
 #include <new>
@@ -11,7 +11,7 @@
 namespace alidade {
 namespace {
 
-// In place of a size: this member has failed, and its error is so long.
+// In place of a size: this rank has failed, and its error is so long.
 std::int64_t AsFailure(std::size_t length) {
   return -1 - static_cast<std::int64_t>(length);
 }
@@ -19,6 +19,11 @@ std::int64_t AsFailure(std::size_t length) {
 enum class ErrorKind { kInput, kMemory, kOther };
 
 }  // namespace
+
+Communicator* SingleProcess() {
+  static Communicator process;
+  return &process;
+}
 
 std::string DescribeError(const std::exception& error) {
   ByteWriter writer;
@@ -53,7 +58,7 @@ void ThrowDescribed(const std::string& description) {
 }
 
 template <typename Work>
-auto Team::InTransit(const Work& work) {
+auto Communicator::InTransit(const Work& work) {
   decltype(work()) result;
   try {
     result = work();
@@ -63,7 +68,7 @@ auto Team::InTransit(const Work& work) {
   return result;
 }
 
-std::vector<std::int64_t> Team::Agree(std::int64_t mine) {
+std::vector<std::int64_t> Communicator::Agree(std::int64_t mine) {
   std::vector<std::int64_t> sizes = Exchange(mine);
   const bool some_failed = std::any_of(
       sizes.begin(), sizes.end(), [](std::int64_t size) { return size < 0; });
@@ -71,8 +76,8 @@ std::vector<std::int64_t> Team::Agree(std::int64_t mine) {
   return sizes;
 }
 
-void Team::ThrowTogether(const std::vector<std::int64_t>& sizes,
-                         const std::string& error) {
+void Communicator::ThrowTogether(const std::vector<std::int64_t>& sizes,
+                                 const std::string& error) {
   has_failed_ = true;
   int lowest = 0;
   while (sizes[lowest] >= 0) ++lowest;
@@ -84,17 +89,17 @@ void Team::ThrowTogether(const std::vector<std::int64_t>& sizes,
   ThrowDescribed(description);
 }
 
-void Team::Fail(const std::string& error) {
+void Communicator::Fail(const std::string& error) {
   ThrowTogether(Exchange(AsFailure(error.size())), error);
 }
 
-std::vector<std::string> Team::GatherToFirst(std::string mine) {
+std::vector<std::string> Communicator::GatherToRoot(std::string mine) {
   const std::vector<std::int64_t> sizes =
       Agree(static_cast<std::int64_t>(mine.size()));
   return InTransit([&] { return Collect(std::move(mine), sizes); });
 }
 
-std::vector<std::string> Team::Gather(std::string mine) {
+std::vector<std::string> Communicator::Gather(std::string mine) {
   const std::vector<std::int64_t> sizes =
       Agree(static_cast<std::int64_t>(mine.size()));
   return InTransit([&] {
@@ -113,18 +118,18 @@ std::vector<std::string> Team::Gather(std::string mine) {
   });
 }
 
-std::string Team::Broadcast(const std::string& of_first) {
+std::string Communicator::Broadcast(const std::string& of_root) {
   const std::vector<std::int64_t> sizes =
-      Agree(is_first() ? static_cast<std::int64_t>(of_first.size()) : 0);
+      Agree(is_root() ? static_cast<std::int64_t>(of_root.size()) : 0);
   return InTransit([&] {
-    std::string bytes = is_first() ? of_first : "";
+    std::string bytes = is_root() ? of_root : "";
     bytes.resize(static_cast<std::size_t>(sizes[0]));
     Spread(0, &bytes);
     return bytes;
   });
 }
 
-std::int64_t Team::Sum(std::int64_t mine) {
+std::int64_t Communicator::Sum(std::int64_t mine) {
   ByteWriter writer;
   writer.Put(mine);
   std::int64_t sum = 0;
@@ -134,18 +139,22 @@ std::int64_t Team::Sum(std::int64_t mine) {
   return sum;
 }
 
-void Team::Send(int to, const std::string& bytes) {
+void Communicator::Send(int to, const std::string& bytes) {
   InTransit([&] {
     Transmit(to, bytes);
     return true;
   });
 }
 
-std::optional<Team::Message> Team::Receive() {
+std::optional<Communicator::Message> Communicator::Receive() {
   return InTransit([&] { return Fetch(); });
 }
 
-void Team::RunTogether(const std::function<void()>& work) {
+void Communicator::RunTogether(const std::function<void()>& work) {
+  if (size_ == 1) {
+    work();
+    return;
+  }
   has_failed_ = false;
   std::string error;
   try {

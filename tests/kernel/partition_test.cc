@@ -1,6 +1,6 @@
-// Shares of a data set against the whole: the same bits, whoever has what.
+// Shares of a data set against the global: the same bits, whoever has what.
 
-#include "src/kernel/share.h"
+#include "src/kernel/partition.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -66,9 +66,9 @@ Dataset Measure(const MeasurementModel& model, int count, std::uint64_t seed,
   return data;
 }
 
-class ShareTest : public ::testing::Test {
+class PartitionTest : public ::testing::Test {
  protected:
-  ShareTest() : model_(testing::Ur10(), TwoPoints(), 1) {
+  PartitionTest() : model_(testing::Ur10(), TwoPoints(), 1) {
     parts_.push_back(Measure(model_, 3000, 1, false));
     parts_.push_back(Measure(model_, 40, 2, true));
     parts_.push_back(Measure(model_, 1500, 3, true));
@@ -83,7 +83,7 @@ class ShareTest : public ::testing::Test {
     return references;
   }
 
-  // Consecutive parts of member `rank`, as one process would merge them; by
+  // Consecutive parts of rank `rank`, as one process would merge them; by
   // hand, so that nothing of what is tested makes it.
   Dataset PartsOf(int rank, int size) const {
     Dataset all;
@@ -142,14 +142,17 @@ class ShareTest : public ::testing::Test {
     }
   }
 
-  // work(share) on every member of teams of 1 to 4.
-  void OnTeams(const std::function<void(const Dataset&)>& work) const {
+  // work(model, part) on every rank of 1 to 4.
+  void OnRanks(const std::function<void(const MeasurementModel&,
+                                        const Dataset&)>& work) const {
     for (const int size : {1, 2, 3, 4}) {
       SCOPED_TRACE(size);
-      RunAsTeam(size, [&](Team* team) {
-        Dataset share = PartsOf(team->rank(), size);
-        ShareData(team, &share);
-        work(share);
+      RunOnThreads(size, [&](Communicator* communicator) {
+        Dataset part = PartsOf(communicator->rank(), size);
+        MakePartition(communicator, &part);
+        work(MeasurementModel(model_.nominal(), model_.references(),
+                              {1, communicator}),
+             part);
       });
     }
   }
@@ -160,32 +163,32 @@ class ShareTest : public ::testing::Test {
   Eigen::VectorXd values_;
 };
 
-TEST_F(ShareTest, FactorsHaveTheBitsOfTheWhole) {
-  const Dataset whole = PartsOf(0, 1);
+TEST_F(PartitionTest, FactorsHaveTheBitsOfOneProcess) {
+  const Dataset global = PartsOf(0, 1);
   const Eigen::MatrixXd expected =
-      JacobianFactor(model_, values_, whole, columns_);
+      JacobianFactor(model_, values_, global, columns_);
   Linearization rows;
-  model_.Linearize(values_, whole, columns_, &rows);
+  model_.Linearize(values_, global, columns_, &rows);
   const Eigen::MatrixXd squares = rows.jacobian.transpose() * rows.jacobian;
   // Some thousand rows, each of rounding 1e-16.
   EXPECT_LE((expected.transpose() * expected - squares).norm(),
             1e-12 * squares.norm());
-  OnTeams([&](const Dataset& share) {
-    EXPECT_EQ(JacobianFactor(model_, values_, share, columns_), expected);
+  OnRanks([&](const MeasurementModel& model, const Dataset& part) {
+    EXPECT_EQ(JacobianFactor(model, values_, part, columns_), expected);
   });
 }
 
-TEST_F(ShareTest, CompressedProblemsHaveTheBitsOfTheWhole) {
-  const Dataset whole = PartsOf(0, 1);
+TEST_F(PartitionTest, CompressedProblemsHaveTheBitsOfOneProcess) {
+  const Dataset global = PartsOf(0, 1);
   for (const LossKind kind : {LossKind::kNone, LossKind::kHuber}) {
     const std::vector<RobustLoss> losses = TunedLosses(kind);
-    Compressor compressor(model_, whole, columns_, losses);
+    Compressor compressor(model_, global, columns_, losses);
     CompressedProblem first;
     CompressedProblem second;
     compressor.Compress(values_, &first);
     compressor.Compress(values_, &second);
-    OnTeams([&](const Dataset& share) {
-      Compressor mine(model_, share, columns_, losses);
+    OnRanks([&](const MeasurementModel& model, const Dataset& part) {
+      Compressor mine(model, part, columns_, losses);
       CompressedProblem problem;
       // The second may be by products.
       for (const CompressedProblem* expected : {&first, &second}) {
@@ -204,60 +207,60 @@ TEST_F(ShareTest, CompressedProblemsHaveTheBitsOfTheWhole) {
   }
 }
 
-TEST_F(ShareTest, NumbersComeInTheOrderOfTheWhole) {
-  const Dataset whole = PartsOf(0, 1);
+TEST_F(PartitionTest, NumbersComeInTheGlobalOrder) {
+  const Dataset global = PartsOf(0, 1);
   const SharedVector expected =
-      LengthErrors(model_.Errors(values_, whole), whole);
-  const SigmaTotals totals = SumSigmas(whole, 2);
-  EXPECT_EQ(totals.equations, whole.num_equations());
-  OnTeams([&](const Dataset& share) {
-    const SharedVector mine =
-        LengthErrors(model_.Errors(values_, share), share);
-    const SharedVector all = EntriesInOrder(share, mine);
-    EXPECT_EQ(share.all_observations(), expected.size());
-    if (KnowsAll(share)) {
+      LengthErrors(model_.Errors(values_, global), global);
+  const SigmaTotals totals = SumSigmas(global, 2);
+  EXPECT_EQ(totals.equations, global.num_equations());
+  OnRanks([&](const MeasurementModel& model, const Dataset& part) {
+    const SharedVector mine = LengthErrors(model_.Errors(values_, part), part);
+    const SharedVector all = EntriesInOrder(model.communicator(), part, mine);
+    EXPECT_EQ(part.global_observations(), expected.size());
+    if (model.communicator()->is_root()) {
       EXPECT_EQ(all, expected);
     }
-    const SigmaTotals sums = SumSigmas(share, 1);
+    const SigmaTotals sums = SumSigmas(part, model.execution());
     EXPECT_EQ(sums.equations, totals.equations);
     EXPECT_EQ(sums.length_information, totals.length_information);
-    EXPECT_EQ(share.name, "file1, file2, file3");
-    if (share.num_poses() == 0) return;
-    EXPECT_EQ(SourceOf(share, 0),
-              SourceOf(whole, static_cast<int>(share.share.first_pose)));
+    EXPECT_EQ(part.name, "file1, file2, file3");
+    if (part.num_poses() == 0) return;
+    EXPECT_EQ(SourceOf(part, 0),
+              SourceOf(global, static_cast<int>(part.partition->first_pose)));
   });
 }
 
-TEST_F(ShareTest, FractionsAreHeldOutAlike) {
-  const Dataset whole = PartsOf(0, 1);
-  const HoldOut expected = HoldOutFraction(whole, 0.3, 9);
-  OnTeams([&](const Dataset& share) {
-    const HoldOut split = HoldOutFraction(share, 0.3, 9);
-    EXPECT_EQ(split.train.all_poses(), expected.train.num_poses());
-    const SharedMatrix heldout =
-        PosesInOrder(split.heldout, split.heldout.joint_values);
-    if (KnowsAll(share)) {
+TEST_F(PartitionTest, FractionsAreHeldOutAlike) {
+  const Dataset global = PartsOf(0, 1);
+  const HoldOut expected = HoldOutFraction(global, 0.3, 9);
+  OnRanks([&](const MeasurementModel& model, const Dataset& part) {
+    const HoldOut split = HoldOutFraction(part, 0.3, 9, model.communicator());
+    EXPECT_EQ(split.train.global_poses(), expected.train.num_poses());
+    const SharedMatrix heldout = PosesInOrder(
+        model.communicator(), split.heldout, split.heldout.joint_values);
+    if (model.communicator()->is_root()) {
       EXPECT_EQ(heldout, expected.heldout.joint_values);
     }
     // Shards stay where they were.
-    EXPECT_EQ(JacobianFactor(model_, values_, split.train, columns_),
+    EXPECT_EQ(JacobianFactor(model, values_, split.train, columns_),
               JacobianFactor(model_, values_, expected.train, columns_));
   });
 }
 
-TEST_F(ShareTest, KindsThatOnlySomeHaveAreEmptyBlocksOfOthers) {
-  RunAsTeam(2, [&](Team* team) {
-    Dataset data = parts_[team->is_first() ? 0 : 1];
-    ShareData(team, &data);
+TEST_F(PartitionTest, KindsThatOnlySomeHaveAreEmptyBlocksOfOthers) {
+  RunOnThreads(2, [&](Communicator* communicator) {
+    Dataset data = parts_[communicator->is_root() ? 0 : 1];
+    MakePartition(communicator, &data);
     ASSERT_EQ(data.blocks.size(), 2U);
     EXPECT_EQ(data.blocks[1].kind, MeasurementKind::kDistance);
-    EXPECT_EQ(data.blocks[1].size(), team->is_first() ? 0 : 14);
+    EXPECT_EQ(data.blocks[1].size(), communicator->is_root() ? 0 : 14);
     EXPECT_TRUE(data.Has(MeasurementKind::kDistance));
     EXPECT_FALSE(data.Has(MeasurementKind::kPlane));
-    EXPECT_EQ(ObservationInAll(data, 1, 2), 3040 + 2);
+    EXPECT_EQ(GlobalObservation(data, 1, 2), 3040 + 2);
     const std::vector<int> all =
-        InOrder<int>(data, {{team->rank()}, {10 + team->rank()}});
-    if (team->is_first()) {
+        InOrder<int>(communicator, data,
+                     {{communicator->rank()}, {10 + communicator->rank()}});
+    if (communicator->is_root()) {
       EXPECT_THAT(all, ElementsAre(0, 1, 10, 11));
     } else {
       EXPECT_THAT(all, IsEmpty());
