@@ -71,7 +71,7 @@ TEST_F(EvaluateTest, LengthsAreThoseOfErrorsOfPosition) {
   ObservationBlock& positions = Block(MeasurementKind::kPosition);
   testing::Edit(&positions.measured)->colwise() +=
       Eigen::Vector3d(3e-3, -4e-3, 0.0);
-  testing::Edit (&Block(MeasurementKind::kDistance).measured)(0, 2) += 2e-3;
+  testing::Edit(&Block(MeasurementKind::kDistance).measured).at(0, 2) += 2e-3;
   Accuracy accuracy = Evaluate();
   EXPECT_EQ(accuracy.n, kCounted);
   EXPECT_NEAR(accuracy.max, 5e-3, kRounding);
@@ -111,7 +111,7 @@ TEST_F(EvaluateTest, CountedLengthsAreInTheOrderOfObservations) {
       ->col(1)
       .head<3>()
       .setConstant(kInfinity);
-  testing::Edit (&data_.blocks[1].measured)(2, 0) += 7e-3;
+  testing::Edit(&data_.blocks[1].measured).at(2, 0) += 7e-3;
   const std::vector<std::vector<double>> lengths =
       CountedLengths(model_.Errors(measured_.values, data_), data_);
   ASSERT_EQ(lengths.size(), 3U);
@@ -204,11 +204,11 @@ Dataset RepeatedPositions() {
   Dataset data = PosesOf({0, 1, 0, 2, 1, 3, 0});
   ObservationBlock block = BlockOf(MeasurementKind::kPosition, 7);
   testing::Edit(&block.measured)->row(2).setConstant(0.5);
-  testing::Edit (&block.measured)(0, 0) = kStep;
-  testing::Edit (&block.measured)(0, 6) = -kStep;
-  testing::Edit (&block.measured)(1, 1) = 3.0 * kStep;
-  testing::Edit (&block.measured)(1, 4) = 1.0 * kStep;
-  testing::Edit (&block.measured)(2, 3) = 0.25;
+  testing::Edit(&block.measured).at(0, 0) = kStep;
+  testing::Edit(&block.measured).at(0, 6) = -kStep;
+  testing::Edit(&block.measured).at(1, 1) = 3.0 * kStep;
+  testing::Edit(&block.measured).at(1, 4) = 1.0 * kStep;
+  testing::Edit(&block.measured).at(2, 3) = 0.25;
   data.blocks = {block};
   return data;
 }
@@ -239,7 +239,7 @@ TEST(MeasureRepeatsTest, ComparesLikeWithLike) {
   RepeatSpread spread = MeasureRepeats(data);
   EXPECT_EQ(spread.length_freedom, 6);
   EXPECT_NEAR(spread.length / kStep, std::sqrt(2.0 / 6.0), 1e-14);
-  testing::Edit (&block.sigmas)(2, 6) = kInfinity;
+  testing::Edit(&block.sigmas).at(2, 6) = kInfinity;
   spread = MeasureRepeats(data);
   // Left: a step and 0.
   EXPECT_EQ(spread.length_freedom, 3);

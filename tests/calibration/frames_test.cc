@@ -48,7 +48,7 @@ JobConfig FarArmJob(int num_poses, double sigma) {
   job.data.training.sigmas() = Eigen::MatrixXd::Constant(3, num_poses, kSigma);
   for (Eigen::Index i = 0; i < num_poses; ++i) {
     for (int axis = 0; axis < 3; ++axis) {
-      testing::Edit (&job.data.training.positions())(axis, i) +=
+      testing::Edit(&job.data.training.positions()).at(axis, i) +=
           sigma * random.Normal();
     }
   }
@@ -93,8 +93,8 @@ TEST(FramesTest, SigmaIsEstimatedFromTheResiduals) {
 TEST(FramesTest, OutliersAreListedWithTheirWeight) {
   JobConfig job = FarArmJob(100, kSigma);
   job.options.loss = LossKind::kTukey;
-  testing::Edit (&job.data.training.positions())(1, 7) += 4e-3;
-  testing::Edit (&job.data.training.positions())(2, 30) -= 2e-3;
+  testing::Edit(&job.data.training.positions()).at(1, 7) += 4e-3;
+  testing::Edit(&job.data.training.positions()).at(2, 30) -= 2e-3;
   const CalibrationResult outcome = RunJob(job, "test");
   ASSERT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
   const std::vector<Outlier>& outliers = outcome.outliers;
@@ -187,7 +187,7 @@ TEST(FramesTest, TooFewPosesForASigmaLeaveParametersNearNominal) {
 TEST(FramesTest, LimitsOfHeldOutPosesHoldForFolds) {
   JobConfig job = FarArmJob(100, kSigma);
   job.data.validation.reset();
-  job.options.folds = FoldsConfig{5, 1};
+  job.options.folds = FoldsOptions{5, 1};
   job.options.acceptance.heldout_max = 1e-3;
   EXPECT_EQ(RunJob(job, "test").status, CalibrationStatus::kDone);
   job.options.acceptance.heldout_max = 1e-5;

@@ -84,9 +84,11 @@ TEST(IdentifiabilityCacheTest, AllElseIsAnotherQuestion) {
       [](Question* q) {
         q->arm.targets[0].last_from_target.translation()[0] += 0.1;
       },
-      [](Question* q) { testing::Edit (&q->data.joint_values)(0, 0) += 1e-6; },
       [](Question* q) {
-        testing::Edit (&q->data.blocks[0].sigmas)(1, 3) *= 2.0;
+        testing::Edit(&q->data.joint_values).at(0, 0) += 1e-6;
+      },
+      [](Question* q) {
+        testing::Edit(&q->data.blocks[0].sigmas).at(1, 3) *= 2.0;
       },
       [](Question* q) { q->data.blocks[0].targets.assign(20, 0); },
       [](Question* q) {
@@ -121,11 +123,11 @@ TEST(IdentifiabilityCacheTest, MeasuredOrientationsArePartOfTheQuestion) {
   ObservationBlock& block = question.data.blocks[0];
   block.kind = MeasurementKind::kPose;
   Eigen::MatrixXd poses = Eigen::MatrixXd::Constant(6, 20, 0.1);
-  poses.topRows(3) = block.measured;
+  poses.topRows(3) = block.measured.map();
   block.measured = poses;
   block.sigmas = Eigen::MatrixXd::Constant(6, 20, 1e-4);
   question.Ask(&cache);
-  testing::Edit (&block.measured)(4, 2) = 0.2;
+  testing::Edit(&block.measured).at(4, 2) = 0.2;
   EXPECT_TRUE(AreSame(question.Ask(&cache), question.Analyze()));
   EXPECT_EQ(cache.num_made(), 2U);
 }

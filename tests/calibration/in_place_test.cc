@@ -7,8 +7,8 @@
 #include <limits>
 #include <string>
 
+#include "src/dataio/dataset_csv.h"
 #include "src/dataio/dataset_npy.h"
-#include "src/dataio/load_data.h"
 #include "src/job/run_job.h"
 #include "tests/support/noisy_positions.h"
 #include "tests/support/process.h"

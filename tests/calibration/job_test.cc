@@ -97,7 +97,7 @@ TEST(JobTest, RankShortWithoutAChoiceIsRefusedWithTheAnalysis) {
 
 TEST(JobTest, SolverThatCannotSolveIsReportedAndLeavesTheArmNominal) {
   JobConfig config = LoadStudy();
-  testing::Edit (&config.data.training.positions())(1, 7) =
+  testing::Edit(&config.data.training.positions()).at(1, 7) =
       std::numeric_limits<double>::quiet_NaN();
   const CalibrationResult outcome = RunJob(config, "test");
   EXPECT_EQ(outcome.status, CalibrationStatus::kFailed);
@@ -107,10 +107,10 @@ TEST(JobTest, SolverThatCannotSolveIsReportedAndLeavesTheArmNominal) {
 
 TEST(JobTest, ResidualsBeyondTheirSigmasAreAWarning) {
   JobConfig config = LoadStudy();
-  EXPECT_THAT(RunJob(config, "test").result.warnings,
+  EXPECT_THAT(RunJob(config, "test").warnings,
               Not(Contains(HasSubstr("as the sigmas say"))));
   testing::Edit(&config.data.training.positions())->row(2).array() += 0.5e-3;
-  testing::Edit (&config.data.training.positions())(0, 3) += 5e-3;
+  testing::Edit(&config.data.training.positions()).at(0, 3) += 5e-3;
   const CalibrationResult outcome = RunJob(config, "test");
   EXPECT_THAT(outcome.warnings, Contains(HasSubstr("sigmas")));
 }
@@ -119,7 +119,7 @@ TEST(JobTest, ResidualsBeyondTheirSigmasAreAWarning) {
 TEST(JobTest, PositionsThatDependOnWhatIsNotMeasuredAreAWarning) {
   JobConfig config = LoadStudy("rv2aj_flange");
   config.options.identifiability.method = IdentifiabilityMethod::kRank;
-  EXPECT_THAT(RunJob(config, "test").result.warnings,
+  EXPECT_THAT(RunJob(config, "test").warnings,
               Not(Contains(HasSubstr("positions depend on"))));
   testing::Edit(&config.data.training.sigmas())
       ->bottomRows(2)
@@ -132,18 +132,18 @@ TEST(JobTest, PositionsThatDependOnWhatIsNotMeasuredAreAWarning) {
 TEST(JobTest, ProfilesThatCannotBeMadeAreAWarning) {
   JobConfig config = LoadStudy("rv2aj_flange");
   config.options.uncertainty.intervals = IntervalMethod::kProfile;
-  EXPECT_THAT(RunJob(config, "test").result.warnings,
+  EXPECT_THAT(RunJob(config, "test").warnings,
               Not(Contains(HasSubstr("intervals are linear"))));
   config.options.solver = SolverName::kPseudoInverse;
   config.options.compare_with.clear();
-  EXPECT_THAT(RunJob(config, "test").result.warnings,
+  EXPECT_THAT(RunJob(config, "test").warnings,
               Contains(HasSubstr("intervals are linear: profiles need")));
 }
 
 TEST(JobTest, DefaultMethodWarnsOfParametersFarFromTheirPriors) {
   JobConfig config = LoadStudy();
   config.options.identifiability.method = IdentifiabilityMethod::kRank;
-  EXPECT_THAT(RunJob(config, "test").result.warnings,
+  EXPECT_THAT(RunJob(config, "test").warnings,
               Not(Contains(HasSubstr("further from nominal"))));
   config.options.identifiability.priors.d = 1e-6;
   const CalibrationResult outcome = RunJob(config, "test");

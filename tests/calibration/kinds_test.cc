@@ -80,8 +80,8 @@ TEST(KindsTest, AxesThatWereNotMeasuredDoNotCount) {
   Dataset data = Bench(real, q).Positions(0).data();
   for (Eigen::Index i = 0; i < 120; i += 2) {
     // Garbage where nothing was measured.
-    testing::Edit (&data.blocks[0].measured)(1, i) = 123.0;
-    testing::Edit (&data.blocks[0].sigmas)(1, i) =
+    testing::Edit(&data.blocks[0].measured).at(1, i) = 123.0;
+    testing::Edit(&data.blocks[0].sigmas).at(1, i) =
         std::numeric_limits<double>::infinity();
   }
   const CalibrationResult result = Calibrate(JobOf(data));
@@ -249,7 +249,7 @@ TEST(KindsTest, KindsMixFreely) {
   JobConfig job =
       JobOf(Bench(real, q).Poses().Distances(0, {3.0, -2.0, 0.0}).data());
   job.data.references.points = {{"anchor"}};
-  job.options.folds = FoldsConfig{4, 1};
+  job.options.folds = FoldsOptions{4, 1};
   const CalibrationResult result = Calibrate(job);
   EXPECT_EQ(result.identifiability.num_free, 33);
   ASSERT_TRUE(result.cross_validation.has_value());
@@ -301,8 +301,8 @@ TEST(KindsTest, AParameterStopsAtItsBoundAndTheReportSaysSo) {
   // Half of the way that the data ask for.
   const double limit = 0.5 * (nominal + real.joints[2].d);
   ASSERT_GT(std::abs(real.joints[2].d - nominal), 1e-4);
-  job.options.bounds = {
-      {column, std::min(limit, nominal), std::max(limit, nominal)}};
+  job.options.bounds = {{layout.parameter(column).name,
+                         std::min(limit, nominal), std::max(limit, nominal)}};
   const CalibrationResult outcome = RunJob(job, "test");
   ASSERT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
   EXPECT_NEAR(outcome.arm.joints[2].d, limit, 1e-12);

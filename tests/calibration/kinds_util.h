@@ -88,7 +88,7 @@ class Bench {
     ObservationBlock block = Block(MeasurementKind::kDistance);
     block.references.assign(data_.num_poses(), point);
     for (Eigen::Index i = 0; i < block.size(); ++i) {
-      testing::Edit (&block.measured)(0, i) =
+      testing::Edit(&block.measured).at(0, i) =
           (Position(i, 0) - anchor).norm() + kSigma * random_.Normal();
     }
     return Append(std::move(block));

@@ -283,7 +283,9 @@ TEST_F(BatchTest, SimulatedDataAreThoseThatAFileWouldHold) {
   EXPECT_EQ(made_up.joint_values, from_file.joint_values);
   EXPECT_EQ(made_up.sigmas(), from_file.sigmas());
   // Positions of about 0.5 m are written in mm, to the digits that read back.
-  EXPECT_LT((made_up.positions() - from_file.positions()).cwiseAbs().maxCoeff(),
+  EXPECT_LT((made_up.positions().map() - from_file.positions().map())
+                .cwiseAbs()
+                .maxCoeff(),
             2e-16);
 }
 

@@ -323,7 +323,7 @@ TEST(CompressorTest, PassesOverNanThatWasNotMeasured) {
       for (int row = 0; row < block.rows_each(); ++row) {
         // A half-measured orientation has no meaning: all of it or nothing.
         if (row >= 3 || !std::isinf(block.sigmas(row, i))) continue;
-        testing::Edit (&block.measured)(row, i) =
+        testing::Edit(&block.measured).at(row, i) =
             std::numeric_limits<double>::quiet_NaN();
         ++num_nan;
       }

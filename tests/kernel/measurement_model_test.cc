@@ -165,7 +165,7 @@ TEST(MeasurementModelTest, SigmaOfOneCoordinateScalesItsRowOnly) {
   const int axis = 1;
   const Eigen::Index pose = 3;
   // A power of two, so that the scaled numbers agree to the bit.
-  testing::Edit (&problem.data.sigmas())(axis, pose) *= 4.0;
+  testing::Edit(&problem.data.sigmas()).at(axis, pose) *= 4.0;
   expected.residuals[3 * pose + axis] /= 4.0;
   expected.jacobian.row(3 * pose + axis) /= 4.0;
   const Linearization scaled =

@@ -85,7 +85,7 @@ TEST(ZeroLengthTest, HasNoDerivative) {
   for (const MeasurementKind kind :
        {MeasurementKind::kDistance, MeasurementKind::kPointDistance}) {
     MeasuredArm measured = ExactArm(kind);
-    testing::Edit (&measured.data.blocks[0].measured)(0, 0) = 0.125;
+    testing::Edit(&measured.data.blocks[0].measured).at(0, 0) = 0.125;
     const Rows rows = Evaluate(measured);
     EXPECT_EQ(rows.geometric.residuals[0], -0.125);
     EXPECT_EQ(rows.autodiff.residuals[0], -0.125);

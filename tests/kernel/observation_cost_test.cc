@@ -182,7 +182,7 @@ TEST_P(ObservationCostTest, SigmaOfOneAxisScalesItsRowOnly) {
   Evaluation expected = problem.EvaluateCost();
   const int axis = 2;
   // A power of two, so that the scaled numbers agree to the bit.
-  testing::Edit (&problem.data.sigmas())(axis, 0) *= 8.0;
+  testing::Edit(&problem.data.sigmas()).at(axis, 0) *= 8.0;
   expected.residuals[axis] /= 8.0;
   expected.jacobian.row(axis) /= 8.0;
   const Evaluation scaled = problem.EvaluateCost();

@@ -134,7 +134,7 @@ TEST(MakeFiguresTest, ValidationIsAMapOnlyInAHorizontalPlane) {
   CalibrationResult result = MakeResult();
   EXPECT_TRUE(Contains(ContentOf(MakeFigures(result), "validation_after.svg"),
                        ">x [mm]</text>"));
-  testing::Edit (&result.heldout->positions)(2, 3) += 0.05;
+  testing::Edit(&result.heldout->positions).at(2, 3) += 0.05;
   const std::string svg =
       ContentOf(MakeFigures(result), "validation_after.svg");
   EXPECT_FALSE(Contains(svg, ">x [mm]</text>"));

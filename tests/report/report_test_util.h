@@ -218,10 +218,10 @@ inline EvaluatedSet MakeMixedSet() {
   testing::Edit(&set.positions)->col(0) << 0.25, 0.5, 0.125;
   set.residual_before = Eigen::MatrixXd::Zero(3, 4);
   testing::Edit(&set.residual_before)->col(0) << 0.003, 0.0, 0.004;
-  testing::Edit (&set.residual_before)(0, 1) = -0.002;
-  testing::Edit (&set.residual_before)(0, 3) = 0.001;
+  testing::Edit(&set.residual_before).at(0, 1) = -0.002;
+  testing::Edit(&set.residual_before).at(0, 3) = 0.001;
   set.residual_after = Eigen::MatrixXd::Zero(3, 4);
-  testing::Edit (&set.residual_after)(0, 1) = 0.0005;
+  testing::Edit(&set.residual_after).at(0, 1) = 0.0005;
   set.rotation_residual_before = Eigen::MatrixXd::Zero(3, 4);
   testing::Edit(&set.rotation_residual_before)->col(2) << 0.0, 0.5 * kDegree,
       0.0;

@@ -326,7 +326,7 @@ TEST_P(CompressedLossTest, SolvesWithinActiveBounds) {
 TEST_P(CompressedLossTest, SolvesForJointsByPositions) {
   Calibration calibration = testing::NoisyFlangeCalibration(7, 120);
   for (int k = 0; k < 6; ++k) {
-    testing::Edit (&calibration.data.positions())(k % 3, 20 * k) += 5e-4;
+    testing::Edit(&calibration.data.positions()).at(k % 3, 20 * k) += 5e-4;
   }
   CalibrationProblem problem = calibration.Problem();
   problem.losses = TunedLosses(GetParam());

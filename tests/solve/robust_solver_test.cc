@@ -19,7 +19,7 @@ constexpr int kOutliers = 10;
 Calibration WithOutliers() {
   Calibration calibration = NoisyFlangeCalibration(3, kPoses);
   for (int k = 0; k < kOutliers; ++k) {
-    testing::Edit (&calibration.data.positions())(k % 3, 10 * k) += 5e-3;
+    testing::Edit(&calibration.data.positions()).at(k % 3, 10 * k) += 5e-3;
   }
   return calibration;
 }

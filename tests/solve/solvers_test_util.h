@@ -108,7 +108,7 @@ inline void AddNoise(Random* random, Dataset* data) {
   auto positions = Edit(&data->positions());
   for (Eigen::Index i = 0; i < data->num_poses(); ++i) {
     for (int axis = 0; axis < 3; ++axis) {
-      positions(axis, i) += data->sigmas()(axis, i) * random->Normal();
+      positions.at(axis, i) += data->sigmas()(axis, i) * random->Normal();
     }
   }
 }

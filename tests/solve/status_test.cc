@@ -75,10 +75,10 @@ TEST_P(SolverStatusTest, ValuesThatAreNotFiniteInTheDataAreUnusable) {
   for (const double bad : {kNaN, kInfinity}) {
     SCOPED_TRACE(bad);
     Calibration positions = calibration_;
-    testing::Edit (&positions.data.positions())(1, 17) = bad;
+    testing::Edit(&positions.data.positions()).at(1, 17) = bad;
     ExpectUnusable(positions, "not finite");
     Calibration joint_values = calibration_;
-    testing::Edit (&joint_values.data.joint_values)(2, 39) = bad;
+    testing::Edit(&joint_values.data.joint_values).at(2, 39) = bad;
     ExpectUnusable(joint_values, "not finite");
   }
 }
@@ -92,11 +92,11 @@ TEST_P(SolverStatusTest, StartThatIsNotFiniteIsUnusable) {
 TEST_P(SolverStatusTest, SigmaThatIsNotPositiveIsUnusable) {
   for (const double bad : {0.0, -1e-5}) {
     Calibration calibration = calibration_;
-    testing::Edit (&calibration.data.sigmas())(2, 11) = bad;
+    testing::Edit(&calibration.data.sigmas()).at(2, 11) = bad;
     ExpectUnusable(calibration, "a sigma is not positive");
   }
   Calibration calibration = calibration_;
-  testing::Edit (&calibration.data.sigmas())(2, 11) = kNaN;
+  testing::Edit(&calibration.data.sigmas()).at(2, 11) = kNaN;
   ExpectUnusable(calibration, "");
 }
 

@@ -63,7 +63,7 @@ class SolverSummaryTest : public ::testing::TestWithParam<SolverCase> {
     for (Eigen::Index i = 0; i < calibration_.data.num_poses(); ++i) {
       testing::Edit(&calibration_.data.sigmas())->col(i) *=
           1.0 + 0.05 * static_cast<double>(i);
-      testing::Edit (&calibration_.data.sigmas())(1, i) *= 2.0;
+      testing::Edit(&calibration_.data.sigmas()).at(1, i) *= 2.0;
     }
   }
 

@@ -20,16 +20,14 @@ class Edited {
 
   Plain& operator*() { return numbers_; }
   Plain* operator->() { return &numbers_; }
-  double& operator()(Eigen::Index row, Eigen::Index col) {
-    return numbers_(row, col);
-  }
+  double& at(Eigen::Index row, Eigen::Index col) { return numbers_(row, col); }
 
  private:
   BasicSharedMatrix<Plain>* const matrix_;
   Plain numbers_;
 };
 
-/// Changes numbers within a statement, as in Edit(&data.positions())(1, 7) =
+/// Changes numbers within a statement, as in Edit(&data.positions()).at(1, 7) =
 /// 0.5, or as long as the returned object is there.
 template <typename Plain>
 Edited<Plain> Edit(BasicSharedMatrix<Plain>* matrix) {

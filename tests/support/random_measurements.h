@@ -131,12 +131,12 @@ inline void WeightRows(Weighting weighting, ObservationBlock* block,
   auto sigmas = Edit(&block->sigmas);
   for (Eigen::Index i = 0; i < block->size(); ++i) {
     for (int row = 0; row < height; ++row) {
-      sigmas(row, i) = random->Uniform(1e-5, 1e-3);
+      sigmas.at(row, i) = random->Uniform(1e-5, 1e-3);
     }
     const bool is_masked = weighting != Weighting::kSigmas && i % 3 == 1;
     const auto mask = static_cast<int>(i + 1) % height;
     if (is_masked) {
-      sigmas(mask, i) = std::numeric_limits<double>::infinity();
+      sigmas.at(mask, i) = std::numeric_limits<double>::infinity();
     }
     if (weighting != Weighting::kFull) continue;
     Eigen::MatrixXd whitener;
