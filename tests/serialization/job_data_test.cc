@@ -155,7 +155,7 @@ TEST(JobDataTest, ReadsOrientationsAndTheirSigmas) {
   files.Csv("c.csv", "x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg,target",
             {"1,2,3,0,0,90,ball"});
   const auto sigma = [&](const std::string& lines) {
-    return files.Load(lines).data.blocks.at(0).sigmas(3, 0);
+    return files.Load(lines).data.training.blocks.at(0).sigmas(3, 0);
   };
   const std::string entry = "data: {file: c.csv, rotation: extrinsic_xyz";
   // 0.02 mm over 0.2 m.
@@ -169,7 +169,7 @@ TEST(JobDataTest, ReadsOrientationsAndTheirSigmas) {
   EXPECT_EQ(job.options.acceptance.train_rotation_max, 2 * kDegree);
   const JobConfig position =
       files.Load("data: {file: c.csv, rotation: ignore}\n");
-  EXPECT_FALSE(position.data.Has(MeasurementKind::kPose));
+  EXPECT_FALSE(position.data.training.Has(MeasurementKind::kPose));
 }
 
 TEST(JobDataTest, MeasurementGivesTheSigmaOfRotations) {
@@ -237,7 +237,7 @@ TEST(JobDataTest, ParametersAreThoseOfArmAndReferences) {
   EXPECT_EQ(job.options.identifiability.fix.size(), 3U);
   const ParameterLayout layout(LayoutShape{2, 2, 3, 2});
   ASSERT_EQ(job.options.bounds.size(), 2U);
-  EXPECT_EQ(job.options.bounds[0].column, *layout.Find("r1"));
+  EXPECT_EQ(job.options.bounds[0].parameter, "r1");
   EXPECT_NEAR(job.options.bounds[0].lower, 0.099, 1e-16);
   EXPECT_NEAR(job.options.bounds[0].upper, 0.102, 1e-16);
   EXPECT_EQ(job.options.bounds[1].lower, -kInfinity);

@@ -93,7 +93,7 @@ TEST(LoadJobTest, ReadsTheSolverAndItsLimits) {
 }
 
 TEST(LoadJobTest, ReadsTheEvaluation) {
-  EXPECT_EQ(LoadJob(ConfigFiles().job()).solver_options.evaluation,
+  EXPECT_EQ(LoadJob(ConfigFiles().job()).options.solver_options.evaluation,
             Evaluation::kAutomatic);
   for (const auto& [name, evaluation] :
        {std::pair("auto", Evaluation::kAutomatic),

@@ -194,7 +194,7 @@ TEST_F(JobMatrixTest, ChangesGoTogetherUnderANameOfOnesOwn) {
             "    right one: {data: other.csv, solver: {max_iterations: 4}}\n"));
   EXPECT_EQ(NamesOf(matrix),
             (std::vector<std::string>{"child/left", "child/right-one"}));
-  EXPECT_EQ(matrix.Load(0, {}).data.num_poses(), 2);
+  EXPECT_EQ(matrix.Load(0, {}).data.training.num_poses(), 2);
   const JobConfig right = matrix.Load(1, {});
   EXPECT_EQ(right.data.training.num_poses(), 1);
   EXPECT_EQ(right.options.solver_options.max_iterations, 4);
@@ -209,8 +209,8 @@ TEST_F(JobMatrixTest, RangesCountFromOneAndSortAsNumbers) {
   ASSERT_EQ(matrix.size(), 20);
   EXPECT_EQ(matrix.NameOf(0), "child/max_iterations-01_seed-7");
   EXPECT_EQ(matrix.NameOf(19), "child/max_iterations-10_seed-8");
-  EXPECT_EQ(matrix.Load(19, {}).solver_options.max_iterations, 10);
-  EXPECT_EQ(matrix.Load(18, {}).identifiability.seed, 7U);
+  EXPECT_EQ(matrix.Load(19, {}).options.solver_options.max_iterations, 10);
+  EXPECT_EQ(matrix.Load(18, {}).options.identifiability.seed, 7U);
 }
 
 TEST_F(JobMatrixTest, FilesGoByTheirNamesWithoutFolders) {
@@ -261,8 +261,9 @@ TEST_F(JobMatrixTest, SimulatedDataAreAskedForWithWhatTheJobSays) {
       1e-18);
   EXPECT_EQ(matrix.OutlineOf(0).data, "simulated");
   // Another seed is another draw of the noise, of the sigma that was asked for.
-  const Eigen::Matrix3Xd difference =
-      job.data.training.positions() - matrix.Load(1, {}).data.positions();
+  const JobConfig other = matrix.Load(1, {});
+  const Eigen::Matrix3Xd difference = job.data.training.positions().map() -
+                                      other.data.training.positions().map();
   EXPECT_GT(difference.cwiseAbs().minCoeff(), 0.0);
   EXPECT_LT(difference.cwiseAbs().maxCoeff(), 6.0 * 5e-4);
 }

@@ -27,7 +27,7 @@ JobConfig FlangeJob(int trials) {
   return config;
 }
 
-MonteCarloResult Run(JobConfig job, int num_threads) {
+MonteCarloResult Study(JobConfig job, int num_threads) {
   job.options.num_threads = num_threads;
   return RunMonteCarlo(job.arm, job.data, job.options, job.montecarlo);
 }
@@ -41,8 +41,8 @@ double MeanCoverage(const MonteCarloResult& result) {
 }
 
 TEST(MonteCarloTest, TrialsDoNotDependOnThreadsOrOnTheirNumber) {
-  const MonteCarloResult one = Run(FlangeJob(12), 1);
-  const MonteCarloResult three = Run(FlangeJob(20), 3);
+  const MonteCarloResult one = Study(FlangeJob(12), 1);
+  const MonteCarloResult three = Study(FlangeJob(20), 3);
   for (std::size_t k = 0; k < one.trials.size(); ++k) {
     EXPECT_EQ(one.trials[k].estimates, three.trials[k].estimates);
     EXPECT_EQ(one.trials[k].workspace_rms, three.trials[k].workspace_rms);
@@ -55,7 +55,7 @@ TEST(MonteCarloTest, IntervalsHoldAsOftenAsTheySay) {
   for (const bool estimated : {false, true}) {
     JobConfig config = FlangeJob(300);
     config.options.estimate_sigma = estimated;
-    const MonteCarloResult result = Run(config, 2);
+    const MonteCarloResult result = Study(config, 2);
     ASSERT_EQ(result.failed, 0);
     ASSERT_EQ(result.parameters.size(), 18u);
     EXPECT_NEAR(MeanCoverage(result), 0.95, 0.015);
@@ -71,7 +71,7 @@ TEST(MonteCarloTest, IntervalsHoldAsOftenAsTheySay) {
 TEST(MonteCarloTest, RatesFollowTheConfidence) {
   JobConfig config = FlangeJob(200);
   config.options.uncertainty.confidence = 0.5;
-  const MonteCarloResult result = Run(config, 2);
+  const MonteCarloResult result = Study(config, 2);
   EXPECT_NEAR(MeanCoverage(result), 0.5, 0.04);
 }
 
@@ -79,9 +79,9 @@ TEST(MonteCarloTest, RobustLossWithstandsOutliers) {
   JobConfig config = FlangeJob(150);
   config.montecarlo.outlier_fraction = 0.05;
   config.montecarlo.outlier_size = 1e-3;
-  const double squares = Run(config, 2).inefficiency;
+  const double squares = Study(config, 2).inefficiency;
   config.options.loss = LossKind::kTukey;
-  const double robust = Run(config, 2).inefficiency;
+  const double robust = Study(config, 2).inefficiency;
   // Variance 1 + 0.05 * 50^2 times that without outliers.
   EXPECT_NEAR(squares, std::sqrt(126.0), 2.5);
   // 5 % of the data lost and 95 % efficient: 1.05; 150 trials tell it to 6 %.
@@ -92,7 +92,7 @@ TEST(MonteCarloTest, TruthDrawnFromThePriorsIsHeldByThePosterior) {
   JobConfig config = FlangeJob(300);
   config.options.identifiability.policy = WeakPolicy::kPrior;
   config.montecarlo.truth = SimulatedTruth::kPriors;
-  const MonteCarloResult result = Run(config, 2);
+  const MonteCarloResult result = Study(config, 2);
   EXPECT_NEAR(MeanCoverage(result), 0.95, 0.02);
   EXPECT_NEAR(result.ellipsoids.rate(), 0.95, 0.03);
 }
@@ -100,7 +100,7 @@ TEST(MonteCarloTest, TruthDrawnFromThePriorsIsHeldByThePosterior) {
 TEST(MonteCarloTest, StopsWhereTheMeanErrorIsKnownWellEnough) {
   JobConfig config = FlangeJob(100000);
   config.montecarlo.precision = 0.05;
-  const MonteCarloResult result = Run(config, 2);
+  const MonteCarloResult result = Study(config, 2);
   EXPECT_TRUE(result.stopped_early);
   EXPECT_EQ(result.trials.size(), 256u);
 }
@@ -112,7 +112,7 @@ TEST(MonteCarloTest, TruthIsWhatExactMeasurementsWouldGive) {
   config.options.true_values =
       ParameterLayout(5).Values(testing::WithRv2ajDeviations(config.arm));
   config.montecarlo.truth = SimulatedTruth::kGiven;
-  const MonteCarloResult result = Run(config, 2);
+  const MonteCarloResult result = Study(config, 2);
   EXPECT_NEAR(MeanCoverage(result), 0.95, 0.03);
   for (const SimulatedParameter& one : result.parameters) {
     if (one.name != "r2") continue;
@@ -125,7 +125,7 @@ TEST(MonteCarloTest, ContactsAreRefused) {
   JobConfig config = FlangeJob(10);
   config.data.training.name = "balls.csv";
   config.data.training.blocks[0].kind = MeasurementKind::kFixedPoint;
-  EXPECT_THROW(Run(config, 1), InputError);
+  EXPECT_THROW(Study(config, 1), InputError);
 }
 
 }  // namespace

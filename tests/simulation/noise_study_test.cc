@@ -21,8 +21,14 @@ double Median(const Eigen::VectorXd& values) {
   return NoiseStudyMethod::Percentile(values, 0.5);
 }
 
+NoiseStudyResult Study(int trials, int num_threads) {
+  JobConfig job = LoadNoiseJob(trials);
+  job.options.num_threads = num_threads;
+  return RunNoiseStudy(job, *job.noise_study);
+}
+
 TEST(NoiseStudyTest, PublishedProcedureIsWorseThanNoneAndTheDefaultIsNot) {
-  const NoiseStudyResult study = RunNoiseStudy(LoadNoiseJob(60), 2);
+  const NoiseStudyResult study = Study(60, 2);
   ASSERT_EQ(study.methods.size(), 3u);
   const NoiseStudyMethod& published = study.methods[0];
   const NoiseStudyMethod& standard = study.methods[1];
@@ -41,8 +47,8 @@ TEST(NoiseStudyTest, PublishedProcedureIsWorseThanNoneAndTheDefaultIsNot) {
 }
 
 TEST(NoiseStudyTest, TrialsDoNotDependOnThreads) {
-  const NoiseStudyResult one = RunNoiseStudy(LoadNoiseJob(8), 1);
-  const NoiseStudyResult three = RunNoiseStudy(LoadNoiseJob(8), 3);
+  const NoiseStudyResult one = Study(8, 1);
+  const NoiseStudyResult three = Study(8, 3);
   for (std::size_t m = 0; m < one.methods.size(); ++m) {
     EXPECT_EQ(one.methods[m].workspace_rms, three.methods[m].workspace_rms);
     EXPECT_EQ(one.methods[m].data_rms, three.methods[m].data_rms);
