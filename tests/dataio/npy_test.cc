@@ -14,6 +14,7 @@
 #include "alidade/random.h"
 #include "alidade/units.h"
 #include "src/common/numbers.h"
+#include "src/common/text.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/dataio/dataset_npy.h"
 #include "src/dataio/npy_header.h"

@@ -69,7 +69,7 @@ TEST(SimulateTest, ExactPositionsAreThoseOfTheRealArm) {
   const SharedVector errors = model.Errors(config.true_values, data);
   // A few units in the last place of half a metre.
   EXPECT_LT(errors.map().cwiseAbs().maxCoeff(), 4e-16);
-  EXPECT_GT(model.Errors(model.NominalValues(), data).norm(), 1e-3);
+  EXPECT_GT(model.Errors(model.NominalValues(), data).map().norm(), 1e-3);
 }
 
 TEST(SimulateTest, NoiseHasItsSigmaAndLeavesThePosesAlone) {
@@ -79,7 +79,8 @@ TEST(SimulateTest, NoiseHasItsSigmaAndLeavesThePosesAlone) {
   config.noise_sigma = 0.02 * kMillimetre;
   const Dataset noisy = Simulate(config);
   EXPECT_EQ(exact.joint_values, noisy.joint_values);
-  const Eigen::Matrix3Xd noise = noisy.positions() - exact.positions();
+  const Eigen::Matrix3Xd noise =
+      noisy.positions().map() - exact.positions().map();
   const double sigma = std::sqrt(noise.squaredNorm() / 6000.0);
   // The estimate's own standard deviation is sigma / sqrt(2 * 6000): 0.9 %.
   EXPECT_NEAR(sigma / config.noise_sigma, 1.0, 0.04);
