@@ -15,6 +15,7 @@
 #include "alidade/units.h"
 #include "src/common/files.h"
 #include "src/common/numbers.h"
+#include "src/common/text.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/dataio/dataset_npy.h"
 

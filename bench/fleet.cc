@@ -16,6 +16,7 @@
 #include "src/common/files.h"
 #include "src/job/report_page.h"
 #include "src/job/result_directory.h"
+#include "src/job/run_job.h"
 
 namespace alidade::internal {
 namespace {
@@ -95,6 +96,6 @@ bool Run(const std::vector<std::string>& arguments) {
 }  // namespace alidade::internal
 
 int main(int argc, char** argv) {
-  return alidade::bench::StudyMain(argc, argv, "fleet DATA_DIRECTORY OUT",
-                                   alidade::Run);
+  return alidade::internal::bench::StudyMain(
+      argc, argv, "fleet DATA_DIRECTORY OUT", alidade::internal::Run);
 }

@@ -182,7 +182,8 @@ int main(int argc, char** argv) {
   }
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return EXIT_FAILURE;
-  benchmark::AddCustomContext("instructions", alidade::VectorInstructions());
+  benchmark::AddCustomContext("instructions",
+                              alidade::internal::VectorInstructions());
   benchmark::RunSpecifiedBenchmarks();
   return EXIT_SUCCESS;
 }

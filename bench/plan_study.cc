@@ -30,6 +30,7 @@
 #include "src/job/run_job.h"
 #include "src/kernel/holdout.h"
 #include "src/planning/candidates.h"
+#include "src/planning/criterion.h"
 #include "src/planning/exchange.h"
 #include "src/planning/plan.h"
 #include "src/planning/plan_config.h"
@@ -341,7 +342,7 @@ class RealArmStudy {
     if (outcome.status != PlanStatus::kDone) {
       throw InputError({name_, 0, 0, ""}, outcome.message);
     }
-    const Eigen::MatrixXd& planned = outcome.joint_values;
+    const LargeMatrix& planned = outcome.sheet.joint_values;
     for (Eigen::Index k = 0; k < planned.cols(); ++k) {
       for (Eigen::Index i = 0; i < pool.num_poses(); ++i) {
         if (pool.joint_values.col(i) != planned.col(k) ||
@@ -399,9 +400,9 @@ bool Run(const std::vector<std::string>& arguments) {
 }  // namespace alidade::internal
 
 int main(int argc, char** argv) {
-  return alidade::bench::StudyMain(
+  return alidade::internal::bench::StudyMain(
       argc, argv,
       "plan_study rv2aj SOURCE_DIRECTORY\n"
       "       plan_study real SOURCE_DIRECTORY IMAGE_DIRECTORY ARM",
-      alidade::Run);
+      alidade::internal::Run);
 }

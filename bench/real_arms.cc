@@ -292,9 +292,9 @@ bool Run(const std::vector<std::string>& arguments) {
 }  // namespace alidade::internal
 
 int main(int argc, char** argv) {
-  return alidade::bench::StudyMain(
+  return alidade::internal::bench::StudyMain(
       argc, argv,
       "real_arms splits SOURCE_DIRECTORY DIRECTORY\n"
       "       real_arms report SOURCE_DIRECTORY PLAIN.csv IMAGE_DIRECTORY",
-      alidade::Run);
+      alidade::internal::Run);
 }

@@ -223,8 +223,9 @@ bool Run(const std::vector<std::string>& arguments) {
 }  // namespace alidade::internal
 
 int main(int argc, char** argv) {
-  return alidade::bench::StudyMain(argc, argv,
-                                   "solve_comparison run N\n"
-                                   "       solve_comparison write DIR N",
-                                   alidade::Run);
+  return alidade::internal::bench::StudyMain(
+      argc, argv,
+      "solve_comparison run N\n"
+      "       solve_comparison write DIR N",
+      alidade::internal::Run);
 }

@@ -105,6 +105,6 @@ bool Run(const std::vector<std::string>& arguments) {
 }  // namespace alidade::internal
 
 int main(int argc, char** argv) {
-  return alidade::bench::StudyMain(argc, argv, "tolerances SOURCE_DIRECTORY",
-                                   alidade::Run);
+  return alidade::internal::bench::StudyMain(
+      argc, argv, "tolerances SOURCE_DIRECTORY", alidade::internal::Run);
 }

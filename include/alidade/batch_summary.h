@@ -53,6 +53,9 @@ struct BatchEntry {
 struct BatchSummary {
   std::string version;
   std::vector<BatchEntry> entries;
+  /// What a comparison of the results shows (comparison.h), in words; empty of
+  /// fewer than two.
+  std::string comparison;
 
   std::int64_t Count(BatchStatus status) const;
   /// Of the worst entry.

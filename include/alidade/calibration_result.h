@@ -20,10 +20,51 @@
 
 namespace alidade {
 
+/// How serious a finding is, from best to worst.
+enum class FindingLevel {
+  kPassed,     ///< as it should be
+  kNote,       ///< worth knowing, but no reason to doubt the result
+  kAttention,  ///< to be looked at before the result is used
+  kFailed,     ///< a reason not to use the result
+};
+
+/// "passed", "note", "attention", "failed".
+const char* ToString(FindingLevel level);
+
+/// One judgement: what was computed, what it was compared with, and in words.
+struct Finding {
+  /// "solver", "improvement", "acceptance.heldout_max" ... (docs/files.md).
+  std::string key;
+  /// SI units, or a ratio, a p-value or a number of standard deviations; NaN
+  /// where no number decides.
+  double statistic = std::numeric_limits<double>::quiet_NaN();
+  double threshold = std::numeric_limits<double>::quiet_NaN();
+  std::string sentence;
+  FindingLevel level = FindingLevel::kPassed;
+};
+
+/// Whether a result may be used. `level` is that of the worst finding, a note
+/// counting as passed.
+struct Verdict {
+  FindingLevel level = FindingLevel::kFailed;
+  std::string title;     ///< "Accepted", "Usable, with warnings" ...
+  std::string sentence;  ///< what the calibration achieved; may be several
+  std::vector<Finding> findings;
+};
+
 /// A file that a result was computed from.
 struct InputFile {
   std::string path;    ///< as the user wrote it
   std::string sha256;  ///< 64 hexadecimal digits
+};
+
+/// How a parameter of a result came to its value.
+enum class ParameterAssessment {
+  kKnown,           ///< not among the parameters to estimate
+  kFixed,           ///< held at its nominal value
+  kWeak,            ///< weakly identifiable: these data hardly determine it
+  kPriorDominated,  ///< the prior has more than half of the information
+  kEstimated,       ///< determined by the data
 };
 
 /// One parameter of the calibrated arm (rad or m by `dimension`).
@@ -38,6 +79,7 @@ struct ParameterResult {
   /// The true value, where the job knows it (a simulated arm).
   std::optional<double> truth;
   ParameterDecision decision;
+  ParameterAssessment assessment = ParameterAssessment::kKnown;
 
   double deviation() const { return value - nominal; }
 };
@@ -263,6 +305,10 @@ struct CalibrationResult {
   std::vector<AcceptanceCheck> acceptance;
   /// What speaks against the result although a solver calls it usable.
   std::vector<std::string> warnings;
+  /// Checks of the input that found something: measurements that do not fit the
+  /// arm, lost targets, repeated data. Their sentences are among the warnings.
+  std::vector<Finding> plausibility;
+  Verdict verdict;
 
   double identify_time_s = 0.0;
   double total_time_s = 0.0;

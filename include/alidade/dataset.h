@@ -175,6 +175,9 @@ bool HaveOneSigma(const ObservationBlock& block, Eigen::Index first,
 /// 3 x N (m).
 Dataset MakePositions(SharedMatrix joint_values, SharedMatrix points,
                       SharedMatrix sigmas);
+/// The same with one standard deviation of every coordinate (m).
+Dataset MakePositions(SharedMatrix joint_values, SharedMatrix points,
+                      double sigma);
 
 /// Clears the block's list of poses where it says nothing: 0, 1, ... of a data
 /// set with as many poses, or observations that belong to none.

@@ -2,6 +2,7 @@
 #define ALIDADE_FORWARD_KINEMATICS_H_
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "alidade/arm.h"
@@ -153,6 +154,18 @@ Vector3<T> TargetPose(const Arm& arm, const GeometryView<T>& geometry,
   *instrument_from_target = base * rotation;
   return base * point + origin;
 }
+
+/// Pose of a target in the instrument's frame at joint values (n values, rad
+/// or m). O(n).
+Eigen::Isometry3d TargetPose(const Arm& arm,
+                             const Eigen::VectorXd& joint_values,
+                             int target = 0);
+
+/// Positions (3 x N, m) of a target in the instrument's frame at joint values
+/// (n x N). O(N n).
+Eigen::Matrix3Xd TargetPositions(const Arm& arm,
+                                 const Eigen::MatrixXd& joint_values,
+                                 int target = 0);
 
 }  // namespace alidade
 

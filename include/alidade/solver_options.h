@@ -54,8 +54,8 @@ struct SolverOptions {
   /// Levenberg-Marquardt.
   Evaluation evaluation = Evaluation::kAutomatic;
 
-  /// Threads for our own kernels. The autodiff path gives Ceres one thread
-  /// always, since Ceres' threads change bits. >= 1.
+  /// Threads for our own kernels. Ceres has one thread always, since its
+  /// threads change bits. >= 1.
   int num_threads = 1;
 
   /// Called with every iteration, the start first, while the solve runs: for

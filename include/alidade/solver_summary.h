@@ -15,7 +15,7 @@ enum class SolverStatus {
   kUnusable,        ///< the problem cannot be solved: see the message
 };
 
-/// "converged", "stopped at the rounding floor" ...
+/// "converged", "stopped at the numerical precision limit" ...
 const char* ToString(SolverStatus status);
 
 /// State after one iteration; entry 0 is the initial point.

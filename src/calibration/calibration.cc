@@ -18,8 +18,9 @@
 #include "src/calibration/fit_warnings.h"
 #include "src/calibration/frame_fit.h"
 #include "src/calibration/identifiability_cache.h"
-#include "src/calibration/input_doubt.h"
+#include "src/calibration/plausibility.h"
 #include "src/calibration/preparation.h"
+#include "src/calibration/verdict.h"
 #include "src/common/format.h"
 #include "src/identifiability/analysis.h"
 #include "src/kernel/partition.h"
@@ -64,26 +65,26 @@ void RequireValid(const CalibrationTask& task) {
 
 // Data that fit nowhere, and would if one mistake were mended, are an error of
 // the input, before anything is fitted. Returns what speaks against others.
-std::string RefuseMistakes(const CalibrationTask& task) {
-  InputDoubt doubt =
-      DoubtInput(task.arm, task.data.training, task.communicator);
-  if (!doubt.is_explained) return doubt.text;
+std::optional<Finding> RefuseMistakes(const CalibrationTask& task) {
+  InputDiagnosis diagnosis =
+      DiagnoseInput(task.arm, task.data.training, task.communicator);
+  if (!diagnosis.is_explained) return diagnosis.finding;
   SourceLocation location;
   location.file = task.data.training.name;
-  throw InputError(location, doubt.text);
+  throw InputError(location, diagnosis.finding->sentence);
 }
 
 /// A task as its solve sees it, and how it came there.
 struct Prepared {
   CalibrationTask task;
-  std::string doubt;  ///< what was said against the input; empty: nothing
+  std::optional<Finding> misfit;  ///< what speaks against the input
   bool frames_fitted = false;
   EstimatedSigmas sigmas;
 };
 
 Prepared Prepare(CalibrationTask task) {
   Prepared prepared;
-  prepared.doubt = RefuseMistakes(task);
+  prepared.misfit = RefuseMistakes(task);
   prepared.task = std::move(task);
   prepared.frames_fitted = FitFrames(&prepared.task);
   if (prepared.task.options.estimate_sigma) {
@@ -108,7 +109,7 @@ class Calibrator {
 
   CalibrationResult Run() {
     DescribeData();
-    if (!prepared_.doubt.empty()) Warn(prepared_.doubt);
+    if (prepared_.misfit) AddWarning(*prepared_.misfit, &result_);
     if (task().options.estimate_sigma && !(prepared_.sigmas.length > 0.0)) {
       Fail(CalibrationStatus::kRefused,
            "sigma cannot be estimated: these poses leave no degree of freedom, "
@@ -127,6 +128,7 @@ class Calibrator {
     }
     RefuseOrientations();
     if (Identify() && SolveAll()) Evaluate();
+    JudgeResult(&result_);
     return std::move(result_);
   }
 
@@ -136,11 +138,6 @@ class Calibrator {
   void Fail(CalibrationStatus status, std::string message) {
     result_.status = status;
     result_.message = std::move(message);
-  }
-
-  void Warn(const std::string& warning) {
-    result_.warnings.push_back(warning);
-    LOG(WARNING) << "warning: " << warning;
   }
 
   void DescribeData() {
@@ -241,21 +238,19 @@ class Calibrator {
     if (task().options.folds) {
       result_.cross_validation = CrossValidate(*as_given_);
       if (!result_.cross_validation) {
-        Warn(
+        AddWarning(
             "cross-validation found no usable fit of one of its folds, or one "
             "that leaves no pose to a point, plane or target: other folds "
-            "leave more");
+            "leave more",
+            &result_);
       }
     }
     result_.outliers = ListOutliers(fit, &result_.outlier_limit);
     result_.reduced_chi_square = ReducedChiSquare(fit);
-    for (const std::string& warning :
-         WarnOfFit(fit,
-                   {prepared_.frames_fitted, prepared_.sigmas.is_bound,
-                    !prepared_.doubt.empty()},
-                   result_)) {
-      Warn(warning);
-    }
+    WarnOfFit(fit,
+              {prepared_.frames_fitted, prepared_.sigmas.is_bound,
+               prepared_.misfit.has_value()},
+              &result_);
     Assess(fit);
     Accept();
   }
@@ -280,7 +275,7 @@ class Calibrator {
       result_.parameters[*model_.layout().Find(one.name)].std = one.std;
     }
     for (const std::string& warning : result_.uncertainty->warnings) {
-      Warn(warning);
+      AddWarning(warning, &result_);
     }
   }
 

@@ -16,6 +16,20 @@ using internal::FormatParameter;
 using internal::TextTable;
 using internal::UnitForPeople;
 
+const char* ToString(FindingLevel level) {
+  switch (level) {
+    case FindingLevel::kPassed:
+      return "passed";
+    case FindingLevel::kNote:
+      return "note";
+    case FindingLevel::kAttention:
+      return "attention";
+    case FindingLevel::kFailed:
+      return "failed";
+  }
+  return "unknown";
+}
+
 SharedVector EvaluatedSet::ErrorBefore() const {
   return residual_before.map().colwise().norm().transpose();
 }

@@ -1,11 +1,12 @@
 #include "src/calibration/fit_warnings.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <utility>
 
-#include "src/calibration/input_doubt.h"
+#include "src/calibration/plausibility.h"
 #include "src/calibration/preparation.h"
 #include "src/calibration/same_data.h"
 #include "src/common/format.h"
@@ -93,21 +94,35 @@ std::string Listed(const std::string& before, const std::string& names,
 
 }  // namespace
 
-std::vector<std::string> WarnOfFit(const FinishedFit& fit,
-                                   const FitHistory& history,
-                                   const CalibrationResult& result) {
-  std::vector<std::string> warnings;
-  const auto warn = [&warnings](std::string text) {
-    if (!text.empty()) warnings.push_back(std::move(text));
+void AddWarning(const std::string& warning, CalibrationResult* result) {
+  result->warnings.push_back(warning);
+  LOG(WARNING) << "warning: " << warning;
+}
+
+void AddWarning(const Finding& finding, CalibrationResult* result) {
+  result->plausibility.push_back(finding);
+  AddWarning(finding.sentence, result);
+}
+
+void WarnOfFit(const FinishedFit& fit, const FitHistory& history,
+               CalibrationResult* added) {
+  const CalibrationResult& result = *added;
+  const auto warn = [added](const std::string& text) {
+    if (!text.empty()) AddWarning(text, added);
   };
   const SolverSummary& summary = result.runs.front().summary;
-  warn(DoubtZeros(fit.task.data.training, fit.task.communicator));
+  if (const auto zeros =
+          DiagnoseZeros(fit.task.data.training, fit.task.communicator)) {
+    AddWarning(*zeros, added);
+  }
   if (summary.status == SolverStatus::kIterationLimit) {
     warn("the solver " + summary.solver +
          " was stopped by the number of iterations and may be far from the "
          "minimum");
   }
-  for (std::string& doubt : DoubtSameData(fit.task)) warn(std::move(doubt));
+  for (const Finding& copies : DiagnoseSameData(fit.task)) {
+    AddWarning(copies, added);
+  }
   warn(WarnOfResiduals(fit, result));
   if (!history.input_was_doubted) {
     warn(WarnOfFrames(fit, history.frames_fitted, result));
@@ -143,7 +158,6 @@ std::vector<std::string> WarnOfFit(const FinishedFit& fit,
   warn(Listed("at a bound: ", AtBounds(fit),
               "; the data ask for values beyond, which the bounds do not "
               "allow"));
-  return warnings;
 }
 
 }  // namespace alidade::internal

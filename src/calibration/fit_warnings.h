@@ -2,7 +2,6 @@
 #define ALIDADE_SRC_CALIBRATION_FIT_WARNINGS_H_
 
 #include <string>
-#include <vector>
 
 #include "alidade/calibration_result.h"
 #include "src/calibration/fit_report.h"
@@ -18,12 +17,17 @@ struct FitHistory {
   bool input_was_doubted = false;
 };
 
-/// What speaks against a result although a solver calls it usable: a minimum
-/// may be a bad one, of wrong data, of a wrong arm, or not reached at all.
-/// `result` has its runs, training accuracy, outliers and reduced chi-square.
-std::vector<std::string> WarnOfFit(const FinishedFit& fit,
-                                   const FitHistory& history,
-                                   const CalibrationResult& result);
+/// Adds a warning to the result, and to the log.
+void AddWarning(const std::string& warning, CalibrationResult* result);
+/// The same of a finding about the input, which the result also keeps as such.
+void AddWarning(const Finding& finding, CalibrationResult* result);
+
+/// Adds what speaks against a result although a solver calls it usable: a
+/// minimum may be a bad one, of wrong data, of a wrong arm, or not reached at
+/// all. `result` has its runs, training accuracy, outliers and reduced
+/// chi-square.
+void WarnOfFit(const FinishedFit& fit, const FitHistory& history,
+               CalibrationResult* result);
 
 }  // namespace alidade::internal
 

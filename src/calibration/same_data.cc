@@ -46,42 +46,48 @@ bool IsTooLarge(const Dataset& data) {
          data.num_observations() > kMostObservations;
 }
 
-std::string CountOf(std::size_t count, std::size_t all) {
-  return std::to_string(count) + " of " + std::to_string(all);
+// Of `count` of `all` measurements, where that is more than `threshold` of all.
+void AddFinding(const std::string& key, std::size_t count, std::size_t all,
+                double threshold, const std::string& text,
+                std::vector<Finding>* findings) {
+  const double fraction = static_cast<double>(count) / static_cast<double>(all);
+  if (!(fraction > threshold)) return;
+  findings->push_back(
+      {"plausibility." + key, fraction, threshold,
+       std::to_string(count) + " of " + std::to_string(all) + text,
+       FindingLevel::kAttention});
 }
 
 }  // namespace
 
-std::vector<std::string> DoubtSameData(const CalibrationTask& task) {
-  std::vector<std::string> doubts;
-  if (IsTooLarge(task.data.training)) return doubts;
+std::vector<Finding> DiagnoseSameData(const CalibrationTask& task) {
+  std::vector<Finding> findings;
+  if (IsTooLarge(task.data.training)) return findings;
   const Prints fitted = PrintsOf(task.data.training);
   Prints distinct = fitted;
   distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
   const std::size_t repeated = fitted.size() - distinct.size();
-  if (static_cast<double>(repeated) >
-      kManyOfAll * static_cast<double>(fitted.size())) {
-    doubts.push_back(
-        CountOf(repeated, fitted.size()) +
-        " measurements are in the data before, joint values and measured "
-        "values to the last digit: is a file there twice, or a copy of it? "
-        "They count as independent, so that standard deviations are too small");
-  }
-  if (!task.data.validation || IsTooLarge(*task.data.validation)) return doubts;
+  AddFinding(
+      "repeated_data", repeated, fitted.size(), kManyOfAll,
+      " measurements are in the data before, joint values and measured "
+      "values to the last digit: is a file there twice, or a copy of it? "
+      "They count as independent, so that standard deviations are too small",
+      &findings);
+  if (!task.data.validation || IsTooLarge(*task.data.validation))
+    return findings;
   const Prints heldout = PrintsOf(*task.data.validation);
   const auto is_fitted = [&](std::size_t print) {
     return std::binary_search(distinct.begin(), distinct.end(), print);
   };
   const auto shared = static_cast<std::size_t>(
       std::count_if(heldout.begin(), heldout.end(), is_fitted));
-  if (shared > 0) {
-    doubts.push_back(
-        CountOf(shared, heldout.size()) +
-        " validation measurements are those that the fit has used, to the last "
-        "digit: their errors say nothing of other poses. Validate with data "
-        "that are not in `data`");
-  }
-  return doubts;
+  AddFinding(
+      "validation_data", shared, heldout.size(), 0.0,
+      " validation measurements are those that the fit has used, to the "
+      "last digit: their errors say nothing of other poses. Validate with "
+      "data that are not in `data`",
+      &findings);
+  return findings;
 }
 
 }  // namespace alidade::internal

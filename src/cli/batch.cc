@@ -81,7 +81,9 @@ void PrintSummary(const BatchSummary& summary, const BatchOptions& options) {
     const std::int64_t count = summary.Count(status);
     if (count > 0) std::cout << ", " << count << " " << ToString(status);
   }
-  std::cout << "\n\nResults\n"
+  std::cout << "\n";
+  if (!summary.comparison.empty()) std::cout << summary.comparison << "\n";
+  std::cout << "\nResults\n"
             << "  " << options.directory << "/summary.csv\n"
             << "  " << options.directory << "/summary.json\n"
             << "  " << options.directory << "/comparison.html\n";

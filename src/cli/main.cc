@@ -51,8 +51,8 @@ const std::vector<FlagHelp>& FlagHelps() {
        "--list=FILE      jobs and folders, one a line, from the list's folder"},
       {"out", "--out=PATH       where results are written"},
       {"read-as",
-       "--read-as=WHAT   fleet (arms), time (one arm, in order) or ways (of "
-       "one\n                   calibration); told from the data otherwise"},
+       "--read-as=WHAT   fleet (arms), time (one arm, in order) or methods (of "
+       "one\n                   calibration); chosen by the data otherwise"},
       {"report", "--report         also write report.html"},
       {"outputs",
        "--outputs=WHAT   full, or minimal: arm.yaml and result.json alone"},

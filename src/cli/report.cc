@@ -30,9 +30,9 @@ ComparisonKind ReadKind(const std::string& word, const ComparisonPage& page) {
   if (word.empty()) return page.GuessKind();
   if (word == "fleet") return ComparisonKind::kFleet;
   if (word == "time") return ComparisonKind::kTime;
-  if (word == "ways") return ComparisonKind::kWays;
-  throw InputError(
-      {}, "report: --read-as = \"" + word + "\", expected fleet, time or ways");
+  if (word == "methods" || word == "ways") return ComparisonKind::kMethods;
+  throw InputError({}, "report: --read-as = \"" + word +
+                           "\", expected fleet, time or methods");
 }
 
 std::string ComparisonOf(const CommandLine& line, const std::string& path) {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "alidade/arm_file.h"
+#include "alidade/dataset_file.h"
 #include "alidade/error.h"
 #include "alidade/rotation.h"
 #include "alidade/units.h"

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "alidade/arm_file.h"
+#include "alidade/dataset_file.h"
 #include "alidade/error.h"
 #include "alidade/units.h"
 #include "src/calibration/evaluate.h"

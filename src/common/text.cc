@@ -159,6 +159,14 @@ void AppendShortest(double value, std::string* text) {
   }
 }
 
+std::string AsSentence(std::string text) {
+  const std::size_t word =
+      text.find_first_not_of("abcdefghijklmnopqrstuvwxyz-");
+  if (word > 0 && word < text.size() && text[word] == ' ') text[0] -= 'a' - 'A';
+  if (!text.empty() && text.back() != '.') text += '.';
+  return text;
+}
+
 std::string Count(std::int64_t number, std::string_view singular) {
   std::string text = std::to_string(number) + " " + std::string(singular);
   if (number != 1) text += "s";

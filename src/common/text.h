@@ -55,6 +55,10 @@ std::string TextCell(const std::string& text);
 /// The same at the end of `row`.
 void AppendTextCell(const std::string& text, std::string* row);
 
+/// `text` with a capital letter, where it begins with a word of small letters,
+/// and a full stop, where it has none: "tracker.csv:5: lost" keeps its "t".
+std::string AsSentence(std::string text);
+
 /// "1 pose", "56 poses".
 std::string Count(std::int64_t number, std::string_view singular);
 

@@ -162,6 +162,14 @@ Dataset MakePositions(SharedMatrix joint_values, SharedMatrix points,
   return data;
 }
 
+Dataset MakePositions(SharedMatrix joint_values, SharedMatrix points,
+                      double sigma) {
+  SharedMatrix sigmas = SharedMatrix::Repeated(Eigen::Vector3d::Constant(sigma),
+                                               joint_values.cols());
+  return MakePositions(std::move(joint_values), std::move(points),
+                       std::move(sigmas));
+}
+
 void DropTrivialPoses(Eigen::Index num_poses, ObservationBlock* block) {
   std::vector<int>& poses = block->poses;
   bool counts = static_cast<Eigen::Index>(poses.size()) == num_poses;

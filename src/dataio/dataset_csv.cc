@@ -45,27 +45,6 @@ LoadedData LoadDataWith(const DataFile& file, References* references,
   return reader.Read(options);
 }
 
-Dataset LoadDataset(const std::string& path, const Arm& arm,
-                    double default_sigma, int num_threads) {
-  DataFormat format;
-  format.sigma = default_sigma;
-  References references;
-  LoadedData loaded = LoadData(path, arm, format, &references, num_threads);
-  std::vector<std::string> names;
-  for (const ReferencePoint& point : references.points) {
-    names.push_back(point.name);
-  }
-  for (const ReferencePlane& plane : references.planes) {
-    names.push_back(plane.name);
-  }
-  if (!names.empty()) {
-    throw InputError({path, 0, 0, ""},
-                     "measured against " + JoinNames(names) +
-                         ": expected a job that names this file as its `data`");
-  }
-  return std::move(loaded.data);
-}
-
 Eigen::MatrixXd LoadJointValues(const std::string& path, const Arm& arm) {
   if (!IsNpy(path)) return ReadJointValues(MappedFile(path), arm);
   MappedFile text(path, NpyAsCsv(path));

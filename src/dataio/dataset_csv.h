@@ -29,13 +29,6 @@ LoadedData LoadData(const std::string& path, const Arm& arm,
 LoadedData LoadDataWith(const DataFile& file, References* references,
                         const ReadOptions& options);
 
-/// The same of a file in our own format that needs nothing besides: positions,
-/// orientations as quaternions or rotation vectors, differences.
-/// `default_sigma` (m) is that of lengths without one.
-/// @throws InputError, also where the file needs more than that.
-Dataset LoadDataset(const std::string& path, const Arm& arm,
-                    double default_sigma, int num_threads = 1);
-
 /// Reads only the joint columns; others are allowed and ignored.
 Eigen::MatrixXd LoadJointValues(const std::string& path, const Arm& arm);
 

@@ -86,9 +86,12 @@ class BatchRun {
     } else {
       RunWithOthers(communicator);
     }
+    const ComparisonPage page = CompareResults();
+    const ComparisonKind kind = page.GuessKind();
+    if (page.num_results() > 1) summary_.comparison = page.Sentence(kind);
     store_.WriteSummary("summary.csv", FormatBatchCsv(summary_));
     store_.WriteSummary("summary.json", FormatBatchSummary(summary_));
-    store_.WriteSummary("comparison.html", CompareResults());
+    store_.WriteSummary("comparison.html", page.Render(kind));
     LOG(INFO) << "time of all workers: " << times_.Format();
     return std::move(summary_);
   }
@@ -150,7 +153,7 @@ class BatchRun {
 
   // The results of all jobs beside each other, those that came to none with
   // what stopped them.
-  std::string CompareResults() const {
+  ComparisonPage CompareResults() const {
     ComparisonPage page;
     for (std::size_t i = 0; i < summary_.entries.size(); ++i) {
       const BatchEntry& entry = summary_.entries[i];
@@ -163,7 +166,7 @@ class BatchRun {
                         options_.directory + "/comparison.html", &page);
       }
     }
-    return page.Render(page.GuessKind());
+    return page;
   }
 
   // Takes a job and does it; false where none is left.

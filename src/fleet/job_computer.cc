@@ -164,7 +164,7 @@ void JobComputer::Run(const PlannedJob& job, Computed* computed) const {
   if (!HasResult(record.entry)) return;
   computed->files = RenderResult(result, config.outputs);
   record.entry.directory = job.name;
-  computed->item = DescribeForComparison(job.name, result, "");
+  computed->item = MakeComparisonItem(job.name, result, "");
   for (const ReportFile& file : computed->files) {
     if (file.name == "result.json") record.result_sha256 = Sha256(file.Text());
   }

@@ -62,6 +62,41 @@ std::string AskMessage() {
   return writer.Take();
 }
 
+void PutCompared(const ComparedResult& result, ByteWriter* writer) {
+  writer->PutText(result.label);
+  writer->Put(result.before);
+  writer->Put(result.after);
+  writer->Put(result.is_validated);
+  writer->Put(static_cast<std::int64_t>(result.parameters.size()));
+  for (const ComparedParameter& parameter : result.parameters) {
+    writer->PutText(parameter.name);
+    writer->Put(parameter.dimension);
+    writer->Put(parameter.value);
+    writer->Put(parameter.deviation);
+    writer->Put(parameter.std);
+    writer->Put(parameter.is_free);
+  }
+}
+
+ComparedResult GetCompared(ByteReader* reader) {
+  ComparedResult result;
+  result.label = reader->GetText();
+  result.before = reader->Get<Accuracy>();
+  result.after = reader->Get<Accuracy>();
+  result.is_validated = reader->Get<bool>();
+  result.parameters.resize(
+      static_cast<std::size_t>(reader->Get<std::int64_t>()));
+  for (ComparedParameter& parameter : result.parameters) {
+    parameter.name = reader->GetText();
+    parameter.dimension = reader->Get<Dimension>();
+    parameter.value = reader->Get<double>();
+    parameter.deviation = reader->Get<double>();
+    parameter.std = reader->Get<double>();
+    parameter.is_free = reader->Get<bool>();
+  }
+  return result;
+}
+
 std::string OutcomeMessage(std::int64_t number, const Computed& computed,
                            const std::string& staged) {
   ByteWriter writer;
@@ -71,8 +106,9 @@ std::string OutcomeMessage(std::int64_t number, const Computed& computed,
   writer.PutText(staged);
   writer.Put(computed.item.has_value());
   if (computed.item) {
-    const auto& [version, data, layout, head, tail] = *computed.item;
-    writer.PutTexts({version, data, layout, head, tail});
+    writer.PutTexts(
+        {computed.item->version, computed.item->data, computed.item->json});
+    PutCompared(computed.item->values, &writer);
   }
   return writer.Take();
 }
@@ -103,9 +139,11 @@ RemoteOutcome ReadOutcome(ByteReader* reader) {
   outcome.staged = reader->GetText();
   if (!reader->Get<bool>()) return outcome;
   std::vector<std::string> texts = reader->GetTexts();
-  outcome.item = {std::move(texts.at(0)), std::move(texts.at(1)),
-                  std::move(texts.at(2)), std::move(texts.at(3)),
-                  std::move(texts.at(4))};
+  outcome.item = ComparisonItem{{},
+                                std::move(texts.at(0)),
+                                std::move(texts.at(1)),
+                                std::move(texts.at(2))};
+  outcome.item->values = GetCompared(reader);
   return outcome;
 }
 

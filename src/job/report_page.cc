@@ -165,9 +165,11 @@ std::string ResultPageOf(const std::string& path) {
   const std::string json = JsonPath(path);
   const fs::path directory = DirectoryOf(path);
   ReportSource source;
-  source.title = LoadResultJson(json).title;
+  const CalibrationResult result = LoadResultJson(json);
+  source.title = result.title;
   source.label = directory.filename().string();
-  source.result_json = ReadFile(json);
+  // Not as it was read: that of an earlier version has no verdict.
+  source.result_json = FormatResultJson(result);
   source.report_text = ReadIfThere(directory / "report.txt");
   source.residuals_csv = SourceIfThere(directory / "residuals.csv");
   source.heldout_csv = SourceIfThere(directory / "heldout.csv");

@@ -1,6 +1,7 @@
 #include "src/kernel/compression.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/QR>
 #include <cmath>
 #include <limits>
 
@@ -23,11 +24,15 @@ class ScaledCondition {
   // p^3 / 6 multiply-adds.
   double operator()(const Eigen::MatrixXd& factor) {
     const Eigen::Index p = factor.cols();
-    norms_ = factor.colwise().squaredNorm();
     double squares = 0.0;
-    for (Eigen::Index j = 0; j < p; ++j) {
-      SolveForUnit(factor, j);
-      squares += column_.head(j + 1).cwiseAbs2().dot(norms_.head(j + 1));
+    inverse_.setIdentity(p, p);
+    for (Eigen::Index i = p - 1; i >= 0; --i) {
+      auto row = inverse_.row(i);
+      for (Eigen::Index k = i + 1; k < p; ++k) {
+        row.tail(p - k) -= factor(i, k) * inverse_.row(k).tail(p - k);
+      }
+      row.tail(p - i) /= factor(i, i);
+      squares += factor.col(i).squaredNorm() * row.tail(p - i).squaredNorm();
     }
     const double condition = std::sqrt(static_cast<double>(p) * squares);
     return std::isfinite(condition) ? condition
@@ -35,18 +40,8 @@ class ScaledCondition {
   }
 
  private:
-  // column <- column j of the inverse, down to the diagonal.
-  void SolveForUnit(const Eigen::MatrixXd& factor, Eigen::Index j) {
-    column_.setZero(factor.cols());
-    column_[j] = 1.0;
-    for (Eigen::Index i = j; i >= 0; --i) {
-      column_[i] /= factor(i, i);
-      column_.head(i) -= column_[i] * factor.col(i).head(i);
-    }
-  }
-
-  Eigen::VectorXd norms_;
-  Eigen::VectorXd column_;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>
+      inverse_;
 };
 
 }  // namespace
@@ -94,7 +89,14 @@ class Compressor::Implementation {
         losses_(losses),
         factorization_(options.factorization),
         may_use_gram_(options.factorization != Factorization::kOrthogonal),
-        is_large_(data.global_observations() >= kFewestForSample) {}
+        is_large_(data.global_observations() >= kFewestForSample) {
+    if (options.priors.size() == 0) return;
+    prior_columns_ = columns;
+    nominal_ = model.NominalValues()(prior_columns_);
+    prior_weights_ = options.priors(prior_columns_).cwiseInverse();
+    prior_weights_ =
+        prior_weights_.array().isFinite().select(prior_weights_, 0.0);
+  }
 
   void Compress(const Eigen::VectorXd& values, CompressedProblem* problem) {
     used_gram_ = may_use_gram_ && SampleIsGood(values, problem) &&
@@ -125,7 +127,14 @@ class Compressor::Implementation {
  private:
   void Remember(const Eigen::VectorXd& values) {
     summary_ = parted_.summary();
+    if (prior_weights_.size() > 0) {
+      summary_.cost += PriorResiduals(values).squaredNorm();
+    }
     summarized_ = values;
+  }
+
+  Eigen::VectorXd PriorResiduals(const Eigen::VectorXd& values) const {
+    return prior_weights_.cwiseProduct(values(prior_columns_) - nominal_);
   }
 
   bool HasGoodCondition(const Eigen::MatrixXd& factor) {
@@ -140,8 +149,22 @@ class Compressor::Implementation {
     });
     parted_.MergeTriangles(&triangle_);
     const Eigen::Index p = triangle_.cols() - 1;
+    if (prior_weights_.size() > 0) AddPriorRows(values);
     problem->factor = triangle_.topLeftCorner(p, p);
     problem->projected = triangle_.topRightCorner(p, 1);
+  }
+
+  // Merges the rows of the priors into the triangle.
+  void AddPriorRows(const Eigen::VectorXd& values) {
+    const Eigen::Index p = triangle_.cols() - 1;
+    Eigen::MatrixXd stacked = Eigen::MatrixXd::Zero(2 * p + 1, p + 1);
+    stacked.topRows(p + 1) = triangle_;
+    stacked.bottomLeftCorner(p, p).diagonal() = prior_weights_;
+    stacked.bottomRightCorner(p, 1) = PriorResiduals(values);
+    triangle_ = Eigen::HouseholderQR<Eigen::MatrixXd>(stacked)
+                    .matrixQR()
+                    .topRows(p + 1)
+                    .triangularView<Eigen::Upper>();
   }
 
   // Before anything is known of the columns: whether a few tiles of many let
@@ -164,6 +187,11 @@ class Compressor::Implementation {
     parted_.ForEachTile(values, columns_, add, extent);
     parted_.SumProducts(&triangle_);
     const Eigen::Index p = triangle_.cols() - 1;
+    if (prior_weights_.size() > 0) {
+      triangle_.diagonal().head(p) += prior_weights_.cwiseAbs2();
+      triangle_.topRightCorner(p, 1) +=
+          prior_weights_.cwiseProduct(PriorResiduals(values));
+    }
     cholesky_.compute(
         triangle_.topLeftCorner(p, p).selfadjointView<Eigen::Upper>());
     if (cholesky_.info() != Eigen::Success) return false;
@@ -189,6 +217,11 @@ class Compressor::Implementation {
   const Factorization factorization_;
   bool may_use_gram_;
   const bool is_large_;
+  // Where there are priors: the columns, their nominal values, and the inverses
+  // of the standard deviations, 0 where a column has no prior.
+  std::vector<int> prior_columns_;
+  Eigen::VectorXd nominal_;
+  Eigen::VectorXd prior_weights_;
   bool used_gram_ = false;
   Eigen::MatrixXd triangle_;
   ScaledCondition condition_;

@@ -38,7 +38,7 @@ double RobustChiSquare(const SharedVector& errors, const Dataset& data,
                        const std::vector<RobustLoss>& losses);
 
 /// A least-squares problem in few rows that has the cost, the gradient and the
-/// Gauss-Newton matrix of a whole data set.
+/// Gauss-Newton matrix of a whole data set, priors included.
 struct CompressedProblem {
   Eigen::MatrixXd factor;     ///< R of J, columns x columns
   Eigen::VectorXd projected;  ///< Q^T r, columns
@@ -65,6 +65,10 @@ struct CompressorOptions {
   /// the kernel (bytes). Of what does not fit they are taken anew at every
   /// evaluation. By default half of MemoryLimit(), at most 2 GiB.
   std::size_t cache_bytes = std::min(std::size_t{1} << 31, MemoryLimit() / 2);
+  /// Gaussian priors, each of which is an observation besides those of the
+  /// data: standard deviations about the model's nominal values, one entry per
+  /// column of the layout, NaN or infinite where there is none; or empty.
+  Eigen::VectorXd priors = {};
 };
 
 /// Compresses one data set again and again, at changing parameter values.

@@ -8,6 +8,7 @@
 
 #include "alidade/random.h"
 #include "src/common/parallel.h"
+#include "src/planning/criterion.h"
 #include "src/planning/plan_state.h"
 
 namespace alidade::internal {

@@ -138,18 +138,6 @@ std::string StagesTable(const CalibrationResult& result) {
          (rotations.empty() ? "" : "\n" + rotations.ToString());
 }
 
-std::string SigmaNote(const CalibrationResult& result) {
-  if (!(result.estimated_sigma > 0.0)) return "";
-  std::string text = "Sigma of a coordinate, estimated from the residuals: " +
-                     FormatLength(result.estimated_sigma, 3);
-  if (result.estimated_rotation_sigma > 0.0) {
-    text += "; of an orientation about each axis: " +
-            FormatSignificant(result.estimated_rotation_sigma / kDegree, 3) +
-            " deg";
-  }
-  return Paragraph(text + ".");
-}
-
 // What repeats say of the instrument and the arm, whatever its geometry.
 std::string RepeatNote(const CalibrationResult& result) {
   const RepeatSpread& repeats = result.repeats;
@@ -165,16 +153,14 @@ std::string RepeatNote(const CalibrationResult& result) {
   return Paragraph(text + ": what no geometry can take away.");
 }
 
-// Says what "before" is, and how the residuals compare with the sigmas.
+// Says what "before" is, and what else there is to know of these errors.
 std::string FitNotes(const CalibrationResult& result) {
   std::string text;
   if (!result.before_note.empty()) text += Paragraph(result.before_note + ".");
-  text += SigmaNote(result) + RepeatNote(result);
-  if (result.reduced_chi_square > 0.0) {
-    text += Paragraph("Chi-square by degree of freedom: " +
-                      FormatSignificant(result.reduced_chi_square, 3) +
-                      " (1 where the residuals are as the sigmas say).");
-  }
+  text += RepeatNote(result);
+  const std::string findings = FindingSentences(
+      result, {"acceptance", "sigma", "measurement_noise", "chi_square"});
+  if (!findings.empty()) text += Paragraph(findings);
   return text.empty() ? "" : "\n" + text;
 }
 
@@ -225,15 +211,11 @@ std::string OutlierTable(const CalibrationResult& result) {
                   FormatSignificant(outlier.standardised, 3),
                   FormatSignificant(outlier.weight, 2)});
   }
-  return Paragraph(
-             Count(static_cast<std::int64_t>(result.outliers.size()),
-                   "observation") +
-             " of " + std::to_string(result.train.after.n) + " beyond " +
-             FormatSignificant(result.outlier_limit, 3) +
-             " sigmas (of a position; as improbable for other kinds), where "
-             "one in twenty calibrations would have one by chance. None was "
-             "left out of the accuracy; the weight is what the loss left them "
-             "in the fit. Worst first; residuals.csv has all of them.") +
+  return Paragraph(FindingSentences(result, {"outliers"}) +
+                   " The limits of other kinds than positions are equally "
+                   "improbable. No outlier was left out of the accuracy; the "
+                   "weight is what the loss left it in the fit. Worst first; "
+                   "residuals.csv has all of them.") +
          FirstRows(result.outliers.size()) + table.ToString();
 }
 

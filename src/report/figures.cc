@@ -7,8 +7,8 @@
 #include "src/common/format.h"
 #include "src/common/text.h"
 #include "src/report/report.h"
-#include "src/report/solver_names.h"
 #include "src/report/svg_chart.h"
+#include "src/solve/solver_names.h"
 
 namespace alidade::internal {
 namespace {

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "alidade/comparison.h"
+#include "src/common/text.h"
 #include "src/report/html_json.h"
 #include "src/report/html_page.h"
 #include "src/report/html_report.h"
@@ -11,6 +13,7 @@ namespace alidade::internal {
 namespace {
 
 constexpr std::size_t kMostResults = 2000;
+constexpr std::size_t kMostChanges = 500;
 constexpr int kErrorDigits = 5;
 constexpr int kParameterDigits = 9;
 constexpr int kStdDigits = 4;
@@ -29,6 +32,28 @@ std::string SetJson(const EvaluatedSet& set) {
 
 std::string Integer(const std::string& name, std::int64_t value) {
   return ",\"" + name + "\":" + std::to_string(value);
+}
+
+std::string UnitJson(Dimension dimension) {
+  return dimension == Dimension::kAngle ? ",\"unit\":\"rad\""
+                                        : ",\"unit\":\"m\"";
+}
+
+std::string VerdictJson(FindingLevel level, const std::string& title,
+                        const std::string& sentence) {
+  return "{\"level\":" + JsonText(ToString(level)) +
+         ",\"title\":" + JsonText(title) +
+         ",\"sentence\":" + JsonText(sentence) + "}";
+}
+
+// Why an arm is an outlier.
+std::string ReasonsJson(const FleetArm& arm) {
+  std::string json = "[";
+  for (const Finding& finding : arm.findings) {
+    if (finding.level != FindingLevel::kAttention) continue;
+    json += (json.back() == '[' ? "" : ",") + JsonText(finding.sentence);
+  }
+  return json + "]";
 }
 
 std::string RunsJson(const std::vector<SolverRun>& runs) {
@@ -50,55 +75,6 @@ std::string RunsJson(const std::vector<SolverRun>& runs) {
   return json + "]";
 }
 
-// Which parameters there are: shared by results of the same nominal arm.
-// Nominal values of base and tool are where frames alone put them, and no two
-// results agree in them.
-std::string LayoutJson(const std::vector<ParameterResult>& parameters) {
-  std::string names, units, kinds, nominals;
-  for (const ParameterResult& parameter : parameters) {
-    const std::string comma = names.empty() ? "" : ",";
-    const std::string& kind = parameter.kind;
-    const bool is_joint = kind == "beta" || kind == "alpha" || kind == "d" ||
-                          kind == "theta" || kind == "r";
-    names += comma + JsonText(parameter.name);
-    units += comma +
-             (parameter.dimension == Dimension::kAngle ? "\"rad\"" : "\"m\"");
-    kinds += comma + JsonText(kind);
-    nominals +=
-        comma +
-        (is_joint ? JsonNumber(parameter.nominal, kParameterDigits) : "null");
-  }
-  return "{\"names\":[" + names + "],\"units\":[" + units + "],\"kinds\":[" +
-         kinds + "],\"nominal\":[" + nominals + "]}";
-}
-
-// What is known of the standard deviation of parameter `i`.
-double StdOf(const CalibrationResult& result, std::size_t i) {
-  const ParameterResult& parameter = result.parameters[i];
-  if (result.uncertainty) {
-    for (const ParameterUncertainty& known : result.uncertainty->parameters) {
-      if (known.name == parameter.name) return known.std;
-    }
-  }
-  return std::isfinite(parameter.std) ? parameter.std
-                                      : parameter.decision.predicted_std;
-}
-
-std::string ParametersJson(const CalibrationResult& result) {
-  std::string deviations, stds, states;
-  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
-    const ParameterResult& parameter = result.parameters[i];
-    const std::string comma = i > 0 ? "," : "";
-    deviations += comma + JsonNumber(parameter.deviation(), kParameterDigits);
-    stds += comma + JsonNumber(StdOf(result, i), kStdDigits);
-    states += parameter.decision.state == ParameterState::kFree     ? 'f'
-              : parameter.decision.state == ParameterState::kFrozen ? 'h'
-                                                                    : 'g';
-  }
-  return ",\"deviation\":[" + deviations + "],\"std\":[" + stds +
-         "],\"states\":\"" + states + "\"";
-}
-
 // The same for results of the same measurements of the same arm: the job's own
 // file, the first, may differ.
 std::string DataKey(const CalibrationResult& result) {
@@ -112,44 +88,132 @@ std::string DataKey(const CalibrationResult& result) {
   return key;
 }
 
-std::string ListJson(const std::vector<std::string>& items) {
+// `item` makes JSON of each.
+template <typename Items, typename Item>
+std::string ListJson(const Items& items, const Item& item) {
   std::string json = "[";
-  for (const std::string& item : items) {
-    if (json.back() != '[') json += ",\n";
-    json += item;
+  for (const auto& each : items) {
+    if (json.back() != '[') json += ",";
+    json += item(each);
   }
   return json + "]";
 }
 
-const char* KeyOf(ComparisonKind kind) {
+// Results and arms have lines of their own.
+std::string LineOf(const std::string& json) { return "\n" + json; }
+
+std::string NumbersJson(const std::vector<double>& numbers, int digits) {
+  return ListJson(
+      numbers, [digits](double number) { return JsonNumber(number, digits); });
+}
+
+template <typename Summary>
+std::string VerdictJson(const Summary& summary) {
+  return "{\"threshold\":" + JsonNumber(Summary::kThreshold, kStdDigits) +
+         ",\"verdict\":" +
+         VerdictJson(summary.level, summary.title, summary.sentence);
+}
+
+// One column of a table of arms and parameters.
+std::vector<double> ValuesOf(const FleetSummary& fleet, std::size_t result,
+                             std::vector<double> RobustScores::*values) {
+  std::vector<double> row;
+  for (const FleetParameter& parameter : fleet.parameters) {
+    row.push_back((parameter.deviations.*values)[result]);
+  }
+  return row;
+}
+
+std::string ArmJson(const FleetSummary& fleet, const FleetArm& arm) {
+  const std::size_t i = arm.result;
+  return "{\"result\":" + std::to_string(i) +
+         ",\"outlier\":" + (arm.is_outlier ? "true" : "false") +
+         ",\"scores\":" +
+         NumbersJson({fleet.before.scores[i], fleet.after.scores[i],
+                      fleet.geometry.scores[i]},
+                     kStdDigits) +
+         ",\"reasons\":" + ReasonsJson(arm) + ",\"most\":" +
+         (arm.most_different ? std::to_string(*arm.most_different) : "null") +
+         ",\"deviations\":" +
+         NumbersJson(ValuesOf(fleet, i, &RobustScores::values), kErrorDigits) +
+         ",\"parameter_scores\":" +
+         NumbersJson(ValuesOf(fleet, i, &RobustScores::scores), kStdDigits) +
+         "}";
+}
+
+std::string FleetJson(const FleetSummary& fleet) {
+  return VerdictJson(fleet) +
+         ",\"small\":" + (fleet.is_small ? "true" : "false") +
+         ",\"parameters\":" +
+         ListJson(fleet.parameters,
+                  [](const FleetParameter& parameter) {
+                    return "{\"name\":" + JsonText(parameter.name) +
+                           UnitJson(parameter.dimension) + "}";
+                  }) +
+         ",\"arms\":" +
+         ListJson(fleet.arms,
+                  [&fleet](const FleetArm& arm) {
+                    return LineOf(ArmJson(fleet, arm));
+                  }) +
+         "}";
+}
+
+std::string ChangeJson(const ParameterChange& change) {
+  return LineOf(
+      "{\"name\":" + JsonText(change.name) + UnitJson(change.dimension) +
+      ",\"from\":" + std::to_string(change.from) +
+      ",\"before\":" + JsonNumber(change.before, kParameterDigits) +
+      ",\"after\":" + JsonNumber(change.after, kParameterDigits) +
+      ",\"difference\":" + JsonNumber(change.difference(), kErrorDigits) +
+      ",\"std\":" + JsonNumber(change.std, kStdDigits) +
+      ",\"score\":" + JsonNumber(change.score(), kErrorDigits) +
+      ",\"significant\":" + (change.is_significant ? "true" : "false") + "}");
+}
+
+std::string DriftJson(DriftSummary drift) {
+  const std::size_t all = drift.changes.size();
+  if (all > kMostChanges) drift.changes.resize(kMostChanges);
+  return VerdictJson(drift) + ",\"total\":" + std::to_string(all) +
+         ",\"changes\":" + ListJson(drift.changes, ChangeJson) + "}";
+}
+
+std::string MethodsJson(const MethodSummary& methods) {
+  return "{\"verdict\":" +
+         VerdictJson(methods.level, methods.title, methods.sentence) +
+         ",\"ranking\":" +
+         ListJson(methods.ranking,
+                  [](std::size_t place) { return std::to_string(place); }) +
+         "}";
+}
+
+const char* ComparisonKey(ComparisonKind kind) {
   switch (kind) {
     case ComparisonKind::kFleet:
       return "fleet";
     case ComparisonKind::kTime:
       return "time";
-    case ComparisonKind::kWays:
-      return "ways";
+    case ComparisonKind::kMethods:
+      return "methods";
   }
   return "fleet";
 }
 
 }  // namespace
 
-ComparisonItem DescribeForComparison(const std::string& label,
-                                     const CalibrationResult& result,
-                                     const std::string& link) {
+ComparisonItem MakeComparisonItem(const std::string& label,
+                                  const CalibrationResult& result,
+                                  const std::string& link) {
   const auto missed =
       std::count_if(result.acceptance.begin(), result.acceptance.end(),
                     [](const AcceptanceCheck& check) { return !check.met(); });
   ComparisonItem item;
+  item.values = DescribeForComparison(label, result);
   item.version = result.version;
   item.data = DataKey(result);
-  item.layout = LayoutJson(result.parameters);
-  item.head = "{\"label\":" + JsonText(label) +
-              ",\"title\":" + JsonText(result.title) +
-              ",\"arm\":" + JsonText(result.arm_name) +
-              (link.empty() ? "" : ",\"href\":" + JsonText(link));
-  item.tail =
+  item.json =
+      "{\"label\":" + JsonText(label) + ",\"title\":" + JsonText(result.title) +
+      ",\"arm\":" + JsonText(result.arm_name) +
+      (link.empty() ? "" : ",\"href\":" + JsonText(link)) +
       Integer("limits", static_cast<std::int64_t>(result.acceptance.size())) +
       Integer("missed", missed) +
       Integer("warnings", static_cast<std::int64_t>(result.warnings.size())) +
@@ -157,23 +221,21 @@ ComparisonItem DescribeForComparison(const std::string& label,
       ",\"runs\":" + RunsJson(result.runs) +
       ",\"train\":" + SetJson(result.train);
   if (result.heldout && result.heldout->after.n > 0) {
-    item.tail += ",\"heldout\":" + SetJson(*result.heldout);
+    item.json += ",\"heldout\":" + SetJson(*result.heldout);
   }
-  item.tail += ParametersJson(result) + "}";
+  item.json += "}";
   return item;
 }
 
-void ComparisonPage::Add(const ComparisonItem& item) {
+void ComparisonPage::Add(ComparisonItem item) {
   version_ = item.version;
-  data_.push_back(item.data);
+  data_.push_back(std::move(item.data));
   if (results_.size() >= kMostResults) {
     ++left_out_;
     return;
   }
-  const auto found = std::find(layouts_.begin(), layouts_.end(), item.layout);
-  results_.push_back(item.head + Integer("layout", found - layouts_.begin()) +
-                     item.tail);
-  if (found == layouts_.end()) layouts_.push_back(item.layout);
+  results_.push_back(std::move(item.json));
+  values_.push_back(std::move(item.values));
 }
 
 void ComparisonPage::AddFailure(const std::string& label,
@@ -188,21 +250,40 @@ ComparisonKind ComparisonPage::GuessKind() const {
       std::all_of(data_.begin(), data_.end(), [this](const std::string& key) {
         return key == data_.front();
       });
-  return same_data ? ComparisonKind::kWays : ComparisonKind::kFleet;
+  return same_data ? ComparisonKind::kMethods : ComparisonKind::kFleet;
+}
+
+std::string ComparisonPage::Sentence(ComparisonKind kind) const {
+  switch (kind) {
+    case ComparisonKind::kFleet:
+      return CompareFleet(values_, static_cast<std::int64_t>(failures_.size()))
+          .sentence;
+    case ComparisonKind::kTime:
+      return CompareOverTime(values_).sentence;
+    case ComparisonKind::kMethods:
+      return CompareMethods(values_).sentence;
+  }
+  return "";
 }
 
 std::string ComparisonPage::Render(ComparisonKind kind) const {
+  const FleetSummary fleet =
+      CompareFleet(values_, static_cast<std::int64_t>(failures_.size()));
+  const DriftSummary drift = CompareOverTime(values_);
+  const MethodSummary methods = CompareMethods(values_);
   const std::string data =
       "{\"format\":\"alidade-page-1\",\"page\":\"comparison\","
       "\"comparison\":{\"kind\":\"" +
-      std::string(KeyOf(kind)) + "\",\"version\":" + JsonText(version_) +
+      std::string(ComparisonKey(kind)) +
+      "\",\"version\":" + JsonText(version_) +
       ",\"left_out\":" + std::to_string(left_out_) +
-      ",\"layouts\":" + ListJson(layouts_) +
-      ",\"failures\":" + ListJson(failures_) +
-      ",\"results\":" + ListJson(results_) + "}}";
-  return FillPage("Alidade: results compared", data,
-                  "Several results, compared. summary.csv and each result's "
-                  "report.txt hold the numbers.\n");
+      ",\"fleet\":" + FleetJson(fleet) + ",\"time\":" + DriftJson(drift) +
+      ",\"methods\":" + MethodsJson(methods) +
+      ",\"failures\":" + ListJson(failures_, LineOf) +
+      ",\"results\":" + ListJson(results_, LineOf) + "}}";
+  const std::string text = Paragraph(Sentence(kind)) +
+                           "The report.txt of each result holds its numbers.\n";
+  return FillPage("Alidade: results compared", data, text);
 }
 
 }  // namespace alidade::internal

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "alidade/calibration_result.h"
+#include "alidade/comparison.h"
 #include "src/common/text_pieces.h"
 
 namespace alidade::internal {
@@ -46,49 +47,46 @@ struct ReportSource {
 /// evenly, and the worst; a result.json of more than 500 kB with seven digits.
 std::string RenderResultPage(const ReportSource& source);
 
-/// How several results are read first; the reader of the page may change it.
-enum class ComparisonKind {
-  kFleet,  ///< one result an arm: which is unlike the others
-  kTime,   ///< one arm, in the order of the results: what moved
-  kWays,   ///< the same measurements, calibrated in several ways
-};
-
-/// What a comparison page needs of a result: text, no numbers to compute with.
+/// What a comparison page needs of a result.
 struct ComparisonItem {
+  ComparedResult values;  ///< what is compared
   std::string version;
-  std::string data;    ///< what it was measured on
-  std::string layout;  ///< JSON of names, units and nominals
-  std::string head;    ///< JSON before the layout's number
-  std::string tail;    ///< JSON behind it
+  std::string data;  ///< what it was measured on
+  std::string json;  ///< what the page shows besides
 };
 
 /// `link` leads from the page to the result's own; empty = there is none.
-ComparisonItem DescribeForComparison(const std::string& label,
-                                     const CalibrationResult& result,
-                                     const std::string& link);
+ComparisonItem MakeComparisonItem(const std::string& label,
+                                  const CalibrationResult& result,
+                                  const std::string& link);
 
 /// One page of several results. 1 to 2 kB of page a result; it holds what it
 /// needs of each, not the results.
 class ComparisonPage {
  public:
-  void Add(const ComparisonItem& item);
-  /// As DescribeForComparison.
+  void Add(ComparisonItem item);
+  /// As MakeComparisonItem.
   void Add(const std::string& label, const CalibrationResult& result,
            const std::string& link) {
-    Add(DescribeForComparison(label, result, link));
+    Add(MakeComparisonItem(label, result, link));
   }
   /// A job that came to no result, and why.
   void AddFailure(const std::string& label, const std::string& message);
 
-  /// Ways where all results are of the same data files and the same arm, else a
-  /// fleet: what cannot be told apart from an arm over time.
+  std::size_t num_results() const { return data_.size(); }
+
+  /// Methods where all results are of the same data files and the same arm,
+  /// else a fleet, which cannot be distinguished from an arm over time.
   ComparisonKind GuessKind() const;
+
+  /// What the comparison shows, as the page says it.
+  std::string Sentence(ComparisonKind kind) const;
 
   /// The first 2000 results in full, and how many more there are.
   std::string Render(ComparisonKind kind) const;
 
  private:
-  std::vector<std::string> layouts_;  ///< JSON of names, units and nominals
+  std::vector<ComparedResult> values_;
   std::vector<std::string> results_;
   std::vector<std::string> failures_;
   std::vector<std::string> data_;  ///< what each result was measured on

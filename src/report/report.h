@@ -73,7 +73,10 @@ std::vector<ReportFile> MakeMonteCarloFiles(const MonteCarloResult& result);
 /// stands for each parameter that is left out.
 std::vector<ReportFile> MakeIdentifiabilityFigures(
     const IdentifiabilityResult& result);
-/// The whole report.txt.
+/// The sentences of the findings of these keys, in the order of the keys.
+std::string FindingSentences(const CalibrationResult& result,
+                             const std::vector<std::string>& keys);
+/// The whole report.txt. The result has been judged (calibration/verdict.h).
 std::string FormatReport(const CalibrationResult& result);
 
 /// residuals.csv (training poses), heldout.csv (with validation poses),

@@ -1,6 +1,4 @@
-#include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,8 +8,8 @@
 #include "src/common/text_table.h"
 #include "src/report/accuracy_report.h"
 #include "src/report/report.h"
-#include "src/report/solver_names.h"
 #include "src/report/uncertainty_report.h"
+#include "src/solve/solver_names.h"
 
 namespace alidade::internal {
 namespace {
@@ -75,55 +73,9 @@ TextTable ParameterTable(const ParameterColumns& columns) {
   return TextTable(std::move(titles));
 }
 
-std::string Change(const std::string& poses, const EvaluatedSet& set) {
-  return "from " + FormatLength(set.before.max, 3) + " to " +
-         FormatLength(set.after.max, 3) + " at the " +
-         Count(set.after.n, poses);
-}
-
-// "The largest position error falls from ... to ... at ...; ", or nothing.
-std::string Changes(const CalibrationResult& result) {
-  std::vector<std::string> changes;
-  bool falls = true;
-  const auto add = [&](const std::string& poses, const EvaluatedSet& set) {
-    if (set.after.n == 0) return;
-    changes.push_back(Change(poses, set));
-    falls = falls && set.after.max < set.before.max;
-  };
-  add("training pose", result.train);
-  if (result.heldout) add("validation pose", *result.heldout);
-  if (changes.empty()) return "";
-  return std::string("The largest position error ") +
-         (falls ? "falls " : "goes ") + Join(changes, " and ") + "; ";
-}
-
-std::string AcceptanceVerdict(const CalibrationResult& result) {
-  if (result.acceptance.empty()) return "no acceptance limits were set";
-  const auto missed =
-      std::count_if(result.acceptance.begin(), result.acceptance.end(),
-                    [](const AcceptanceCheck& check) { return !check.met(); });
-  if (missed == 0) return "all acceptance limits are met";
-  return std::to_string(missed) + " of " +
-         Count(static_cast<std::int64_t>(result.acceptance.size()),
-               "acceptance limit") +
-         " MISSED";
-}
-
-// One sentence: what the calibration did, and whether to use it.
-std::string Verdict(const CalibrationResult& result) {
-  if (result.runs.empty()) {
-    const std::string& refusal = result.identifiability.refusal;
-    return "Nothing was calibrated: " +
-           (refusal.empty() ? "no solver has run." : refusal);
-  }
-  const SolverSummary& summary = result.runs.front().summary;
-  std::string text =
-      SolverTitle(summary.solver) + " " + ToString(summary.status) + " after " +
-      Count(summary.accepted_steps + summary.rejected_steps, "iteration");
-  if (!summary.IsSolutionUsable()) {
-    return "NOT USABLE: " + text + ": " + summary.message;
-  }
-  return Changes(result) + text + "; " + AcceptanceVerdict(result) + ".";
+// What people should read before they use the result.
+bool IsWarning(const Finding& finding) {
+  return finding.key == "warning" || finding.key.rfind("plausibility.", 0) == 0;
 }
 
 std::string SolverMessages(const CalibrationResult& result) {
@@ -194,15 +146,27 @@ std::string FormatParameters(const CalibrationResult& result) {
   return text;
 }
 
+std::string FindingSentences(const CalibrationResult& result,
+                             const std::vector<std::string>& keys) {
+  std::vector<std::string> sentences;
+  for (const std::string& key : keys) {
+    for (const Finding& finding : result.verdict.findings) {
+      if (finding.key == key) sentences.push_back(finding.sentence);
+    }
+  }
+  return Join(sentences, " ");
+}
+
 std::string FormatReport(const CalibrationResult& result) {
   const std::string title =
       result.title.empty() ? "Calibration of " + result.arm_name : result.title;
   std::string text = Heading(title, '=') + "\n";
-  if (!result.arm_name.empty())
+  if (!result.arm_name.empty()) {
     text += Paragraph("Arm: " + result.arm_name) + "\n";
-  text += Paragraph(Verdict(result));
-  for (const std::string& warning : result.warnings) {
-    text += Paragraph("Warning: " + warning + ".");
+  }
+  text += Paragraph(result.verdict.title + ". " + result.verdict.sentence);
+  for (const Finding& finding : result.verdict.findings) {
+    if (IsWarning(finding)) text += Paragraph("Warning: " + finding.sentence);
   }
   text += Section("Accuracy", AccuracySection(result));
   text += Section("Outliers", OutlierTable(result));

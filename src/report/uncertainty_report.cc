@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "src/calibration/verdict.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
 #include "src/common/text_table.h"
@@ -78,28 +79,6 @@ std::string Correlations(const UncertaintyResult& uncertainty) {
                    ".");
 }
 
-std::string PValue(double p) {
-  return std::isnan(p) ? "not tested" : "p = " + FormatSignificant(p, 2);
-}
-
-std::string Residuals(const ResidualDiagnostics& residuals) {
-  std::string text = "Residuals: chi-square " +
-                     FormatSignificant(residuals.chi_square, 4) + " for " +
-                     FormatSignificant(residuals.degrees_of_freedom, 4) +
-                     " degrees of freedom";
-  if (residuals.reduced_chi_square > 0.0) {
-    text += ", reduced " + FormatSignificant(residuals.reduced_chi_square, 3);
-  }
-  text += std::isnan(residuals.chi_square_p_value)
-              ? " (sigma is estimated from it)"
-              : " (" + PValue(residuals.chi_square_p_value) + ")";
-  text += "; normality " + PValue(residuals.normality.p_value) +
-          "; whiteness along the order of measurement " +
-          PValue(residuals.whiteness.p_value) +
-          ". A small p says that chance alone does so seldom.";
-  return Paragraph(text);
-}
-
 std::string Influences(const ResidualDiagnostics& residuals) {
   std::vector<Influence> poses = residuals.poses;
   std::stable_sort(poses.begin(), poses.end(),
@@ -149,25 +128,6 @@ std::string Map(const PredictedMap& map) {
             FormatLength(map.true_summary.max, 3);
   }
   return Paragraph(text + ".");
-}
-
-std::string Agreement(const std::string& where, const PredictionCheck& check) {
-  if (check.axes.n == 0) return "";
-  std::string text = where + ": " + Percent(check.axes.rate()) +
-                     " of coordinates lie within their " +
-                     Percent(check.confidence) + " intervals (" +
-                     Percent(check.axes.lower) + " to " +
-                     Percent(check.axes.upper) + " by chance)";
-  if (check.ellipsoids.n > 0) {
-    text += ", " + Percent(check.ellipsoids.rate()) +
-            " of positions within their ellipsoids";
-  }
-  text += "; errors are " + FormatSignificant(check.rms_z, 3) +
-          " times the predicted ones (root mean square): " +
-          (check.verdict == "agree"
-               ? "predicted and observed agree."
-               : "observed errors are " + check.verdict + " than predicted.");
-  return Paragraph(text);
 }
 
 LineChart HistogramChart(const std::string& title, const Histogram& histogram) {
@@ -286,18 +246,20 @@ std::string UncertaintySection(const CalibrationResult& result) {
       "deviations; \"prior\": the part of it that is known beforehand.");
   text += "\n" + IntervalTable(result) + "\n";
   text += Correlations(uncertainty);
-  text += Residuals(uncertainty.residuals);
+  const std::string tests =
+      FindingSentences(result, {"normality", "whiteness"});
+  if (!tests.empty()) text += Paragraph(tests);
   text += Influences(uncertainty.residuals);
   if (uncertainty.workspace) text += "\n" + Map(*uncertainty.workspace);
-  if (uncertainty.heldout) {
-    text += Agreement("Held-out poses", *uncertainty.heldout);
-  }
+  const std::string prediction = FindingSentences(result, {"prediction"});
+  if (!prediction.empty()) text += Paragraph(prediction);
   return text;
 }
 
 std::string FormatPredictionCheck(const std::string& where,
                                   const PredictionCheck& check) {
-  return Agreement(where, check);
+  const std::string text = DescribePrediction(where, check);
+  return text.empty() ? "" : Paragraph(text);
 }
 
 std::string FormatPredictedMap(const PredictedMap& map) { return Map(map); }

@@ -117,6 +117,7 @@ BatchEntry ReadEntry(const Json& json) {
 BatchSummary ReadSummary(const Json& json) {
   BatchSummary summary;
   json.at("version").get_to(summary.version);
+  summary.comparison = json.value("comparison", "");
   for (const Json& entry : json.at("jobs")) {
     summary.entries.push_back(ReadEntry(entry));
   }
@@ -139,6 +140,7 @@ std::string FormatBatchSummary(const BatchSummary& summary) {
   const Json json = {{"format", kFormat},
                      {"version", summary.version},
                      {"counts", counts},
+                     {"comparison", summary.comparison},
                      {"jobs", jobs}};
   return Dump(json, 2) + "\n";
 }

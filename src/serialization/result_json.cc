@@ -74,6 +74,21 @@ Json ToJson(const Outlier& outlier) {
       {"standardised", outlier.standardised}, {"weight", outlier.weight}};
 }
 
+Json ToJson(const Finding& finding) {
+  return {{"key", finding.key},
+          {"level", KeyOf(kLevelKeys, finding.level)},
+          {"statistic", finding.statistic},
+          {"threshold", finding.threshold},
+          {"sentence", finding.sentence}};
+}
+
+Json ToJson(const Verdict& verdict) {
+  return {{"level", KeyOf(kLevelKeys, verdict.level)},
+          {"title", verdict.title},
+          {"sentence", verdict.sentence},
+          {"findings", ToJsonList(verdict.findings, ToJson)}};
+}
+
 Json ToJson(const InputFile& input) {
   return {{"path", input.path}, {"sha256", input.sha256}};
 }
@@ -89,6 +104,7 @@ Json ToJson(const ParameterResult& parameter) {
   if (parameter.truth) json["truth"] = *parameter.truth;
   const ParameterDecision& decision = parameter.decision;
   json["state"] = KeyOf(kStateKeys, decision.state);
+  json["assessment"] = KeyOf(kAssessmentKeys, parameter.assessment);
   json["rule"] = decision.rule;
   json["reason"] = decision.reason;
   json["stands_for"] = decision.stands_for;
@@ -244,8 +260,10 @@ std::string FormatResultJson(const CalibrationResult& result) {
                {"inputs", ToJsonList(result.inputs, ToJson)},
                {"seed", result.seed},
                {"arm", result.arm_name},
+               {"verdict", ToJson(result.verdict)},
                {"parameters", ToJsonList(result.parameters, ToJson)},
                {"warnings", result.warnings},
+               {"plausibility", ToJsonList(result.plausibility, ToJson)},
                {"identifiability", ToJson(result.identifiability)},
                {"accuracy", {{"train", ToJson(result.train)}}}};
   if (result.heldout) json["accuracy"]["heldout"] = ToJson(*result.heldout);

@@ -13,7 +13,8 @@ namespace alidade::internal {
 std::string FormatResultJson(const CalibrationResult& result);
 
 /// Reads result.json back as far as `show` needs it: all but the per-pose
-/// arrays, which live in residuals.csv. @throws InputError.
+/// arrays, which live in residuals.csv. A result of an earlier version, which
+/// has no verdict, is judged. @throws InputError.
 CalibrationResult LoadResultJson(const std::string& path);
 
 }  // namespace alidade::internal

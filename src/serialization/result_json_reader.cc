@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "alidade/error.h"
+#include "src/calibration/verdict.h"
 #include "src/common/files.h"
 #include "src/serialization/accuracy_json.h"
 #include "src/serialization/json_value.h"
@@ -80,6 +81,17 @@ Outlier ReadOutlier(const JsonValue& json) {
   return outlier;
 }
 
+Finding ReadFinding(const JsonValue& json) {
+  return {json["key"].Text(), json["statistic"].Number(),
+          json["threshold"].Number(), json["sentence"].Text(),
+          json["level"].Choice(kLevelKeys)};
+}
+
+Verdict ReadVerdict(const JsonValue& json) {
+  return {json["level"].Choice(kLevelKeys), json["title"].Text(),
+          json["sentence"].Text(), ReadList(json["findings"], ReadFinding)};
+}
+
 InputFile ReadInput(const JsonValue& json) {
   return {json["path"].Text(), json["sha256"].Text()};
 }
@@ -93,6 +105,9 @@ ParameterResult ReadParameter(const JsonValue& json) {
   parameter.value = json["value"].Number();
   parameter.std = json["std"].Number();
   if (json.Has("truth")) parameter.truth = json["truth"].Number();
+  if (json.Has("assessment")) {
+    parameter.assessment = json["assessment"].Choice(kAssessmentKeys);
+  }
   ParameterDecision& decision = parameter.decision;
   decision.name = parameter.name;
   decision.state = json["state"].Choice(kStateKeys);
@@ -367,6 +382,12 @@ CalibrationResult LoadResultJson(const std::string& path) {
   if (json.Has("study")) result.study = ReadStudy(json["study"]);
   result.identify_time_s = json["times"]["identify_s"].Number();
   result.total_time_s = json["times"]["total_s"].Number();
+  if (json.Has("verdict")) {
+    result.plausibility = ReadList(json["plausibility"], ReadFinding);
+    result.verdict = ReadVerdict(json["verdict"]);
+  } else {
+    JudgeResult(&result);
+  }
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "alidade/calibration_result.h"
 #include "alidade/identifiability_result.h"
 #include "alidade/solver_summary.h"
 #include "alidade/units.h"
@@ -34,6 +35,23 @@ inline constexpr std::array<std::pair<ParameterState, const char*>, 3>
         {ParameterState::kFree, "free"},
         {ParameterState::kFrozen, "frozen"},
         {ParameterState::kGiven, "given"},
+    }};
+
+inline constexpr std::array<std::pair<ParameterAssessment, const char*>, 5>
+    kAssessmentKeys = {{
+        {ParameterAssessment::kKnown, "known"},
+        {ParameterAssessment::kFixed, "fixed"},
+        {ParameterAssessment::kWeak, "weak"},
+        {ParameterAssessment::kPriorDominated, "prior_dominated"},
+        {ParameterAssessment::kEstimated, "estimated"},
+    }};
+
+inline constexpr std::array<std::pair<FindingLevel, const char*>, 4>
+    kLevelKeys = {{
+        {FindingLevel::kPassed, "passed"},
+        {FindingLevel::kNote, "note"},
+        {FindingLevel::kAttention, "attention"},
+        {FindingLevel::kFailed, "failed"},
     }};
 
 inline constexpr std::array<std::pair<Dimension, const char*>, 2> kUnitKeys = {{

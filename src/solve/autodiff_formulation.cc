@@ -1,16 +1,15 @@
 #include <ceres/loss_function.h>
 #include <ceres/manifold.h>
+#include <ceres/normal_prior.h>
 #include <ceres/problem.h>
 
 #include <algorithm>
 #include <map>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include "src/kernel/observation_cost.h"
 #include "src/solve/formulation.h"
-#include "src/solve/prior_residual.h"
 
 namespace alidade::internal {
 namespace {
@@ -116,16 +115,17 @@ void AddPriors(const CalibrationProblem& problem, double* values,
   const std::vector<int> with_prior = problem.ColumnsWithPrior();
   const Eigen::VectorXd nominal = problem.model.NominalValues();
   for (const ParameterBlock& block : problem.model.layout().blocks()) {
-    std::vector<PriorResidual::Entry> entries;
+    ceres::Vector weights = ceres::Vector::Zero(block.size);
     for (const int column : with_prior) {
       const int index = column - block.first_column;
       if (index < 0 || index >= block.size) continue;
-      entries.push_back({index, nominal[column], problem.priors[column]});
+      weights[index] = 1.0 / problem.priors[column];
     }
-    if (entries.empty()) continue;
+    if (weights.isZero(0.0)) continue;
     ceres_problem->AddResidualBlock(
-        new PriorResidual(block.size, std::move(entries)), nullptr,
-        values + block.first_column);
+        new ceres::NormalPrior(weights.asDiagonal(),
+                               nominal.segment(block.first_column, block.size)),
+        nullptr, values + block.first_column);
   }
 }
 

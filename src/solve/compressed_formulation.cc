@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
-#include <vector>
 
 #include "src/kernel/compression.h"
 #include "src/solve/formulation.h"
-#include "src/solve/prior_residual.h"
+#include "src/solve/progress.h"
 
 namespace alidade::internal {
 namespace {
@@ -25,11 +25,19 @@ void Expand(const CalibrationProblem& problem, const double* free,
 // With z the projected residual and c the cost, the residual is z and below it
 // sqrt(c - |z|^2), what no step can lower to first order: half its squared norm
 // is what Ceres minimises, R its Jacobian.
-class CompressedResidual : public ceres::CostFunction {
+class ReducedResidual : public ceres::CostFunction {
  public:
-  CompressedResidual(const CalibrationProblem& problem,
-                     const Eigen::VectorXd& values, Compressor* compressor)
-      : problem_(problem), compressor_(compressor), values_(values) {
+  // `start`: the reduced problem at `values`.
+  ReducedResidual(const CalibrationProblem& problem,
+                  const Eigen::VectorXd& values, CompressedProblem start,
+                  Progress* progress)
+      : problem_(problem),
+        progress_(*progress),
+        compressor_(*progress->compressor()),
+        values_(values),
+        current_(std::move(start)),
+        current_at_(values),
+        next_at_(Eigen::VectorXd::Constant(values.size(), NAN)) {
     const auto p = static_cast<int>(problem.free_columns.size());
     mutable_parameter_block_sizes()->push_back(p);
     set_num_residuals(p + 1);
@@ -42,63 +50,103 @@ class CompressedResidual : public ceres::CostFunction {
     const int p = parameter_block_sizes()[0];
     Eigen::Map<Eigen::VectorXd> residual(residuals, p + 1);
     if (jacobians == nullptr || jacobians[0] == nullptr) {
+      TryStep();
       residual.setZero();
-      residual[p] = std::sqrt(CostOfTrial());
+      residual[p] = std::sqrt(cost_);
       return residual.allFinite();
     }
-    if (compressed_at_.size() == 0 || values_ != compressed_at_) Compress();
-    expects_success_ = true;
-    residual.head(p) = compressed_.projected;
-    const double rest = compressed_.cost - compressed_.projected.squaredNorm();
-    residual[p] = std::sqrt(std::max(0.0, rest));
+    MakeCurrent();
+    residual.head(p) = current_.projected;
+    residual[p] =
+        std::sqrt(std::max(0.0, cost_ - current_.projected.squaredNorm()));
     Eigen::Map<
         Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>
         jacobian(jacobians[0], p + 1, p);
-    jacobian.topRows(p) = compressed_.factor;
+    jacobian.topRows(p) = current_.factor;
     jacobian.row(p).setZero();
-    return residual.allFinite() && jacobian.allFinite();
+    const Eigen::RowVectorXd norms = current_.factor.colwise().norm();
+    const double largest = norms.maxCoeff();
+    for (int k = 0; k < p; ++k) {
+      if (norms[k] <= kRoundingColumn * largest) jacobian.col(k).setZero();
+    }
+    return residual.allFinite() && current_.factor.allFinite();
+  }
+
+  // By the last trial, where that step ends the solve.
+  std::optional<double> PredictedDecrease() const {
+    return is_last_ ? std::optional<double>(predicted_decrease_) : std::nullopt;
   }
 
  private:
-  void Compress() const {
-    compressor_->Compress(values_, &compressed_);
-    compressed_at_ = values_;
-  }
-
   // Of a trial step only the cost is asked for. Most steps succeed, and then
   // all else is asked for at the same values: it is made at once. Behind a step
-  // that was taken back the cost alone is, which is cheaper.
-  double CostOfTrial() const {
-    if (expects_success_) {
-      expects_success_ = false;
-      Compress();
-      return compressed_.cost;
+  // that was taken back, and of one that ends the solve whatever it does, the
+  // cost alone is, which is cheaper.
+  void TryStep() const {
+    const Eigen::VectorXd step = (values_ - current_at_)(problem_.free_columns);
+    const Eigen::VectorXd change = current_.factor * step;
+    predicted_decrease_ = -change.dot(2.0 * current_.projected + change);
+    // Within bounds Ceres tries more values than those that a step leads to.
+    is_last_ = problem_.lower.size() == 0 && predicted_decrease_ >= 0.0 &&
+               progress_.WouldStop(predicted_decrease_);
+    if (expects_success_ && !is_last_) MakeNext();
+    expects_success_ = false;
+    cost_ = compressor_.Summarize(values_).cost;
+  }
+
+  // The reduced problem at the values, but not where the last step led to:
+  // nobody uses its derivatives.
+  void MakeCurrent() const {
+    expects_success_ = true;
+    if (is_last_) return;
+    if (values_ != current_at_) {
+      if (values_ != next_at_) MakeNext();
+      std::swap(current_, next_);
+      std::swap(current_at_, next_at_);
     }
-    return compressor_->Summarize(values_).cost;
+    cost_ = current_.cost;
+  }
+
+  void MakeNext() const {
+    compressor_.Compress(values_, &next_);
+    next_at_ = values_;
   }
 
   const CalibrationProblem& problem_;
-  Compressor* const compressor_;
+  Progress& progress_;
+  Compressor& compressor_;
   mutable Eigen::VectorXd values_;
-  mutable CompressedProblem compressed_;
-  mutable Eigen::VectorXd compressed_at_ = Eigen::VectorXd::Zero(0);
+  mutable CompressedProblem current_;
+  mutable Eigen::VectorXd current_at_;
+  mutable CompressedProblem next_;
+  mutable Eigen::VectorXd next_at_;
+  mutable double cost_ = 0.0;
+  mutable double predicted_decrease_ = 0.0;
+  mutable bool is_last_ = false;
   // False behind a trial whose Jacobian was never asked for.
   mutable bool expects_success_ = true;
 };
 
-class CompressedFormulation : public Formulation {
+class ReducedFormulation : public Formulation {
  public:
-  CompressedFormulation(const CalibrationProblem& problem,
-                        const Eigen::VectorXd& values, Compressor* compressor)
-      : problem_(problem), values_(values) {
-    for (const int column : problem.free_columns) {
-      free_.push_back(values[column]);
+  ReducedFormulation(const CalibrationProblem& problem,
+                     const Eigen::VectorXd& values, CompressedProblem start,
+                     Progress* progress)
+      : problem_(problem),
+        values_(values),
+        free_(values(problem.free_columns)),
+        used_gram_(progress->compressor()->used_gram()),
+        residual_(
+            new ReducedResidual(problem, values, std::move(start), progress)) {
+    ceres_problem_.AddResidualBlock(residual_, nullptr, free_.data());
+    if (problem_.lower.size() == 0) return;
+    for (int k = 0; k < static_cast<int>(free_.size()); ++k) {
+      const int column = problem_.free_columns[k];
+      ceres_problem_.SetParameterLowerBound(free_.data(), k,
+                                            problem_.lower[column]);
+      ceres_problem_.SetParameterUpperBound(free_.data(), k,
+                                            problem_.upper[column]);
     }
-    ceres_problem_.AddResidualBlock(
-        new CompressedResidual(problem, values, compressor), nullptr,
-        free_.data());
-    AddPriors();
-    AddBounds();
   }
 
   ceres::Problem* problem() override { return &ceres_problem_; }
@@ -107,47 +155,30 @@ class CompressedFormulation : public Formulation {
     Expand(problem_, free_.data(), &all);
     return all;
   }
+  // Normal equations tell a step to as many digits as products tell R.
+  ceres::LinearSolverType linear_solver() const override {
+    return used_gram_ ? ceres::DENSE_NORMAL_CHOLESKY : ceres::DENSE_QR;
+  }
+  std::optional<double> PredictedDecrease() const override {
+    return residual_->PredictedDecrease();
+  }
 
  private:
-  void AddPriors() {
-    if (problem_.ColumnsWithPrior().empty()) return;
-    const Eigen::VectorXd nominal = problem_.model.NominalValues();
-    std::vector<PriorResidual::Entry> entries;
-    for (std::size_t k = 0; k < free_.size(); ++k) {
-      const int column = problem_.free_columns[k];
-      if (!std::isfinite(problem_.priors[column])) continue;
-      entries.push_back(
-          {static_cast<int>(k), nominal[column], problem_.priors[column]});
-    }
-    ceres_problem_.AddResidualBlock(
-        new PriorResidual(static_cast<int>(free_.size()), std::move(entries)),
-        nullptr, free_.data());
-  }
-
-  void AddBounds() {
-    if (problem_.lower.size() == 0) return;
-    for (std::size_t k = 0; k < free_.size(); ++k) {
-      const int column = problem_.free_columns[k];
-      const auto index = static_cast<int>(k);
-      ceres_problem_.SetParameterLowerBound(free_.data(), index,
-                                            problem_.lower[column]);
-      ceres_problem_.SetParameterUpperBound(free_.data(), index,
-                                            problem_.upper[column]);
-    }
-  }
-
   const CalibrationProblem& problem_;
   const Eigen::VectorXd values_;
-  std::vector<double> free_;
+  Eigen::VectorXd free_;
+  const bool used_gram_;
+  ReducedResidual* const residual_;  // ceres_problem_ owns it
   ceres::Problem ceres_problem_;
 };
 
 }  // namespace
 
-std::unique_ptr<Formulation> MakeCompressedFormulation(
+std::unique_ptr<Formulation> MakeReducedFormulation(
     const CalibrationProblem& problem, const Eigen::VectorXd& values,
-    Compressor* compressor) {
-  return std::make_unique<CompressedFormulation>(problem, values, compressor);
+    CompressedProblem start, Progress* progress) {
+  return std::make_unique<ReducedFormulation>(problem, values, std::move(start),
+                                              progress);
 }
 
 }  // namespace alidade::internal

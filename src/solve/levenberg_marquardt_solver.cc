@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <utility>
 
-#include "src/solve/compressed_solver.h"
 #include "src/solve/formulation.h"
 #include "src/solve/progress.h"
 #include "src/solve/solver.h"
@@ -49,6 +50,8 @@ class StoppingRules : public ceres::IterationCallback {
     step.norm = iteration.step_norm;
     step.accepted = iteration.step_is_successful;
     step.predicted_decrease = PredictedDecrease(iteration);
+    const std::optional<double> known = formulation_.PredictedDecrease();
+    if (known && iteration.step_is_valid) step.predicted_decrease = *known;
     return progress_->Record(step, formulation_.Values())
                ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
                : ceres::SOLVER_CONTINUE;
@@ -64,7 +67,6 @@ ceres::Solver::Options CeresOptions(const SolverOptions& options,
   ceres::Solver::Options ceres_options;
   ceres_options.minimizer_type = ceres::TRUST_REGION;
   ceres_options.trust_region_strategy_type = ceres::LEVENBERG_MARQUARDT;
-  ceres_options.linear_solver_type = ceres::DENSE_QR;
   ceres_options.num_threads = 1;
   ceres_options.logging_type = ceres::SILENT;
   ceres_options.update_state_every_iteration = true;
@@ -84,12 +86,41 @@ void ExplainTermination(const ceres::Solver::Summary& ceres_summary,
                         Progress* progress) {
   if (progress->stopped()) return;
   if (ceres_summary.termination_type == ceres::CONVERGENCE) {
-    progress->Stop(SolverStatus::kConverged, ceres_summary.message);
+    progress->Stop(SolverStatus::kConverged,
+                   "no step changes the cost any more");
   } else {
     progress->Stop(SolverStatus::kFailed,
                    "Ceres: " + ceres_summary.message +
                        " Look for poses or units that are wrong, or fix what "
                        "the identifiability pass calls weak");
+  }
+}
+
+// The largest cosine between the residuals and a column of the Jacobian that is
+// not rounding.
+double GradientCosine(const Eigen::VectorXd& values, Compressor* compressor) {
+  CompressedProblem reduced;
+  compressor->Compress(values, &reduced);
+  const Eigen::VectorXd norms = reduced.factor.colwise().norm();
+  const Eigen::VectorXd gradient =
+      reduced.factor.transpose() * reduced.projected;
+  double cosine = 0.0;
+  for (Eigen::Index k = 0; k < norms.size(); ++k) {
+    if (norms[k] <= kRoundingColumn * norms.maxCoeff()) continue;
+    cosine = std::max(cosine, std::abs(gradient[k]) / norms[k]);
+  }
+  return reduced.cost > 0.0 ? cosine / std::sqrt(reduced.cost) : 0.0;
+}
+
+// A solve that no step was taken in is no solution unless it began at one.
+void RequireStationary(const Eigen::VectorXd& values, Progress* progress) {
+  constexpr double kNotStationary = 1e-3;
+  if (progress->summary().status == SolverStatus::kConverged &&
+      progress->summary().accepted_steps == 0 &&
+      GradientCosine(values, progress->compressor()) > kNotStationary) {
+    progress->Stop(SolverStatus::kFailed,
+                   "no step lowers the cost, though it is no minimum: fix what "
+                   "the identifiability pass calls weak");
   }
 }
 
@@ -104,6 +135,7 @@ void IterateCeres(const CalibrationProblem& problem,
     ceres_options.function_tolerance = kNoChange;
     ceres_options.parameter_tolerance = kNoChange;
   }
+  ceres_options.linear_solver_type = formulation->linear_solver();
   StoppingRules stopping_rules(*formulation, progress);
   ceres_options.callbacks.push_back(&stopping_rules);
   ceres::Solver::Summary ceres_summary;
@@ -116,31 +148,24 @@ void IterateCeres(const CalibrationProblem& problem,
 SolverSummary SolveLevenbergMarquardt(const CalibrationProblem& problem,
                                       const SolverOptions& options,
                                       Eigen::VectorXd* values) {
-  const bool compressed = options.evaluation != Evaluation::kAutodiff;
-  const bool needs_ceres = !compressed || problem.lower.size() > 0;
+  const bool reduced = options.evaluation != Evaluation::kAutodiff;
   Progress progress(problem, options, "ceres");
   Eigen::VectorXd current = *values;
   CompressedProblem start;
-  if (progress.Start(current, needs_ceres ? nullptr : &start)) {
+  if (progress.Start(current, reduced ? &start : nullptr)) {
     const double given = options.initial_trust_region_radius;
     const double radius =
         given > 0.0 ? given : ChooseTrustRegionRadius(problem.start_rank);
-    std::unique_ptr<Formulation> formulation;
-    if (!compressed) {
-      formulation = MakeAutodiffFormulation(problem, current);
-    } else if (needs_ceres) {
-      formulation =
-          MakeCompressedFormulation(problem, current, progress.compressor());
-    }
-    progress.summary().evaluation = compressed ? "compressed" : "autodiff";
+    const std::unique_ptr<Formulation> formulation =
+        reduced ? MakeReducedFormulation(problem, current, std::move(start),
+                                         &progress)
+                : MakeAutodiffFormulation(problem, current);
+    progress.summary().evaluation = reduced ? "compressed" : "autodiff";
     progress.summary().trust_region_used = radius;
     progress.summary().setup_time_s = progress.stopwatch().Seconds();
-    if (needs_ceres) {
-      IterateCeres(problem, options, radius, formulation.get(), &progress);
-      current = formulation->Values();
-    } else {
-      IterateLevenbergMarquardt(problem, radius, &start, &progress, &current);
-    }
+    IterateCeres(problem, options, radius, formulation.get(), &progress);
+    current = formulation->Values();
+    if (problem.lower.size() == 0) RequireStationary(current, &progress);
   }
   progress.Finish();
   if (progress.summary().IsSolutionUsable()) *values = current;

@@ -27,7 +27,6 @@ Progress::Progress(const CalibrationProblem& problem,
                    const SolverOptions& options, const std::string& solver)
     : problem_(problem),
       options_(options),
-      nominal_(problem.model.NominalValues()),
       sigmas_(SumSigmas(problem.data, problem.model.execution())) {
   summary_.solver = solver;
   summary_.num_poses = static_cast<int>(problem.data.global_poses());
@@ -92,8 +91,10 @@ bool Progress::Start(const Eigen::VectorXd& values,
                      CompressedProblem* compressed) {
   if (!CheckProblem(values)) return false;
   floor_cost_ = FloorCost();
+  CompressorOptions compressor_options;
+  compressor_options.priors = problem_.priors;
   compressor_.emplace(problem_.model, problem_.data, problem_.free_columns,
-                      problem_.losses);
+                      problem_.losses, compressor_options);
   if (compressed != nullptr) compressor_->Compress(values, compressed);
   const IterationRecord record = Evaluate(values);
   summary_.initial_cost = record.cost;
@@ -106,28 +107,14 @@ bool Progress::Start(const Eigen::VectorXd& values,
   return !stopped();
 }
 
-double Progress::Cost(const Eigen::VectorXd& values) {
-  return compressor_->Summarize(values).cost + PriorCost(values);
-}
-
 IterationRecord Progress::Evaluate(const Eigen::VectorXd& values) {
   IterationRecord record;
-  record.cost = Cost(values);
   const ResidualSummary& residuals = compressor_->Summarize(values);
+  record.cost = residuals.cost;
   record.max_error = residuals.max_error;
   record.rms_error = residuals.rms_error;
   record.time_s = stopwatch_.Seconds();
   return record;
-}
-
-double Progress::PriorCost(const Eigen::VectorXd& values) const {
-  double cost = 0.0;
-  for (const int column : problem_.ColumnsWithPrior()) {
-    const double whitened =
-        (values[column] - nominal_[column]) / problem_.priors[column];
-    cost += whitened * whitened;
-  }
-  return cost;
 }
 
 bool Progress::ReachedPrecision(const IterationRecord& record) {
@@ -161,6 +148,7 @@ bool Progress::WouldStop(double predicted_decrease) const {
 
 bool Progress::Record(const IterationStep& step,
                       const Eigen::VectorXd& values) {
+  const double cost_before = cost();
   IterationRecord record = Evaluate(values);
   record.iteration = static_cast<int>(summary_.iterations.size());
   record.step_norm = step.norm;
@@ -181,7 +169,7 @@ bool Progress::Record(const IterationStep& step,
     Stop(exact_data ? SolverStatus::kRoundingFloor : SolverStatus::kConverged,
          "the last step changed the residuals by less than their rounding "
          "errors");
-  } else if (IsBelowTolerance(step.predicted_decrease, record.cost)) {
+  } else if (IsBelowTolerance(step.predicted_decrease, cost_before)) {
     Stop(SolverStatus::kConverged,
          "the last step lowered the cost by less than function_tolerance");
   } else if (!step.accepted &&

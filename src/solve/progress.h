@@ -40,7 +40,8 @@ class Progress {
   Progress(const CalibrationProblem& problem, const SolverOptions& options,
            const std::string& solver);
 
-  /// Of the problem's data, over its free columns. @pre Start returned true.
+  /// Of the problem's data and priors, over its free columns. @pre Start
+  /// returned true.
   Compressor* compressor() { return &*compressor_; }
 
   /// Evaluates the starting point and records it as iteration 0. False where
@@ -49,9 +50,7 @@ class Progress {
   bool Start(const Eigen::VectorXd& values,
              CompressedProblem* compressed = nullptr);
 
-  /// The cost at `values`, priors included. O(N), or known (compression.h).
-  double Cost(const Eigen::VectorXd& values);
-  /// That of the last record.
+  /// The cost of the last record, priors included.
   double cost() const { return summary_.iterations.back().cost; }
   /// Whether a step that is predicted to lower the cost by so much ends the
   /// solve, whatever it does.
@@ -77,12 +76,10 @@ class Progress {
   bool CheckProblem(const Eigen::VectorXd& values);
   IterationRecord Evaluate(const Eigen::VectorXd& values);
   void Tell(const IterationRecord& record);
-  double PriorCost(const Eigen::VectorXd& values) const;
   bool ReachedPrecision(const IterationRecord& record);
 
   const CalibrationProblem& problem_;
   const SolverOptions& options_;
-  const Eigen::VectorXd nominal_;
   SolverSummary summary_;
   Stopwatch stopwatch_;
   const SigmaTotals sigmas_;

@@ -60,11 +60,10 @@ struct CalibrationProblem {
   std::vector<int> ColumnsWithPrior() const;
 };
 
-/// Levenberg-Marquardt, as the options say over one autodiff residual per
-/// observation (observation_cost.h), by Ceres: the reference; or over the
-/// compressed problem of all of them (compression.h), by a loop of our own with
-/// Ceres' rules, or by Ceres where there are bounds. One Ceres thread, so that
-/// the same problem gives the same bits.
+/// Levenberg-Marquardt by Ceres, as the options say over one autodiff residual
+/// per observation (observation_cost.h), the reference, or over the reduced
+/// problem of all of them (compression.h). One Ceres thread, so that the same
+/// problem gives the same bits.
 ///
 /// The solvers share this signature. `values` holds the starting point and
 /// receives the solution; it is unchanged where the summary is not usable.

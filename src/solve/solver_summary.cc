@@ -12,7 +12,7 @@ const char* ToString(SolverStatus status) {
     case SolverStatus::kConverged:
       return "converged";
     case SolverStatus::kRoundingFloor:
-      return "stopped at the rounding floor";
+      return "stopped at the numerical precision limit";
     case SolverStatus::kIterationLimit:
       return "stopped by the number of iterations";
     case SolverStatus::kFailed:

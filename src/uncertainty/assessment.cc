@@ -19,9 +19,6 @@ namespace {
 constexpr double kStrongCorrelation = 0.9;
 constexpr std::size_t kMostPairs = 20;
 
-// A test that true residuals would fail this seldom is worth a word.
-constexpr double kUnlikely = 1e-3;
-
 class Assessment {
  public:
   explicit Assessment(const AssessmentInput& input)
@@ -176,8 +173,6 @@ class Assessment {
   void DoubtResiduals() {
     DoubtSigma();
     const ResidualDiagnostics& residuals = result_.residuals;
-    // Far below their sigmas, as in data without noise, they say nothing.
-    constexpr double kMuchSmaller = 0.1;
     if (residuals.reduced_chi_square < kMuchSmaller) return;
     if (residuals.normality.p_value < kUnlikely && fit_.losses.empty()) {
       result_.warnings.push_back(

@@ -10,6 +10,13 @@
 
 namespace alidade::internal {
 
+/// A test of the residuals that true ones would fail this seldom (p-value) is
+/// worth a word.
+inline constexpr double kUnlikely = 1e-3;
+/// Of a reduced chi-square: residuals so far below their sigmas are those of
+/// data without noise, of which no test says anything.
+inline constexpr double kMuchSmaller = 0.1;
+
 /// What an assessment knows besides the fit.
 struct AssessmentInput {
   FinishedProblem fit;

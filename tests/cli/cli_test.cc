@@ -275,7 +275,7 @@ TEST_F(StudyTest, CompareShowsBothSolvers) {
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_THAT(result.out, AllOf(HasSubstr("Levenberg-Marquardt"),
                                 HasSubstr("pseudo-inverse"),
-                                HasSubstr("stopped at the rounding")));
+                                HasSubstr("stopped at the numerical")));
 }
 
 TEST_F(StudyTest, MissedAcceptanceLimitExitsWithOneAndStillWrites) {

@@ -83,7 +83,7 @@ TEST_F(ReportTest, WrongInputIsToldAndNothingWritten) {
   ExpectRefused(Alidade("report bad"), "bad/result.json:1:");
   Calibrate("--out=a");
   ExpectRefused(Alidade("report a a --read-as=fleets"),
-                "expected fleet, time or ways");
+                "expected fleet, time or methods");
   ExpectRefused(Alidade("report a bad"), "bad/result.json:1:");
   EXPECT_FALSE(fs::exists(directory_ / "comparison.html"));
   EXPECT_FALSE(fs::exists(directory_ / "bad/report.html"));

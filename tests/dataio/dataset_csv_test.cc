@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "alidade/dataset_file.h"
 #include "alidade/random.h"
 #include "alidade/units.h"
 #include "tests/support/edit.h"

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "alidade/dataset_file.h"
 #include "src/dataio/dataset_csv.h"
 #include "tests/support/io_test_util.h"
 

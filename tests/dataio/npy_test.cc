@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "alidade/dataset_file.h"
 #include "alidade/random.h"
 #include "alidade/units.h"
 #include "src/common/numbers.h"

@@ -43,7 +43,6 @@ ARROWS = {
 # others are where src/*/NAME.cc is.
 HEADER_ONLY = {
     'bytes': 'common',
-    'forward_kinematics': 'model',
     'monte_carlo_options': 'simulation',
     'monte_carlo_result': 'simulation',
     'plan_result': 'planning',

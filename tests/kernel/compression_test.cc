@@ -265,6 +265,51 @@ TEST(CompressorTest, SummarizesAllKinds) {
   }
 }
 
+// Four of five parameters have a prior: a row of its own below the data.
+TEST(CompressorTest, TakesPriorsAsObservations) {
+  const MeasuredArm measured = ManyMeasurements(2, 9);
+  const MeasurementModel model = ModelOf(measured, 1);
+  const std::vector<int> columns = AllColumns(measured);
+  Normal exact = ExactNormal(measured, columns, {});
+  CompressorOptions options;
+  options.priors = Eigen::VectorXd::Constant(measured.values.size(), 1e-3);
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const int c = columns[k];
+    if (k % 5 == 0) {
+      options.priors[c] = k % 2 == 0 ? std::nan("") : HUGE_VAL;
+      continue;
+    }
+    const auto row = static_cast<Eigen::Index>(k);
+    const long double weight = 1.0L / static_cast<long double>(1e-3);
+    const long double off =
+        static_cast<long double>(measured.values[c]) - model.NominalValues()[c];
+    exact.matrix(row, row) += weight * weight;
+    exact.gradient[row] += weight * weight * off;
+    exact.cost += weight * weight * off * off;
+  }
+  EXPECT_GT(exact.cost, 1.01L * ExactNormal(measured, columns, {}).cost);
+  for (const Factorization factorization :
+       {Factorization::kOrthogonal, Factorization::kGram}) {
+    options.factorization = factorization;
+    Compressor compressor(model, measured.data, columns, {}, options);
+    CompressedProblem problem;
+    compressor.Compress(measured.values, &problem);
+    ExpectFactorOf(exact.matrix, problem.factor);
+    const auto cost = static_cast<double>(exact.cost);
+    EXPECT_NEAR(problem.cost, cost, 1e-13 * cost);
+    EXPECT_EQ(compressor.Summarize(measured.values).cost, problem.cost);
+    const Eigen::VectorXd error =
+        (problem.factor.cast<long double>().transpose() *
+             problem.projected.cast<long double>() -
+         exact.gradient)
+            .cast<double>();
+    for (Eigen::Index c = 0; c < error.size(); ++c) {
+      EXPECT_LE(std::abs(error[c]),
+                1e-13 * std::sqrt(cost) * problem.factor.col(c).norm());
+    }
+  }
+}
+
 // What was not measured says nothing, whatever the data hold there.
 TEST(CompressorTest, PassesOverNanThatWasNotMeasured) {
   MeasuredArm measured = ManyMeasurements(2, 8);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "alidade/dataset_file.h"
 #include "alidade/error.h"
 #include "src/common/files.h"
 #include "src/dataio/dataset_csv.h"

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -147,12 +148,12 @@ CalibrationResult MakeResult(const std::string& arm,
   return result;
 }
 
-TEST(ComparisonPageTest, SharesLayoutsAndCountsWhatDoesNotFit) {
+TEST(ComparisonPageTest, HasResultsFailuresAndWhatWasDecided) {
   ComparisonPage page;
   page.Add("<first>", MakeResult("arm", "a"), "first/report.html");
   page.Add("second", MakeResult("arm", "b"), "");
   CalibrationResult other = MakeResult("arm", "c");
-  other.parameters[0].nominal = 0.3;
+  other.parameters[0].value = 0.2504;
   page.Add("third", other, "");
   page.AddFailure("fourth", "the solver </script> failed");
   const json data = DataOf(page.Render(ComparisonKind::kTime))["comparison"];
@@ -161,22 +162,38 @@ TEST(ComparisonPageTest, SharesLayoutsAndCountsWhatDoesNotFit) {
   EXPECT_EQ(data["results"][0]["label"], "<first>");
   EXPECT_EQ(data["results"][0]["href"], "first/report.html");
   EXPECT_FALSE(data["results"][1].contains("href"));
-  EXPECT_EQ(data["layouts"].size(), 2U);
-  EXPECT_EQ(data["results"][1]["layout"], 0);
-  EXPECT_EQ(data["results"][2]["layout"], 1);
-  // 0.3 mm, to the nine digits that are written of 0.2503 - 0.25.
-  EXPECT_NEAR(data["results"][0]["deviation"][0].get<double>(), 3e-4, 1e-12);
-  EXPECT_EQ(data["results"][0]["std"][0], 1e-5);
+  // 0.1 mm from the median, of which 0.01 mm is a standard deviation.
+  EXPECT_EQ(data["fleet"]["verdict"]["level"], "attention");
+  EXPECT_EQ(data["fleet"]["arms"][0]["result"], 2);
+  EXPECT_EQ(data["fleet"]["arms"][0]["outlier"], true);
+  EXPECT_EQ(data["fleet"]["arms"][0]["parameter_scores"][0], 10.0);
+  EXPECT_EQ(data["fleet"]["threshold"], 3.5);
+  EXPECT_EQ(data["fleet"]["parameters"][0]["name"], "d1");
+  ASSERT_EQ(data["fleet"]["arms"].size(), 3U);
+  // 0.3 mm, to the digits that are written of 0.2503 - 0.25.
+  EXPECT_NEAR(data["fleet"]["arms"][1]["deviations"][0].get<double>(), 3e-4,
+              1e-9);
+  EXPECT_EQ(data["time"]["verdict"]["level"], "attention");
+  EXPECT_EQ(data["time"]["verdict"]["sentence"],
+            page.Sentence(ComparisonKind::kTime));
+  ASSERT_EQ(data["time"]["changes"].size(), 2U);
+  // The surest first: 0.1 mm with twice a variance of 1e-10 m^2.
+  EXPECT_EQ(data["time"]["changes"][0]["from"], 1);
+  EXPECT_EQ(data["time"]["changes"][0]["significant"], true);
+  EXPECT_NEAR(data["time"]["changes"][0]["score"].get<double>(),
+              10.0 / std::sqrt(2.0), 1e-3);
+  EXPECT_EQ(data["time"]["changes"][1]["significant"], false);
+  EXPECT_EQ(data["methods"]["ranking"], (std::vector<int>{0, 1, 2}));
   EXPECT_EQ(data["failures"][0]["message"], "the solver </script> failed");
 }
 
-TEST(ComparisonPageTest, SameDataOfTheSameArmAreWays) {
+TEST(ComparisonPageTest, SameDataOfTheSameArmAreMethods) {
   ComparisonPage same;
   same.Add("a", MakeResult("arm", "x"), "");
   CalibrationResult other_job = MakeResult("arm", "x");
   other_job.inputs[0].sha256 = "another job";
   same.Add("b", other_job, "");
-  EXPECT_EQ(same.GuessKind(), ComparisonKind::kWays);
+  EXPECT_EQ(same.GuessKind(), ComparisonKind::kMethods);
   same.Add("c", MakeResult("arm", "y"), "");
   EXPECT_EQ(same.GuessKind(), ComparisonKind::kFleet);
 }

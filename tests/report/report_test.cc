@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "src/calibration/verdict.h"
 #include "tests/report/report_test_util.h"
 #include "tests/report/well_formed.h"
 
@@ -20,6 +21,11 @@ using testing::Lines;
 using testing::MakeMixedSet;
 using testing::MakeResult;
 using testing::MakeRun;
+
+std::string JudgedReport(CalibrationResult result) {
+  JudgeResult(&result);
+  return FormatReport(result);
+}
 
 TEST(FormatIdentifiabilityTest, TellsEveryDecisionAndItsReason) {
   const std::string text = FormatIdentifiability(MakeResult().identifiability);
@@ -96,7 +102,7 @@ TEST(FormatStudyTableTest, IsEmptyWithoutAStudy) {
   CalibrationResult result = MakeResult();
   result.study.reset();
   EXPECT_EQ(FormatStudyTable(result), "");
-  EXPECT_FALSE(Contains(FormatReport(result), "Published"));
+  EXPECT_FALSE(Contains(JudgedReport(result), "Published"));
 }
 
 TEST(FormatStudyTableTest, HasBothTablesOfTheStudy) {
@@ -183,20 +189,19 @@ TEST(FormatComparisonTest, ShortensALongHistory) {
 }
 
 TEST(FormatReportTest, BeginsWithTheVerdict) {
-  const std::string text = FormatReport(MakeResult());
+  const std::string text = JudgedReport(MakeResult());
   const std::size_t accuracy = text.find("\nAccuracy\n");
   ASSERT_NE(accuracy, std::string::npos);
   const std::string head = Flat(text.substr(0, accuracy));
   EXPECT_TRUE(Contains(
       head,
-      "The largest position error falls from 5.21 mm to 2.10e-13 mm at the 5 "
-      "training poses and from 5.00 mm to 3.00e-13 mm at the 20 validation "
-      "poses; Levenberg-Marquardt stopped at the rounding floor after 3 "
-      "iterations; all acceptance limits are met."));
+      "Accepted. The mean position error at 20 validation poses falls from "
+      "5.00 mm to 3.00e-13 mm, the numerical precision limit. All acceptance "
+      "limits are met. Warning: The rank is short at the nominal geometry."));
 }
 
 TEST(FormatReportTest, HasEverySectionAndTheProvenance) {
-  const std::string text = FormatReport(MakeResult());
+  const std::string text = JudgedReport(MakeResult());
   for (const char* title :
        {"A calibration\n=", "\nAccuracy\n-", "\nWhat can be identified\n-",
         "\nParameters\n-", "\nSolvers\n-", "\nPublished study\n-",
@@ -210,7 +215,7 @@ TEST(FormatReportTest, HasEverySectionAndTheProvenance) {
 }
 
 TEST(FormatReportTest, HasNoLineOverAHundredColumns) {
-  for (const std::string& line : Lines(FormatReport(MakeResult()))) {
+  for (const std::string& line : Lines(JudgedReport(MakeResult()))) {
     EXPECT_LE(line.size(), 100U) << line;
     EXPECT_TRUE(line.empty() || line.back() != ' ') << line;
   }
@@ -219,25 +224,26 @@ TEST(FormatReportTest, HasNoLineOverAHundredColumns) {
 TEST(FormatReportTest, ShoutsAMissedLimit) {
   CalibrationResult result = MakeResult();
   result.acceptance.push_back({"heldout_max", 1e-16, 3e-16});
-  const std::string flat = Flat(FormatReport(result));
-  EXPECT_TRUE(Contains(flat, "1 of 2 acceptance limits MISSED."));
+  const std::string flat = Flat(JudgedReport(result));
+  EXPECT_TRUE(Contains(flat, "Not accepted. The mean"));
+  EXPECT_TRUE(Contains(flat, "1 of 2 acceptance limits is missed."));
   EXPECT_TRUE(Contains(flat, "heldout_max mm 1.000e-13 3.000e-13 MISSED"));
 }
 
 TEST(FormatReportTest, SaysThatAnUnusableSolutionIsUnusable) {
   CalibrationResult result = MakeResult();
   result.runs[0].summary.status = SolverStatus::kFailed;
-  EXPECT_TRUE(Contains(Flat(FormatReport(result)),
-                       "NOT USABLE: Levenberg-Marquardt failed"));
+  EXPECT_TRUE(Contains(Flat(JudgedReport(result)),
+                       "Not usable. Levenberg-Marquardt failed"));
 }
 
 TEST(FormatReportTest, WorksOnAnEmptyResult) {
-  const std::string text = FormatReport(CalibrationResult());
+  const std::string text = JudgedReport(CalibrationResult());
   EXPECT_TRUE(Contains(text, "Nothing was calibrated: no solver has run."));
   CalibrationResult refused;
   refused.identifiability.exceeds_rank = true;
   refused.identifiability.refusal = "alpha5 depends on r2.";
-  EXPECT_TRUE(Contains(FormatReport(refused),
+  EXPECT_TRUE(Contains(JudgedReport(refused),
                        "Nothing was calibrated: alpha5 depends on r2."));
 }
 
@@ -252,7 +258,7 @@ CalibrationResult MakeResultOfOrientations() {
 }
 
 TEST(FormatReportTest, HasATableOfOrientations) {
-  const std::string flat = Flat(FormatReport(MakeResultOfOrientations()));
+  const std::string flat = Flat(JudgedReport(MakeResultOfOrientations()));
   EXPECT_TRUE(Contains(flat,
                        "orientation error [deg] calibration mean rms std "
                        "median p95 max n"));
@@ -265,15 +271,15 @@ TEST(FormatReportTest, HasATableOfOrientations) {
   EXPECT_TRUE(Contains(flat,
                        "validation poses after 0.1250 0.1250 0 0.1250 0.1250 "
                        "0.1250 2"));
-  EXPECT_FALSE(Contains(FormatReport(MakeResult()), "orientation"));
+  EXPECT_FALSE(Contains(JudgedReport(MakeResult()), "orientation"));
 }
 
 // Which kind and target errors belong to, of labelled observations alone.
 TEST(FormatReportTest, TellsKindsAndTargetsApart) {
   CalibrationResult result = MakeResult();
-  EXPECT_FALSE(Contains(FormatReport(result), "of which"));
+  EXPECT_FALSE(Contains(JudgedReport(result), "of which"));
   result.train = MakeMixedSet();
-  const std::string flat = Flat(FormatReport(result));
+  const std::string flat = Flat(JudgedReport(result));
   EXPECT_TRUE(Contains(flat, "of which, after [mm]"));
   EXPECT_TRUE(Contains(flat,
                        "training poses distance of smr 0.5000 0.5000 0 "
@@ -288,14 +294,14 @@ TEST(FormatReportTest, HasCrossValidationOfBoth) {
   result.cross_validation = CrossValidation{
       5, SummarizeErrors(Eigen::VectorXd::Constant(2, 0.002)),
       SummarizeErrors(Eigen::VectorXd::Constant(2, 0.0625 * kDegree))};
-  const std::string flat = Flat(FormatReport(result));
+  const std::string flat = Flat(JudgedReport(result));
   EXPECT_TRUE(Contains(
       flat, "held out once 5 folds 2.000 2.000 0 2.000 2.000 2.000 2"));
   EXPECT_TRUE(Contains(flat,
                        "held out once 5 folds 0.06250 0.06250 0 0.06250 "
                        "0.06250 0.06250 2"));
   result.cross_validation->rotation = {};
-  EXPECT_FALSE(Contains(Flat(FormatReport(result)), "0.06250"));
+  EXPECT_FALSE(Contains(Flat(JudgedReport(result)), "0.06250"));
 }
 
 TEST(FormatReportTest, TellsWhatStagesBringToBoth) {
@@ -310,7 +316,7 @@ TEST(FormatReportTest, TellsWhatStagesBringToBoth) {
   stage.heldout_rotation =
       SummarizeErrors(Eigen::VectorXd::Constant(2, 0.375 * kDegree));
   result.stages = {stage};
-  std::string flat = Flat(FormatReport(result));
+  std::string flat = Flat(JudgedReport(result));
   EXPECT_TRUE(Contains(flat, "What each part of the calibration brings:"));
   EXPECT_TRUE(Contains(flat, "validation mean rms std median p95 max [mm]"));
   EXPECT_TRUE(Contains(flat, "frames only 12 4.000 4.000 0 4.000 4.000 4.000"));
@@ -320,7 +326,7 @@ TEST(FormatReportTest, TellsWhatStagesBringToBoth) {
       Contains(flat, "frames only 12 0.3750 0.3750 0 0.3750 0.3750 0.3750"));
   // Without validation poses those of the training count.
   result.heldout.reset();
-  flat = Flat(FormatReport(result));
+  flat = Flat(JudgedReport(result));
   EXPECT_TRUE(Contains(flat, "frames only 12 8.000 8.000 0 8.000 8.000 8.000"));
   EXPECT_TRUE(
       Contains(flat, "frames only 12 0.7500 0.7500 0 0.7500 0.7500 0.7500"));
@@ -328,16 +334,16 @@ TEST(FormatReportTest, TellsWhatStagesBringToBoth) {
 
 TEST(FormatReportTest, ListsRejectedRows) {
   CalibrationResult result = MakeResult();
-  EXPECT_FALSE(Contains(FormatReport(result), "Rejected rows"));
+  EXPECT_FALSE(Contains(JudgedReport(result), "Rejected rows"));
   result.rejected = {{"poses.csv", 17, "q2 is no number"}};
-  std::string flat = Flat(FormatReport(result));
+  std::string flat = Flat(JudgedReport(result));
   EXPECT_TRUE(
       Contains(flat, "1 row took no part. result.json lists all of them."));
   EXPECT_TRUE(Contains(flat, "poses.csv 17 q2 is no number"));
   for (int line = 100; line < 140; ++line) {
     result.rejected.push_back({"poses.csv", line, "empty"});
   }
-  flat = Flat(FormatReport(result));
+  flat = Flat(JudgedReport(result));
   EXPECT_TRUE(Contains(flat, "41 rows took no part."));
   EXPECT_TRUE(Contains(flat, "The first 30:"));
   EXPECT_TRUE(Contains(flat, "poses.csv 128 empty"));
@@ -346,16 +352,16 @@ TEST(FormatReportTest, ListsRejectedRows) {
 
 TEST(FormatReportTest, TellsWhatRepeatsDifferBy) {
   CalibrationResult result = MakeResult();
-  EXPECT_FALSE(Contains(FormatReport(result), "Repeated"));
+  EXPECT_FALSE(Contains(JudgedReport(result), "Repeated"));
   result.repeats.length = 2.5e-5;
   result.repeats.length_freedom = 27;
-  EXPECT_TRUE(Contains(Flat(FormatReport(result)),
+  EXPECT_TRUE(Contains(Flat(JudgedReport(result)),
                        "Repeated configurations differ by 0.0250 mm in a "
                        "coordinate (standard deviation, 27 degrees of "
                        "freedom): what no geometry can take away."));
   result.repeats.rotation = 0.125 * kDegree;
   result.repeats.rotation_freedom = 9;
-  EXPECT_TRUE(Contains(Flat(FormatReport(result)),
+  EXPECT_TRUE(Contains(Flat(JudgedReport(result)),
                        "27 degrees of freedom) and 0.125 deg in orientation: "
                        "what no geometry can take away."));
 }
@@ -365,7 +371,7 @@ TEST(FormatReportTest, NamesTargetsAndPointsAndUnitsOfLimits) {
   result.aliases = {{"tool2", "smr2"}, {"point1", "A"}};
   result.acceptance.push_back(
       {"heldout_rotation_max", kDegree, 0.5 * kDegree, Dimension::kAngle});
-  const std::string text = FormatReport(result);
+  const std::string text = JudgedReport(result);
   const std::string flat = Flat(text);
   EXPECT_TRUE(Contains(flat, "tool2 is smr2, point1 is A."));
   EXPECT_TRUE(Contains(flat, "heldout_rotation_max deg 1.000 0.5000 met"));

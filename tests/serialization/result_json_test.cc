@@ -55,6 +55,45 @@ TEST(ResultJsonTest, KeepsParametersAndDecisions) {
   EXPECT_TRUE(std::isnan(read.parameters[1].std));
 }
 
+TEST(ResultJsonTest, KeepsTheVerdict) {
+  CalibrationResult result = MakeResult();
+  result.parameters[0].assessment = ParameterAssessment::kPriorDominated;
+  result.plausibility = {{"plausibility.zero_positions", 2.0, 0.0, "two",
+                          FindingLevel::kAttention}};
+  result.verdict = {FindingLevel::kAttention,
+                    "Usable, with warnings",
+                    "It was better.",
+                    {{"solver", kNan, kNan, "Done.", FindingLevel::kPassed},
+                     {"rank", 16.0, 17.0, "Short.", FindingLevel::kNote}}};
+  const CalibrationResult read = RoundTrip(result);
+  EXPECT_EQ(read.parameters[0].assessment,
+            ParameterAssessment::kPriorDominated);
+  ASSERT_EQ(read.plausibility.size(), 1U);
+  EXPECT_EQ(read.plausibility[0].statistic, 2.0);
+  EXPECT_EQ(read.verdict.level, FindingLevel::kAttention);
+  EXPECT_EQ(read.verdict.title, "Usable, with warnings");
+  EXPECT_EQ(read.verdict.sentence, "It was better.");
+  ASSERT_EQ(read.verdict.findings.size(), 2U);
+  EXPECT_EQ(read.verdict.findings[0].key, "solver");
+  EXPECT_TRUE(std::isnan(read.verdict.findings[0].statistic));
+  EXPECT_EQ(read.verdict.findings[1].threshold, 17.0);
+  EXPECT_EQ(read.verdict.findings[1].sentence, "Short.");
+  EXPECT_EQ(read.verdict.findings[1].level, FindingLevel::kNote);
+}
+
+// Results of earlier versions have none of it.
+TEST(ResultJsonTest, JudgesAResultWithoutVerdict) {
+  nlohmann::json json = nlohmann::json::parse(FormatResultJson(MakeResult()));
+  json.erase("verdict");
+  json.erase("plausibility");
+  for (auto& parameter : json["parameters"]) parameter.erase("assessment");
+  const TestDirectory directory;
+  const CalibrationResult read =
+      LoadResultJson(directory.Write("result.json", json.dump()));
+  EXPECT_EQ(read.verdict.title, "Not accepted");
+  EXPECT_EQ(read.parameters[0].assessment, ParameterAssessment::kWeak);
+}
+
 TEST(ResultJsonTest, KeepsIdentifiability) {
   const IdentifiabilityResult result = MakeResult().identifiability;
   const IdentifiabilityResult read = RoundTrip(MakeResult()).identifiability;

@@ -78,7 +78,9 @@ TEST_P(PriorsTest, TightPriorHoldsAParameterAndAWideOneDoesNothing) {
   problem.priors[d3] = 1e3;
   Eigen::VectorXd wide = model.NominalValues();
   ASSERT_TRUE(GetParam()(problem, {}, &wide).IsSolutionUsable());
-  EXPECT_NEAR((wide - without).cwiseAbs().maxCoeff(), 0.0, 1e-10);
+  // Residuals of the frozen parameters leave a cost of 1e6. Of that the last
+  // step, 3e-10 long, gains less than rounding: it is accepted or not.
+  EXPECT_NEAR((wide - without).cwiseAbs().maxCoeff(), 0.0, 1e-9);
 }
 
 INSTANTIATE_TEST_SUITE_P(Both, PriorsTest,

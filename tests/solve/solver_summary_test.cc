@@ -98,8 +98,8 @@ TEST(SolverSummaryTest, AtTheIterationLimitTheCostDecides) {
 TEST(SolverSummaryTest, BriefReportIsOneLineWithTheOutcome) {
   const std::string report = MakeSummary().BriefReport();
   EXPECT_EQ(report.find('\n'), std::string::npos);
-  for (const char* part :
-       {"ceres", "stopped at the rounding floor", "7", "1234.5", "6.25e-20"}) {
+  for (const char* part : {"ceres", "stopped at the numerical precision limit",
+                           "7", "1234.5", "6.25e-20"}) {
     EXPECT_NE(report.find(part), std::string::npos) << part << "\n" << report;
   }
 }
@@ -107,7 +107,7 @@ TEST(SolverSummaryTest, BriefReportIsOneLineWithTheOutcome) {
 TEST(SolverSummaryTest, FullReportHasALineForEverything) {
   const SolverSummary summary = MakeSummary();
   ExpectLine(summary, "Solver", "  ceres");
-  ExpectLine(summary, "Status", "  stopped at the rounding floor");
+  ExpectLine(summary, "Status", "  stopped at the numerical precision limit");
   ExpectLine(summary, "Message", "  The next step is below rounding.");
   ExpectLine(summary, "Poses, residuals", "  56, 168");
   ExpectLine(summary, "Parameters, free", "  37, 17");

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -230,6 +231,48 @@ TEST_P(SolverStatusTest, HopelessStartLeavesNothingThatIsNotFinite) {
         EXPECT_TRUE(testing::SameBits(values, start));
       }
     }
+  }
+}
+
+// With a tolerance that any step meets, a first step that is rejected, as
+// undamped ones along unidentifiable directions are, ends the solve far from a
+// minimum.
+TEST(CeresStatusTest, EndWithoutAStepIsNoSolutionUnlessItBeganAtOne) {
+  Calibration calibration = testing::NoisyFlangeCalibration(1, 40);
+  Eigen::VectorXd minimum = calibration.model.NominalValues();
+  calibration.Solve(testing::kCeres, &minimum);
+  SolverOptions options;
+  options.function_tolerance = 1.0;
+  options.initial_trust_region_radius = 1e16;
+  for (const Evaluation evaluation :
+       {Evaluation::kAutodiff, Evaluation::kCompressed}) {
+    options.evaluation = evaluation;
+    Eigen::VectorXd again = minimum;
+    EXPECT_TRUE(
+        calibration.Solve(testing::kCeres, &again, options).IsSolutionUsable());
+  }
+  calibration.free_columns.resize(25);
+  std::iota(calibration.free_columns.begin(), calibration.free_columns.end(),
+            0);
+  for (const Evaluation evaluation :
+       {Evaluation::kAutodiff, Evaluation::kCompressed}) {
+    options.evaluation = evaluation;
+    int without_step = 0;
+    for (int draw = 0; draw < 40; ++draw) {
+      Random random(5, draw);
+      Eigen::VectorXd start = minimum;
+      for (const int column : calibration.free_columns) {
+        start[column] += random.Uniform(-0.3, 0.3);
+      }
+      const SolverSummary summary =
+          calibration.Solve(testing::kCeres, &start, options);
+      if (summary.accepted_steps > 0) continue;
+      ++without_step;
+      EXPECT_EQ(summary.status, SolverStatus::kFailed);
+      EXPECT_NE(summary.message.find("it is no minimum"), std::string::npos)
+          << summary.message;
+    }
+    EXPECT_GE(without_step, 1);
   }
 }
 

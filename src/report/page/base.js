@@ -78,6 +78,14 @@ function num(value, digits = 3) {
   return (value < 0 ? MINUS : '') + text;
 }
 
+// A sentence with its "-2.3e-13" as figures have such numbers.
+const typeset = (sentence) => sentence
+                                  .replace(
+                                      /(\d)e([-+]\d+)\b/g,
+                                      (all, digit, exponent) => digit + '×10' +
+                                          superscript(String(Number(exponent))))
+                                  .replace(/(\s|\()-(?=\d)/g, '$1' + MINUS);
+
 const percent = (share) => Number((100 * share).toPrecision(3)) + '\u00a0%';
 
 // Fixed decimals, for columns that are compared down the page.
@@ -129,22 +137,12 @@ const statusTitle = (status) =>
     ({
       not_run: 'not run',
       converged: 'converged',
-      rounding_floor: 'stopped at the rounding floor',
+      rounding_floor: 'stopped at the numerical precision limit',
       iteration_limit: 'stopped at the iteration limit',
       failed: 'failed',
       unusable: 'unusable',
     })[status] ||
     status;
-
-// "train_max": "largest error, training poses".
-function quantityTitle(key) {
-  const [set, ...rest] = key.split('_');
-  const what = rest[0] === 'rotation' ? 'orientation error' : 'position error';
-  const how = {rms: 'RMS', max: 'largest', mean: 'mean'}[rest[rest.length - 1]];
-  if (!how) return key;
-  return how + ' ' + what + ', ' +
-      (set === 'train' ? 'training poses' : 'held-out poses');
-}
 
 // A section with its heading; nothing where it has no content.
 function section(id, title, ...children) {
@@ -164,6 +162,28 @@ const badge = (kind, text) =>
       h('span', {'aria-hidden': 'true'},
         {good: '✓', bad: '✗', warn: '!', plain: '·'}[kind] || '', ' '),
       text);
+
+// What was decided of a result: {level, title, sentence}, and its findings.
+const LEVELS = {
+  passed: 'good',
+  note: 'plain',
+  attention: 'warn',
+  failed: 'bad'
+};
+
+const verdictNodes = ({level, title, sentence}) =>
+    [p(badge(LEVELS[level], title)),
+     h('p', {class: 'verdict', id: 'verdict'}, typeset(sentence))];
+
+const findingsOf = (result, pattern) =>
+    result.verdict.findings.filter((finding) => pattern.test(finding.key));
+
+// The sentences of findings as a paragraph, nothing where there are none.
+function findingText(result, pattern) {
+  const found = findingsOf(result, pattern);
+  return found.length > 0 &&
+      p(typeset(found.map(({sentence}) => sentence).join(' ')));
+}
 
 function saveFile(name, type, text) {
   const url = URL.createObjectURL(new Blob([text], {type}));

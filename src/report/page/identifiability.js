@@ -1,10 +1,10 @@
-// What these poses can tell at all: singular values, ranks, relations.
+// What these poses identify: singular values, ranks, linear dependences.
 
-const LEVELS = {
-  no_effect: 'has no effect',
-  structural: 'no pose could tell',
-  at_geometry: 'not at this geometry',
-  not_excited: 'not by these poses'
+const DEPENDENCE = {
+  no_effect: 'no effect',
+  structural: 'at all poses',
+  at_geometry: 'at the nominal geometry',
+  not_excited: 'at these poses'
 };
 
 function singularValueFigure(report, title) {
@@ -16,7 +16,7 @@ function singularValueFigure(report, title) {
     marker: kept ? 'circle' : 'triangle',
     className: kept ? 'c2' : 'c1',
     size: 4,
-    label: kept ? 'told apart' : 'not told apart',
+    label: kept ? 'identifiable' : 'unidentifiable',
     x: values.map((v, i) => i + 1),
     y: values.map((v, i) => (i < rank) === kept ? Math.max(v, 1e-18) : NaN),
     tip: (i) => `${i + 1} of ${values.length}: ${num(values[i])}`
@@ -29,7 +29,7 @@ function singularValueFigure(report, title) {
     title,
     draw: (width) => plot(width, {
       x: {
-        label: 'direction, best told first',
+        label: 'direction, best identifiable first',
         integer: true,
         min: 0,
         max: values.length + 1
@@ -45,7 +45,7 @@ function singularValueFigure(report, title) {
             num(smallest)} of the best` +
         (rank < values.length ?
              `; ${count(values.length - rank, 'direction')} ` +
-                 'below it cannot be told here.' :
+                 'below it cannot be determined at these poses.' :
              '.')
   });
 }
@@ -55,8 +55,8 @@ function rankTable(identifiability) {
       [
         ['all candidates, any poses', 'perturbed', 'structural_rank'],
         ['all candidates, any poses', 'nominal', 'generic_rank'],
-        ['free ones, these poses', 'perturbed', 'perturbed_rank'],
-        ['free ones, these poses', 'nominal', 'nominal_rank']
+        ['estimated ones, these poses', 'perturbed', 'perturbed_rank'],
+        ['estimated ones, these poses', 'nominal', 'nominal_rank']
       ].map(([what, geometry, key]) => [what, geometry, identifiability[key]])
           .filter(([, , report]) => report && report.rank > 0);
   const outOf = (what) =>
@@ -64,7 +64,7 @@ function rankTable(identifiability) {
                                 identifiability.num_free);
   return table({
     id: 'ranks',
-    caption: 'Numbers that can be told apart',
+    caption: 'Numerical rank',
     columns: [
       {title: 'of what'}, {
         title: 'geometry',
@@ -82,7 +82,7 @@ function rankTable(identifiability) {
                      cells: [
                        what, geometry, cell(String(report.rank), report.rank),
                        cell(String(outOf(what)), outOf(what)),
-                       report.gap === null ? cell('nothing dropped', null) :
+                       report.gap === null ? cell('full rank', null) :
                                              numberCell(report.gap, 2)
                      ]
                    }))
@@ -93,15 +93,15 @@ function relationTable(relations) {
   if (relations.length === 0) return null;
   return table({
     id: 'relations',
-    caption: 'Parameters that others stand for',
+    caption: 'Linearly dependent parameters, left out',
     columns: [
       {title: 'parameter'}, {title: 'relation', align: 'why'},
-      {title: 'who could tell'}, {title: 'checked'}
+      {title: 'dependent'}, {title: 'checked'}
     ],
     rows: relations.map((relation) => ({
                           cells: [
                             relation.parameter, relation.text,
-                            LEVELS[relation.level] || relation.level,
+                            DEPENDENCE[relation.level] || relation.level,
                             relation.verified ? 'yes' : 'no'
                           ]
                         }))
@@ -114,23 +114,15 @@ function identifiabilitySection(entry) {
       'by the three rules of the published study' :
       'by ranks';
   const free = found.num_free;
-  const told = found.nominal_rank.rank;
-  const weak = found.weak || [];
   return section(
-      'identifiability', 'What these poses can tell',
+      'identifiability', 'Identifiability',
       p(`${count(free, 'parameter')} ${
-            free === 1 ? 'was' : 'were'} identified, ` +
-        `chosen ${method}. ` +
-        (told >= free ?
-             'These poses tell all of them apart.' :
-             `At the nominal geometry these poses tell ${told} of them apart` +
-                 (weak.length ? `; ${weak.join(', ')} depend${
-                                    weak.length === 1 ? 's' : ''} ` +
-                          'on others but for effects of second order, which noise drowns.' :
-                                '.'))),
+            free === 1 ? 'was' : 'were'} estimated, ` +
+        `chosen ${method}.`),
+      findingText(entry.result, /^rank$/),
       h('div', {class: 'pair'},
         singularValueFigure(
-            found.nominal_rank, 'What these poses see of the free parameters'),
+            found.nominal_rank, 'Singular values of the estimated parameters'),
         h('div', {}, rankTable(found), observabilityNote(found))),
       relationTable(found.relations),
       found.advice.length > 0 &&

@@ -1,4 +1,4 @@
-// Parameters: what was found, how well it is known, and what stands for what.
+// Parameters: what was found, and how well it is known.
 
 // What people call the block of a parameter: targets and references have names
 // of their own.
@@ -8,8 +8,8 @@ function parameterTitle(result, parameter) {
   return alias ? `${parameter.name} (${alias.name})` : parameter.name;
 }
 
-// How well a parameter is known: {std, lower, upper, confidence, predicted,
-// priorShare}, in SI; nothing where nobody computed it.
+// How well a parameter is known: {std, lower, upper, profile}, in SI; nothing
+// where nobody computed it.
 function knowledge(result, parameter) {
   const uncertainty = result.uncertainty;
   const mine = uncertainty &&
@@ -20,49 +20,26 @@ function knowledge(result, parameter) {
       std: isNumber(mine.std) ? mine.std : Infinity,
       lower: mine.interval && mine.interval.lower,
       upper: mine.interval && mine.interval.upper,
-      profile: mine.interval && mine.interval.profile,
-      confidence: uncertainty.confidence,
-      priorShare: mine.prior_share,
-      nonlinearity: mine.nonlinearity
+      profile: mine.interval && mine.interval.profile
     };
   }
   if (parameter.state !== 'free') return null;
   const std = isNumber(parameter.std) ? parameter.std : parameter.predicted_std;
-  if (isNumber(std)) return {std, predicted: !isNumber(parameter.std)};
+  if (isNumber(std)) return {std};
   // JSON has no infinity: none, where others have one, is that of a parameter
-  // that nothing tells.
+  // that these data do not determine.
   const others =
       result.parameters.some((other) => isNumber(other.predicted_std));
-  return others ? {std: Infinity, predicted: true} : null;
+  return others ? {std: Infinity} : null;
 }
 
-// Nothing but effects of second order tells it, which noise drowns.
-const isWeak = (result, parameter, known) =>
-    (result.identifiability.weak || []).includes(parameter.name) ||
-    (known && known.std === Infinity);
-
-// identified | prior | frozen | given: the state in the words of the page.
-function stateOf(result, parameter) {
-  if (parameter.state === 'frozen') return {key: 'frozen', text: 'frozen'};
-  if (parameter.state === 'given') return {key: 'given', text: 'given'};
-  const known = knowledge(result, parameter);
-  const share = known && isNumber(known.priorShare) ?
-      known.priorShare :
-      known && isNumber(parameter.prior_std) && known.predicted ?
-      (known.std / parameter.prior_std) ** 2 :
-      0;
-  if (share > 0.5) return {key: 'prior', text: 'prior-dominated'};
-  return isWeak(result, parameter, known) ?
-      {key: 'weak', text: 'weakly told'} :
-      {key: 'identified', text: 'identified'};
-}
-
-const STATE_BADGES = {
-  identified: 'good',
-  prior: 'warn',
-  weak: 'warn',
-  frozen: 'plain',
-  given: 'plain'
+// How a parameter came to its value: its badge, and in words.
+const ASSESSMENTS = {
+  estimated: ['good', 'estimated'],
+  prior_dominated: ['warn', 'prior-dominated'],
+  weak: ['warn', 'weakly identifiable'],
+  fixed: ['plain', 'fixed'],
+  known: ['plain', 'known']
 };
 
 // The cells of a parameter by the key of their column.
@@ -71,14 +48,13 @@ function parameterCells(result, parameter) {
   const decimals = isAngle(unit) ? 5 : 4;
   const blank = cell('', null);
   const shown = (value) => fixedCell(inUnit(value, unit), decimals);
-  const state = stateOf(result, parameter);
   const cells = {
     name: parameterTitle(result, parameter),
-    state: badge(STATE_BADGES[state.key], state.text),
+    state: badge(...ASSESSMENTS[parameter.assessment]),
     unit: unitName(unit),
     nominal: shown(parameter.nominal),
     truth: isNumber(parameter.truth) ? shown(parameter.truth) : blank,
-    why: whyText(result, parameter, state),
+    why: whyText(result, parameter),
     change: blank,
     std: blank,
     sigmas: blank,
@@ -100,13 +76,13 @@ function parameterCells(result, parameter) {
   return cells;
 }
 
-function whyText(result, parameter, state) {
+function whyText(result, parameter) {
   const known = knowledge(result, parameter);
   return [
-    parameter.stands_for && `stands for ${parameter.stands_for}`,
-    state.key === 'weak' &&
-        'only effects of second order tell it from ' +
-            'others: noise drowns them',
+    parameter.stands_for && `identified combination: ${parameter.stands_for}`,
+    parameter.assessment === 'weak' &&
+        'linearly dependent on others at the nominal geometry but for effects of second order, ' +
+            'which are below the noise level',
     known && known.profile && 'interval by profile likelihood', parameter.reason
   ].filter(Boolean)
       .join('; ');
@@ -140,7 +116,7 @@ function parameterTable(result) {
     right('interval', confidence), right('nominal', 'nominal'),
     right('found', 'found'),
     right('truth', 'true', 'known, because the arm is simulated'),
-    {key: 'why', title: 'why', align: 'why'}
+    {key: 'why', title: 'remarks', align: 'why'}
   ];
   const rows = parameters.map(
       (parameter) => ({
@@ -191,7 +167,7 @@ function changeFigure(result, unit) {
   });
 }
 
-// Of a parameter that is hardly told the bar would leave no room for others: it
+// Of a weakly identifiable parameter the bar would leave no room for others: it
 // is cut at four times the reach of all changes and usual bars.
 function usefulRange(rows) {
   const marks = rows.flatMap((row) => row.marks);
@@ -218,7 +194,7 @@ function changeRow(result, parameter) {
   };
   if (known && known.std === Infinity) {
     [mark.lower, mark.upper] = [-Infinity, Infinity];
-    mark.tip += '\nnot told by these poses';
+    mark.tip += '\nnot determined by these poses';
   } else if (known && isNumber(known.std)) {
     const reach = 1.96 * known.std;
     mark.lower =
@@ -242,19 +218,19 @@ function changeRow(result, parameter) {
 
 function parametersSection(entry) {
   const result = entry.result;
-  const states =
-      result.parameters.map((parameter) => stateOf(result, parameter).key);
-  const number = (key) => states.filter((state) => state === key).length;
   const told =
       result.parameters.some((parameter) => knowledge(result, parameter));
   const predicted = !result.uncertainty && told;
-  const parts = [`${number('identified')} identified by these data`];
-  if (number('weak')) parts.push(`${number('weak')} told weakly`);
-  if (number('prior')) {
-    parts.push(`${number('prior')} held mostly by what was known beforehand`);
-  }
-  if (number('frozen')) parts.push(`${number('frozen')} frozen at nominal`);
-  if (number('given')) parts.push(`${number('given')} given`);
+  const parts =
+      Object.entries(ASSESSMENTS)
+          .map(
+              ([key, [, words]]) =>
+                  [result.parameters
+                       .filter((parameter) => parameter.assessment === key)
+                       .length,
+                   words])
+          .filter(([number]) => number > 0)
+          .map(([number, words]) => `${number} ${words}`);
   return section(
       'parameters', 'Parameters',
       p(`Of ${count(result.parameters.length, 'parameter')}: ${
@@ -276,8 +252,7 @@ function correlatedTable(result) {
   if (pairs.length === 0) return null;
   return table({
     id: 'correlated',
-    caption: 'Parameters that these data hardly ' +
-        'tell apart',
+    caption: 'Strongly correlated parameters',
     columns: [
       {title: 'first'}, {title: 'second'},
       {title: 'correlation', align: 'right'}

@@ -1,5 +1,5 @@
-// What is left after calibration: by pose, by joint value, as a histogram with
-// the curve that was expected; and what is beyond chance.
+// Residuals after calibration: by pose, by joint value, as a histogram with the
+// curve that was expected; outliers.
 
 // Errors of a table in mm, or in degrees where no length was measured.
 function errorColumns(table) {
@@ -191,75 +191,16 @@ function histogramFigure(id, title, shown) {
   });
 }
 
-const pValue = (value) => value < 1e-16 ? 'p < 10⁻¹⁶' : `p = ${num(value, 2)}`;
-
-function diagnosticsText(result) {
-  const sentences = [];
-  const fit = result.fit || {};
-  if (fit.estimated_sigma > 0) {
-    sentences.push(
-        'The standard deviation of a coordinate, estimated from the ' +
-        `residuals, is ${length(fit.estimated_sigma)}.`);
-  }
-  if (fit.estimated_rotation_sigma > 0) {
-    sentences.push(
-        `That of an orientation is ${angle(fit.estimated_rotation_sigma)}.`);
-  }
-  const found = result.uncertainty && result.uncertainty.residuals;
-  if (found) {
-    sentences.push(
-        `Chi-square is ${num(found.chi_square)} with ` +
-        `${num(found.degrees_of_freedom)} degrees of freedom` +
-        (isNumber(found.chi_square_p_value) ?
-             ` (${pValue(found.chi_square_p_value)}).` :
-             '.'));
-    // As the program's own warnings: of data without noise tests say nothing.
-    if (found.reduced_chi_square < 0.1) {
-      sentences.push(
-          'The residuals are far below their sigmas, as in data without ' +
-          'noise: nothing else is read from them.');
-      return p(sentences.join(' '));
-    }
-    const test = (name, outcome, good, bad) => {
-      if (!outcome || !isNumber(outcome.p_value)) return;
-      sentences.push(
-          `${outcome.p_value < 0.01 ? bad : good} ` +
-          `(${name}, ${pValue(outcome.p_value)}).`);
-    };
-    test(
-        'Anderson and Darling', found.normality,
-        'The residuals look normally distributed',
-        'The residuals do not look normally distributed');
-    test(
-        'Ljung and Box', found.whiteness,
-        'No drift shows along the order of measurement',
-        'The residuals hang together along the order of measurement: something drifts');
-  } else if (fit.reduced_chi_square > 0) {
-    sentences.push(
-        'Chi-square by degree of freedom is ' +
-        `${num(fit.reduced_chi_square)}; 1 where residuals are as the stated ` +
-        'accuracy says.');
-  }
-  return sentences.length > 0 && p(sentences.join(' '));
-}
-
 function outlierTable(result) {
-  const fit = result.fit;
-  if (!fit || !(fit.outlier_limit > 0)) return null;
-  if (fit.outliers.length === 0) {
-    return p(
-        `No outliers: no whitened residual is beyond ${
-            num(fit.outlier_limit)}, ` +
-        'which chance exceeds in 5 % of calibrations.');
-  }
+  const {fit} = result;
+  if (!fit || fit.outliers.length === 0) return null;
   return table({
     id: 'outliers',
-    caption: `Outliers (${fit.outliers.length}), ` +
-        'beyond what chance explains',
+    caption: `Outliers (${fit.outliers.length})`,
     columns: [
       {title: 'pose', align: 'right'}, {title: 'kind'}, {title: 'target'},
       {title: 'where'}, {title: 'error', unit: 'mm', align: 'right'},
-      {title: 'in sigmas', align: 'right'},
+      {title: 'standardised', align: 'right', help: 'in standard deviations'},
       {title: 'weight', align: 'right', help: 'what the robust loss left it'}
     ],
     rows: fit.outliers.slice(0, 200).map(
@@ -289,7 +230,7 @@ function influenceTable(influence) {
                     .slice(0, 8);
   return table({
     id: 'influence',
-    caption: 'Poses that weigh most in the fit',
+    caption: 'Influential poses',
     columns: [
       {title: 'pose', align: 'right'}, {
         title: 'Cook\'s distance',
@@ -298,7 +239,7 @@ function influenceTable(influence) {
             'without it, in its own uncertainty'
       },
       {title: 'leverage', align: 'right'},
-      {title: 'residual in sigmas', align: 'right'}
+      {title: 'standardised residual', align: 'right'}
     ],
     rows: worst.map((i) => ({
                       cells: [
@@ -319,11 +260,12 @@ function residualsSection(entry) {
           'Figures of many observations show some of them, the worst always; ' +
           'tables and statistics are of all, and the CSV files hold every one.');
   return section(
-      'residuals', 'What is left', diagnosticsText(entry.result),
+      'residuals', 'Residuals',
+      findingText(entry.result, /^(sigma|chi_square|normality|whiteness)$/),
       h('div', {class: 'pair'},
         histogramFigure(
             'histogram', 'Are the residuals like noise?', histogramData(entry)),
-        shown && jointFigure(shown, heldout ? 'held-out' : 'training')),
+        shown && jointFigure(shown, heldout ? 'validation' : 'training')),
       // A study shows these among its own figures.
       !entry.result.study &&
           h('div', {class: 'pair'},
@@ -334,8 +276,8 @@ function residualsSection(entry) {
             heldout &&
                 poseFigure(
                     'by-pose-heldout',
-                    'Error after calibration, held-out poses', heldout,
+                    'Error after calibration, validation poses', heldout,
                     'after')),
-      thinnedNote, outlierTable(entry.result),
-      influenceTable(entry.tables.influence));
+      thinnedNote, findingText(entry.result, /^outliers$/),
+      outlierTable(entry.result), influenceTable(entry.tables.influence));
 }

@@ -30,7 +30,7 @@ function convergenceFigure(id, title, runs, note) {
       hlines: floor > 0 && maxOf(shown.map((run) => run.history.length)) > 0 &&
               minOf(shown.flatMap(
                   (run) => run.history.map((r) => r.max_error))) < 1e4 * floor ?
-          [{y: floor * 1e3, label: 'rounding floor'}] :
+          [{y: floor * 1e3, label: 'numerical precision limit'}] :
           [],
       description: 'Largest position error by iteration of ' +
           shown.map((run) => solverTitle(run.name)).join(' and ')
@@ -45,11 +45,11 @@ function solverTable(runs) {
     ],
     ['iterations', (run) => cell(String(run.iterations), run.iterations)],
     [
-      'steps accepted',
+      'accepted steps',
       (run) => cell(String(run.accepted_steps), run.accepted_steps)
     ],
     [
-      'steps taken back',
+      'rejected steps',
       (run) => cell(String(run.rejected_steps), run.rejected_steps)
     ],
     ['chi-square at the start', (run) => numberCell(run.initial_cost, 4)],
@@ -77,7 +77,8 @@ function solverTable(runs) {
 // The parameter on which two solvers agree least.
 function disagreement(result) {
   const [first, second] = result.runs;
-  if (!second || !isUsable(second)) return null;
+  if (!second || ['not_run', 'failed', 'unusable'].includes(second.status))
+    return null;
   let worst = null;
   result.parameters.forEach((parameter, i) => {
     const difference = Math.abs(first.values[i] - second.values[i]);
@@ -117,11 +118,11 @@ function stagesSection(entry) {
   const of = (stage) => stage.heldout || stage.train;
   const seen = !stages[0].heldout;
   return section(
-      'stages', 'What each part of the calibration brings',
+      'stages', 'Accuracy by stage',
       h('div', {class: 'pair'}, figure({
           id: 'stages-figure',
           title: 'Error by what was calibrated, ' +
-              (seen ? 'training' : 'held-out') + ' poses',
+              (seen ? 'training' : 'validation') + ' poses',
           draw: (width) => rowPlot(width, {
             rows: stages.map(
                 (stage) => ({
@@ -182,7 +183,7 @@ function provenanceSection(entry) {
     ]
   ];
   return section(
-      'provenance', 'Where this comes from',
+      'provenance', 'Provenance',
       h('dl', {class: 'facts'},
         facts.map(([name, value]) => [h('dt', {}, name), h('dd', {}, value)])),
       table({

@@ -130,42 +130,18 @@ function truthFigure(map) {
   });
 }
 
-// Errors at held-out poses over the standard deviations predicted for them.
+// Errors at validation poses over the standard deviations predicted for them.
 function zScoreFigure(uncertainty) {
   const scores =
       uncertainty && uncertainty.heldout && uncertainty.heldout.z_histogram;
   if (!scores || sum(scores.counts) === 0) return null;
-  return histogramFigure('z-scores', 'Held-out errors over their prediction', {
-    ...scores,
-    sigma: 1,
-    expected: 'standard normal',
-    label: 'error / predicted standard deviation'
-  });
-}
-
-function checkText(check) {
-  if (!check || !check.axes || check.axes.n === 0) return null;
-  const share = (coverage) => `${percent(coverage.held / coverage.n)} of ` +
-      `${grouped(coverage.n)} (${percent(coverage.lower)} to ` +
-      `${percent(coverage.upper)} by chance)`;
-  const parts = [];
-  if (check.axes && check.axes.n > 0) {
-    parts.push(
-        `coordinates of held-out poses lay within their ` +
-        `${percent(check.confidence)} intervals in ${share(check.axes)}`);
-  }
-  if (check.ellipsoids && check.ellipsoids.n > 0) {
-    parts.push(
-        `positions within their ellipsoids in ${share(check.ellipsoids)}`);
-  }
-  return p(
-      {
-        agree: 'Prediction and observation agree: ',
-        larger: 'Errors are larger than predicted: ',
-        smaller: 'Errors are smaller than predicted: '
-      }[check.verdict] ||
-          (check.verdict ? check.verdict + ': ' : ''),
-      parts.join('; '), '.');
+  return histogramFigure(
+      'z-scores', 'Validation errors over their prediction', {
+        ...scores,
+        sigma: 1,
+        expected: 'standard normal',
+        label: 'error / predicted standard deviation'
+      });
 }
 
 function workspaceSection(entry) {
@@ -177,7 +153,7 @@ function workspaceSection(entry) {
   const observed = entry.result.study ? null : heldoutMaps(entry);
   if (!map && !uncertainty && !observed) return null;
   return section(
-      'workspace', 'How accurate it will be',
+      'workspace', 'Predicted accuracy',
       summary &&
           p('Over the workspace the position is predicted to a standard ' +
             `deviation of ${length(summary.median)} in the median, ${
@@ -188,7 +164,7 @@ function workspaceSection(entry) {
                          length(truth.median)}, ` +
                      `${length(truth.p95)} and ${length(truth.max)}.` :
                      '')),
-      uncertainty && checkText(uncertainty.heldout),
+      findingText(entry.result, /^prediction$/),
       h('div', {class: 'pair'}, map && mapFigure(map), map && truthFigure(map),
         zScoreFigure(uncertainty)),
       observed);
@@ -202,7 +178,7 @@ const liesInPlane = (columns) => {
   return spans[2] < 0.05 * Math.max(spans[0], spans[1]);
 };
 
-// Held-out poses of one plane make a map of what was observed.
+// Validation poses of one plane make a map of what was observed.
 function heldoutMaps(entry) {
   const heldout = entry.tables.heldout;
   if (!heldout || heldout.index.length < 50 || !liesInPlane(heldout.columns)) {
@@ -211,9 +187,9 @@ function heldoutMaps(entry) {
   return h(
       'div', {class: 'pair'},
       planeFigure(
-          'map-before', 'Error before, held-out poses', heldout, 'before'),
+          'map-before', 'Error before, validation poses', heldout, 'before'),
       planeFigure(
-          'map-after', 'Error after, held-out poses', heldout, 'after'));
+          'map-after', 'Error after, validation poses', heldout, 'after'));
 }
 
 function planeFigure(id, title, table, which, note) {

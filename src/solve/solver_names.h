@@ -1,5 +1,5 @@
-#ifndef ALIDADE_SRC_REPORT_SOLVER_NAMES_H_
-#define ALIDADE_SRC_REPORT_SOLVER_NAMES_H_
+#ifndef ALIDADE_SRC_SOLVE_SOLVER_NAMES_H_
+#define ALIDADE_SRC_SOLVE_SOLVER_NAMES_H_
 
 #include <string>
 
@@ -22,4 +22,4 @@ inline std::string ShortSolverTitle(const std::string& solver) {
 
 }  // namespace alidade::internal
 
-#endif  // ALIDADE_SRC_REPORT_SOLVER_NAMES_H_
+#endif  // ALIDADE_SRC_SOLVE_SOLVER_NAMES_H_

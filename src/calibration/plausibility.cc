@@ -1,4 +1,4 @@
-#include "src/calibration/input_doubt.h"
+#include "src/calibration/plausibility.h"
 
 #include <algorithm>
 #include <cmath>
@@ -231,7 +231,7 @@ double Extent(const Eigen::Matrix3Xd& points) {
                    static_cast<double>(points.cols()));
 }
 
-struct Slip {
+struct InputMistake {
   std::string text;  // what the user should do
   std::function<void(Pairs*)> mend;
   int shift = 0;  // of Positions::Paired
@@ -246,7 +246,7 @@ void ScaleAngles(const Arm& arm, double factor, Pairs* pairs) {
   }
 }
 
-std::vector<Slip> UnitSlips(const Arm& arm) {
+std::vector<InputMistake> UnitMistakes(const Arm& arm) {
   return {
       {"the joint angles are in degrees but read as radians: state the "
        "unit deg",
@@ -277,40 +277,41 @@ std::vector<Slip> UnitSlips(const Arm& arm) {
        [](Pairs*) {}, -1}};
 }
 
-std::vector<Slip> JointSlips(const Arm& arm) {
-  std::vector<Slip> slips;
+std::vector<InputMistake> JointMistakes(const Arm& arm) {
+  std::vector<InputMistake> mistakes;
   for (int j = 0; j < arm.num_joints(); ++j) {
-    slips.push_back(
+    mistakes.push_back(
         {"joint " + std::to_string(j + 1) +
              " counts the other way: give it `sign: -1` in the arm "
              "file",
          [j](Pairs* pairs) { pairs->joint_values.row(j) *= -1.0; }});
     if (arm.joints[j].type == JointType::kRevolute) {
       for (const int turn : {90, -90, 180}) {
-        slips.push_back({"the zero of joint " + std::to_string(j + 1) +
-                             " is elsewhere: add " + std::to_string(turn) +
-                             " deg to its theta in the arm file",
-                         [j, turn](Pairs* pairs) {
-                           pairs->joint_values.row(j).array() += turn * kDegree;
-                         }});
+        mistakes.push_back({"the zero of joint " + std::to_string(j + 1) +
+                                " is elsewhere: add " + std::to_string(turn) +
+                                " deg to its theta in the arm file",
+                            [j, turn](Pairs* pairs) {
+                              pairs->joint_values.row(j).array() +=
+                                  turn * kDegree;
+                            }});
       }
     }
     for (int k = j + 1; k < arm.num_joints(); ++k) {
-      slips.push_back({"the columns " + JointName(j) + " and " + JointName(k) +
-                           " are swapped",
-                       [j, k](Pairs* pairs) {
-                         pairs->joint_values.row(j).swap(
-                             pairs->joint_values.row(k));
-                       }});
+      mistakes.push_back({"the columns " + JointName(j) + " and " +
+                              JointName(k) + " are swapped",
+                          [j, k](Pairs* pairs) {
+                            pairs->joint_values.row(j).swap(
+                                pairs->joint_values.row(k));
+                          }});
     }
   }
-  return slips;
+  return mistakes;
 }
 
 }  // namespace
 
-InputDoubt DoubtInput(const Arm& arm, const Dataset& data,
-                      Communicator* communicator) {
+InputDiagnosis DiagnoseInput(const Arm& arm, const Dataset& data,
+                             Communicator* communicator) {
   const Positions positions(HoldersOf(communicator, data), data);
   if (positions.count() < kFewest || !positions.are_finite()) return {};
   Arm at_origin = arm;
@@ -320,36 +321,40 @@ InputDoubt DoubtInput(const Arm& arm, const Dataset& data,
   if (FitsAsStated(arm, as_read, tolerated)) return {};
   const double misfit = Misfit(arm, as_read);
   if (!(misfit > tolerated) || !std::isfinite(misfit)) return {};
-  std::vector<Slip> slips = UnitSlips(arm);
-  for (Slip& slip : JointSlips(arm)) slips.push_back(std::move(slip));
-  const Slip* best = nullptr;
+  std::vector<InputMistake> mistakes = UnitMistakes(arm);
+  for (InputMistake& mistake : JointMistakes(arm)) {
+    mistakes.push_back(std::move(mistake));
+  }
+  const InputMistake* best = nullptr;
   double best_misfit = std::min(tolerated, misfit / kClearlyBetter);
-  for (const Slip& slip : slips) {
-    Pairs mended = positions.Paired(slip.shift);
-    slip.mend(&mended);
+  for (const InputMistake& mistake : mistakes) {
+    Pairs mended = positions.Paired(mistake.shift);
+    mistake.mend(&mended);
     const double mended_misfit = Misfit(arm, mended);
     if (mended_misfit >= best_misfit ||
         mended_misfit > kExplains * Extent(mended.points)) {
       continue;
     }
-    best = &slip;
+    best = &mistake;
     best_misfit = mended_misfit;
   }
-  std::string text =
+  Finding finding{"plausibility.position_misfit", misfit, tolerated, "",
+                  FindingLevel::kAttention};
+  finding.sentence =
       "the measured positions do not fit this arm wherever its base and tool "
       "are: half of them are more than " +
       FormatLength(misfit, 3) + " off";
-  if (best == nullptr) {
-    text +=
-        ". No single slip of units, columns or signs explains it: look "
-        "whether the arm file describes the arm that was measured";
-    return {text, false};
-  }
-  text += ". They fit to " + FormatLength(best_misfit, 3) + " if " + best->text;
-  return {text, true};
+  finding.sentence +=
+      best == nullptr
+          ? ". No single mistake of units, columns or signs explains it: check "
+            "whether the arm file describes the arm that was measured"
+          : ". They fit to " + FormatLength(best_misfit, 3) + " if " +
+                best->text;
+  return {finding, best != nullptr};
 }
 
-std::string DoubtZeros(const Dataset& data, Communicator* communicator) {
+std::optional<Finding> DiagnoseZeros(const Dataset& data,
+                                     Communicator* communicator) {
   std::string first;
   std::int64_t count = 0;
   for (const ObservationBlock& block : data.blocks) {
@@ -362,11 +367,14 @@ std::string DoubtZeros(const Dataset& data, Communicator* communicator) {
     }
   }
   count = SumOverRanks(communicator, data, count);
-  if (count == 0) return "";
-  return (first.empty() ? "" : first + ": ") + std::to_string(count) +
-         (count == 1 ? " position is" : " positions are") +
-         " exactly 0, 0, 0, which instruments write when they have lost the "
-         "target: empty these cells or leave the rows out";
+  if (count == 0) return std::nullopt;
+  return Finding{
+      "plausibility.zero_positions", static_cast<double>(count), 0.0,
+      (first.empty() ? "" : first + ": ") + std::to_string(count) +
+          (count == 1 ? " position is" : " positions are") +
+          " exactly 0, 0, 0, which instruments write when they have lost the "
+          "target: empty these cells or leave the rows out",
+      FindingLevel::kAttention};
 }
 
 }  // namespace alidade::internal

@@ -9,7 +9,7 @@
 #include "src/common/text.h"
 #include "src/common/text_table.h"
 #include "src/report/report.h"
-#include "src/report/solver_names.h"
+#include "src/solve/solver_names.h"
 
 namespace alidade::internal {
 namespace {

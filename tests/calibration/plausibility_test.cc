@@ -1,4 +1,4 @@
-// Slips of the input that are named, and results that are doubted.
+// Input mistakes that are named, and results that are warned of.
 
 #include <gtest/gtest.h>
 
@@ -12,21 +12,20 @@
 #include "src/job/run_job.h"
 #include "src/model/joint_draw.h"
 #include "tests/calibration/kinds_util.h"
-#include "tests/support/edit.h"
 
 namespace alidade::internal {
 namespace {
 
 // What people do wrong to a data set, and what the refusal has to say.
-struct Slip {
+struct InputMistake {
   const char* name;
   const char* says;
   void (*spoil)(Dataset* data);
 };
 
-class SlipTest : public ::testing::TestWithParam<Slip> {};
+class InputMistakeTest : public ::testing::TestWithParam<InputMistake> {};
 
-TEST_P(SlipTest, IsNamed) {
+TEST_P(InputMistakeTest, IsNamed) {
   const Arm real = RealArm();
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
   JobConfig job;
@@ -45,53 +44,57 @@ TEST_P(SlipTest, IsNamed) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Slips, SlipTest,
+    Mistakes, InputMistakeTest,
     ::testing::Values(
-        Slip{"degrees", "in degrees but read as radians",
-             [](Dataset* data) {
-               *testing::Edit(&data->joint_values) /= kDegree;
-             }},
-        Slip{"radians", "in radians but read as degrees",
-             [](Dataset* data) {
-               *testing::Edit(&data->joint_values) *= kDegree;
-             }},
-        Slip{"millimetres", "in mm but read as m",
-             [](Dataset* data) { *testing::Edit(&data->positions()) *= 1e3; }},
-        Slip{"metres", "in m but read as mm",
-             [](Dataset* data) { *testing::Edit(&data->positions()) /= 1e3; }},
-        Slip{"centimetres", "cm read as mm",
-             [](Dataset* data) { *testing::Edit(&data->positions()) *= 0.1; }},
-        Slip{"inches", "in inches but read as mm",
-             [](Dataset* data) { *testing::Edit(&data->positions()) /= 25.4; }},
-        Slip{"zero", "zero of joint 2 is elsewhere: add 90 deg",
-             [](Dataset* data) {
-               testing::Edit(&data->joint_values)->row(1).array() -=
-                   90.0 * kDegree;
-             }},
-        Slip{"joints", "q2 and q3 are swapped",
-             [](Dataset* data) {
-               auto q = testing::Edit(&data->joint_values);
-               q->row(1).swap(q->row(2));
-             }},
-        Slip{"axes", "mirror image",
-             [](Dataset* data) {
-               auto p = testing::Edit(&data->positions());
-               p->row(0).swap(p->row(2));
-             }},
-        Slip{"sign", "joint 2 counts the other way",
-             [](Dataset* data) {
-               testing::Edit(&data->joint_values)->row(1) *= -1.0;
-             }},
-        Slip{"late", "one row late",
-             [](Dataset* data) {
-               auto p = testing::Edit(&data->positions());
-               p->rightCols(59) = p->leftCols(59).eval();
-             }}),
-    [](const ::testing::TestParamInfo<Slip>& slip) {
-      return std::string(slip.param.name);
+        InputMistake{"degrees", "in degrees but read as radians",
+                     [](Dataset* data) {
+                       *testing::Edit(&data->joint_values) /= kDegree;
+                     }},
+        InputMistake{"radians", "in radians but read as degrees",
+                     [](Dataset* data) {
+                       *testing::Edit(&data->joint_values) *= kDegree;
+                     }},
+        InputMistake{
+            "millimetres", "in mm but read as m",
+            [](Dataset* data) { *testing::Edit(&data->positions()) *= 1e3; }},
+        InputMistake{
+            "metres", "in m but read as mm",
+            [](Dataset* data) { *testing::Edit(&data->positions()) /= 1e3; }},
+        InputMistake{
+            "centimetres", "cm read as mm",
+            [](Dataset* data) { *testing::Edit(&data->positions()) *= 0.1; }},
+        InputMistake{
+            "inches", "in inches but read as mm",
+            [](Dataset* data) { *testing::Edit(&data->positions()) /= 25.4; }},
+        InputMistake{"zero", "zero of joint 2 is elsewhere: add 90 deg",
+                     [](Dataset* data) {
+                       testing::Edit(&data->joint_values)->row(1).array() -=
+                           90.0 * kDegree;
+                     }},
+        InputMistake{"joints", "q2 and q3 are swapped",
+                     [](Dataset* data) {
+                       auto q = testing::Edit(&data->joint_values);
+                       q->row(1).swap(q->row(2));
+                     }},
+        InputMistake{"axes", "mirror image",
+                     [](Dataset* data) {
+                       auto p = testing::Edit(&data->positions());
+                       p->row(0).swap(p->row(2));
+                     }},
+        InputMistake{"sign", "joint 2 counts the other way",
+                     [](Dataset* data) {
+                       testing::Edit(&data->joint_values)->row(1) *= -1.0;
+                     }},
+        InputMistake{"late", "one row late",
+                     [](Dataset* data) {
+                       auto p = testing::Edit(&data->positions());
+                       p->rightCols(59) = p->leftCols(59).eval();
+                     }}),
+    [](const ::testing::TestParamInfo<InputMistake>& mistake) {
+      return std::string(mistake.param.name);
     });
 
-TEST(DoubtTest, DataThatNoSlipExplainsAreWarnedOf) {
+TEST(PlausibilityTest, DataThatNoMistakeExplainsAreWarnedOf) {
   const Arm real = RealArm();
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
   JobConfig job;
@@ -102,12 +105,21 @@ TEST(DoubtTest, DataThatNoSlipExplainsAreWarnedOf) {
       job.data.training.positions().map().rowwise().reverse();
   const CalibrationResult outcome = RunJob(job, "test");
   ASSERT_FALSE(outcome.warnings.empty());
-  EXPECT_NE(outcome.warnings.front().find("No single slip"), std::string::npos)
+  EXPECT_NE(outcome.warnings.front().find("No single mistake"),
+            std::string::npos)
       << outcome.warnings.front();
+  ASSERT_EQ(outcome.plausibility.size(), 1U);
+  const Finding& finding = outcome.plausibility.front();
+  EXPECT_EQ(finding.key, "plausibility.position_misfit");
+  EXPECT_EQ(finding.sentence, outcome.warnings.front());
+  EXPECT_GT(finding.statistic, finding.threshold);
+  Arm in_base = job.arm;
+  in_base.instrument_from_base.setIdentity();
+  EXPECT_NEAR(finding.threshold, 0.02 * Reach(in_base), 1e-15);
 }
 
 // An arm whose joints hardly moved would fit to a small cloud of positions.
-TEST(DoubtTest, ASmallCloudExplainsNothing) {
+TEST(PlausibilityTest, ASmallCloudExplainsNothing) {
   const Arm real = RealArm();
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
   JobConfig job;
@@ -118,7 +130,8 @@ TEST(DoubtTest, ASmallCloudExplainsNothing) {
   testing::Edit(&job.data.training.positions())->colwise() +=
       Eigen::Vector3d(0.4, 0.1, 0.3);
   const CalibrationResult outcome = RunJob(job, "test");
-  EXPECT_NE(outcome.warnings.front().find("No single slip"), std::string::npos);
+  EXPECT_NE(outcome.warnings.front().find("No single mistake"),
+            std::string::npos);
 }
 
 bool IsWarnedOf(const CalibrationResult& outcome, const std::string& what) {
@@ -129,7 +142,7 @@ bool IsWarnedOf(const CalibrationResult& outcome, const std::string& what) {
                      });
 }
 
-TEST(DoubtTest, LostTargetsAndTheWorstMeasurementAreNamed) {
+TEST(PlausibilityTest, LostTargetsAndTheWorstMeasurementAreNamed) {
   const Arm real = RealArm();
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
   JobConfig job = JobOf(Bench(real, q).Positions(0).data());
@@ -142,13 +155,17 @@ TEST(DoubtTest, LostTargetsAndTheWorstMeasurementAreNamed) {
   const CalibrationResult spoilt = RunJob(job, "test");
   EXPECT_TRUE(IsWarnedOf(
       spoilt, "tracker.csv:5: 1 position is exactly 0, 0, 0, which"));
+  ASSERT_EQ(spoilt.plausibility.size(), 1U);
+  EXPECT_EQ(spoilt.plausibility[0].statistic, 1.0);
+  EXPECT_NE(spoilt.verdict.level, FindingLevel::kPassed)
+      << spoilt.verdict.title;
   EXPECT_TRUE(
       IsWarnedOf(spoilt, "tracker.csv:5: the measurement that fits worst is"));
 }
 
 // One wrong position in 42: the solver wanders until it is stopped, and what it
 // ends with is further off elsewhere.
-TEST(DoubtTest, StoppedAndWorseThanBeforeIsAFailure) {
+TEST(PlausibilityTest, StoppedAndWorseThanBeforeIsAFailure) {
   const Arm real = RealArm();
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
   JobConfig job = JobOf(Bench(real, q).Positions(0).data());
@@ -161,7 +178,7 @@ TEST(DoubtTest, StoppedAndWorseThanBeforeIsAFailure) {
       << outcome.message;
 }
 
-TEST(DoubtTest, OrientationsInAnotherConventionAreRefused) {
+TEST(PlausibilityTest, OrientationsInAnotherConventionAreRefused) {
   const Arm real = RealArm();
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
   JobConfig job = JobOf(Bench(real, q).Poses().data());

@@ -1,0 +1,477 @@
+#include "src/calibration/verdict.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "alidade/units.h"
+#include "src/common/format.h"
+#include "src/common/text.h"
+#include "src/solve/solver_names.h"
+#include "src/uncertainty/assessment.h"
+
+namespace alidade::internal {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+// A mean error of more than this part of what it was is hardly a gain.
+constexpr double kHardlyBetter = 0.9;
+
+// Errors of so few rounding errors of the model are at the limit of precision.
+constexpr double kRoundingErrors = 1e4;
+
+// The part of the error that measurement noise must explain to be worth a word,
+// and the part beyond which the stated sigma cannot be right.
+constexpr double kSmallPart = 0.1;
+constexpr double kImpossiblePart = 1.5;
+
+// Beyond this part of the information a prior dominates.
+constexpr double kDominantPrior = 0.5;
+
+std::string FormatAngle(double radians, int digits) {
+  return FormatSignificant(radians / kDegree, digits) + " deg";
+}
+
+std::string FormatQuantity(double value, Dimension dimension) {
+  return dimension == Dimension::kLength ? FormatLength(value, 3)
+                                         : FormatAngle(value, 3);
+}
+
+// As the job states it, without the zeros that digits would add.
+std::string LimitText(double limit) {
+  double rounded = limit;
+  ParseCell(FormatSignificant(limit, 6), &rounded);
+  return ShortestNumber(rounded);
+}
+
+// "p = 0.031".
+std::string PValue(double p) {
+  return p < 1e-16 ? "p < 1e-16" : "p = " + FormatSignificant(p, 2);
+}
+
+// "largest orientation error at validation poses" of "heldout_rotation_max".
+std::string QuantityTitle(const std::string& key) {
+  const auto has = [&key](const char* part) {
+    return key.find(part) != std::string::npos;
+  };
+  return std::string(has("_max") ? "largest " : "RMS ") +
+         (has("_rotation") ? "orientation" : "position") + " error at " +
+         (has("train") ? "training" : "validation") + " poses";
+}
+
+// Mean errors before and after, of positions, or of orientations alone.
+struct Improvement {
+  explicit Improvement(const CalibrationResult& result) {
+    const EvaluatedSet& set = JudgedSet(result);
+    if (set.after.n == 0 && set.rotation_after.n > 0) {
+      dimension = Dimension::kAngle;
+    }
+    const bool is_length = dimension == Dimension::kLength;
+    before = is_length ? set.before : set.rotation_before;
+    after = is_length ? set.after : set.rotation_after;
+  }
+
+  double ratio() const { return after.mean / before.mean; }
+  bool is_worse() const { return after.mean > before.mean; }
+  bool is_hardly_better() const {
+    return after.mean > kHardlyBetter * before.mean;
+  }
+
+  Dimension dimension = Dimension::kLength;
+  Accuracy before;
+  Accuracy after;
+};
+
+class Judge {
+ public:
+  explicit Judge(const CalibrationResult& result)
+      : result_(result), improvement_(result) {}
+
+  Verdict Decide() {
+    if (result_.runs.empty()) return NotCalibrated();
+    if (!JudgeSolver()) return NotUsable();
+    JudgeImprovement();
+    JudgeAcceptance();
+    ListWarnings();
+    JudgeRank();
+    JudgeOutliers();
+    JudgeNoise();
+    JudgeResiduals();
+    JudgePrediction();
+    for (const Finding& finding : verdict_.findings) {
+      verdict_.level = std::max(verdict_.level, finding.level);
+    }
+    if (verdict_.level == FindingLevel::kNote) {
+      verdict_.level = FindingLevel::kPassed;
+    }
+    verdict_.title = Title();
+    return std::move(verdict_);
+  }
+
+ private:
+  void Add(const std::string& key, double statistic, double threshold,
+           const std::string& sentence, FindingLevel level) {
+    verdict_.findings.push_back({key, statistic, threshold, sentence, level});
+  }
+
+  // A note where `is_noted`.
+  void AddNote(const std::string& key, double statistic, double threshold,
+               const std::string& sentence, bool is_noted = true) {
+    Add(key, statistic, threshold, sentence,
+        is_noted ? FindingLevel::kNote : FindingLevel::kPassed);
+  }
+
+  Verdict NotCalibrated() const {
+    const std::string& refusal = result_.identifiability.refusal;
+    return {FindingLevel::kFailed,
+            "Not calibrated",
+            "Nothing was calibrated: " +
+                (refusal.empty() ? "no solver has run." : refusal),
+            {}};
+  }
+
+  Verdict NotUsable() {
+    verdict_.level = FindingLevel::kFailed;
+    verdict_.title = "Not usable";
+    verdict_.sentence = verdict_.findings.front().sentence +
+                        " These values are not to be used.";
+    return std::move(verdict_);
+  }
+
+  bool JudgeSolver() {
+    const SolverSummary& summary = result_.runs.front().summary;
+    const bool is_usable = summary.IsSolutionUsable();
+    std::string text =
+        SolverTitle(summary.solver) + " " + ToString(summary.status) +
+        " after " +
+        Count(summary.accepted_steps + summary.rejected_steps, "iteration");
+    if (!is_usable && !summary.message.empty()) text += ": " + summary.message;
+    Add("solver", kNone, kNone, AsSentence(text),
+        is_usable ? FindingLevel::kPassed : FindingLevel::kFailed);
+    return is_usable;
+  }
+
+  void JudgeImprovement() {
+    const Improvement& by = improvement_;
+    if (by.after.n == 0) return;
+    const bool is_worse = by.is_worse();
+    const std::string what =
+        by.dimension == Dimension::kLength ? "position" : "orientation";
+    std::string text = "The mean " + what + " error at " +
+                       Count(by.after.n, Poses()) +
+                       (is_worse ? " grows" : " falls") + " from " +
+                       FormatQuantity(by.before.mean, by.dimension) + " to " +
+                       FormatQuantity(by.after.mean, by.dimension);
+    const double floor = result_.runs.front().summary.rounding_floor;
+    if (by.after.max < kRoundingErrors * floor) {
+      text += ", the numerical precision limit";
+    }
+    verdict_.sentence = text + ".";
+    Add("improvement", by.ratio(), is_worse ? 1.0 : kHardlyBetter,
+        verdict_.sentence,
+        is_worse                ? FindingLevel::kFailed
+        : by.is_hardly_better() ? FindingLevel::kAttention
+                                : FindingLevel::kPassed);
+  }
+
+  std::string Poses() const {
+    return &JudgedSet(result_) == &result_.train ? "training pose"
+                                                 : "validation pose";
+  }
+
+  void JudgeAcceptance() {
+    std::int64_t missed = 0;
+    for (const AcceptanceCheck& check : result_.acceptance) {
+      const double unit =
+          check.dimension == Dimension::kLength ? kMillimetre : kDegree;
+      Add("acceptance." + check.quantity, check.obtained, check.limit,
+          AsSentence(QuantityTitle(check.quantity) + ": " +
+                     FormatQuantity(check.obtained, check.dimension) +
+                     ", limit " + LimitText(check.limit / unit) + " " +
+                     UnitForPeople(check.dimension)),
+          check.met() ? FindingLevel::kPassed : FindingLevel::kFailed);
+      if (!check.met()) ++missed;
+    }
+    const auto all = static_cast<std::int64_t>(result_.acceptance.size());
+    if (all == 0) {
+      const bool is_validated =
+          result_.cross_validation || &JudgedSet(result_) != &result_.train;
+      AddNote("acceptance", kNone, kNone,
+              is_validated
+                  ? "No acceptance limits were set."
+                  : "No acceptance limits were set, and there are no "
+                    "validation poses: these errors do not show how accurate "
+                    "the arm is at other poses.");
+      return;
+    }
+    verdict_.sentence +=
+        missed == 0 ? " All acceptance limits are met."
+                    : " " + std::to_string(missed) + " of " +
+                          Count(all, "acceptance limit") +
+                          (missed == 1 ? " is missed." : " are missed.");
+  }
+
+  // Those of the result are reasons to look twice; what the analyses alone
+  // warned of is a note.
+  void ListWarnings() {
+    std::set<std::string> listed;
+    for (const Finding& finding : result_.plausibility) {
+      listed.insert(finding.sentence);
+      verdict_.findings.push_back(finding);
+      verdict_.findings.back().sentence = AsSentence(finding.sentence);
+    }
+    const auto list = [&](const std::vector<std::string>& warnings,
+                          FindingLevel level) {
+      for (const std::string& warning : warnings) {
+        if (!listed.insert(warning).second) continue;
+        Add("warning", kNone, kNone, AsSentence(warning), level);
+      }
+    };
+    list(result_.warnings, FindingLevel::kAttention);
+    list(result_.identifiability.warnings, FindingLevel::kNote);
+    if (result_.uncertainty) {
+      list(result_.uncertainty->warnings, FindingLevel::kNote);
+    }
+  }
+
+  void JudgeRank() {
+    const IdentifiabilityResult& found = result_.identifiability;
+    if (found.nominal_rank.singular_values.size() == 0) return;
+    const int rank = found.nominal_rank.rank;
+    std::string text =
+        "The numerical rank of these poses at the nominal "
+        "geometry is " +
+        std::to_string(rank) + " of " + std::to_string(found.num_free);
+    if (rank >= found.num_free) {
+      text += ": all estimated parameters are identifiable";
+    } else if (!found.weak.empty()) {
+      text += ": " + Join(found.weak, ", ") +
+              (found.weak.size() == 1 ? " depends" : " depend") +
+              " on others but for effects of second order";
+    }
+    AddNote("rank", rank, found.num_free, text + ".", rank < found.num_free);
+  }
+
+  void JudgeOutliers() {
+    if (!(result_.outlier_limit > 0.0)) return;
+    const std::string limit = FormatSignificant(result_.outlier_limit, 3);
+    const std::string chance =
+        ", which one of all exceeds by chance in 5 % of calibrations";
+    if (result_.outliers.empty()) {
+      AddNote("outliers", kNone, result_.outlier_limit,
+              "No outliers: no standardised residual exceeds " + limit +
+                  chance + ".",
+              false);
+      return;
+    }
+    const Outlier& worst = result_.outliers.front();
+    AddNote(
+        "outliers", worst.standardised, result_.outlier_limit,
+        Count(static_cast<std::int64_t>(result_.outliers.size()), "outlier") +
+            ": standardised residuals above " + limit + chance +
+            "; the largest is " + FormatSignificant(worst.standardised, 3) +
+            ".");
+  }
+
+  // How much of the error the instrument alone would show. A sigma that comes
+  // from the residuals says nothing of it, and one that they are far from is
+  // wrong. Of positions measured whole the mean length of noise with standard
+  // deviation 1 is sqrt(8 / pi).
+  void JudgeNoise() {
+    const SolverSummary& summary = result_.runs.front().summary;
+    if (!result_.train.labels.empty() || result_.train.rotation_after.n > 0 ||
+        summary.num_residuals != 3 * result_.train.after.n ||
+        !(result_.sigma > 0.0) || result_.estimated_sigma > 0.0) {
+      return;
+    }
+    const double noise = std::sqrt(8.0 / kPi) * result_.sigma;
+    const double error = improvement_.after.mean;
+    if (noise < kSmallPart * error || noise > kImpossiblePart * error) return;
+    AddNote("measurement_noise", noise, error,
+            "Measurement noise alone, " + FormatLength(result_.sigma, 3) +
+                " in each coordinate, would show a mean error of " +
+                FormatLength(noise, 3) +
+                ": the arm itself is more accurate than these errors.");
+  }
+
+  void JudgeResiduals() {
+    if (result_.estimated_sigma > 0.0) {
+      std::string text =
+          "The standard deviation of a coordinate, estimated from the "
+          "residuals, is " +
+          FormatLength(result_.estimated_sigma, 3);
+      if (result_.estimated_rotation_sigma > 0.0) {
+        text += ", that of an orientation about each axis " +
+                FormatAngle(result_.estimated_rotation_sigma, 3);
+      }
+      AddNote("sigma", result_.estimated_sigma, kNone, text + ".");
+    }
+    if (result_.uncertainty) {
+      JudgeTests(result_.uncertainty->residuals);
+    } else if (result_.reduced_chi_square > 0.0) {
+      AddNote("chi_square", result_.reduced_chi_square, 1.0,
+              "The reduced chi-square is " +
+                  FormatSignificant(result_.reduced_chi_square, 3) +
+                  "; 1 where the residuals are as large as the sigmas say.",
+              false);
+    }
+  }
+
+  void JudgeTests(const ResidualDiagnostics& found) {
+    const bool is_noise_free = found.reduced_chi_square < kMuchSmaller;
+    std::string text = "Chi-square is " +
+                       FormatSignificant(found.chi_square, 4) + " for " +
+                       FormatSignificant(found.degrees_of_freedom, 4) +
+                       " degrees of freedom, reduced " +
+                       FormatSignificant(found.reduced_chi_square, 3);
+    const double p = found.chi_square_p_value;
+    text += std::isfinite(p) ? " (" + PValue(p) + ")."
+                             : " (sigma is estimated from it).";
+    if (is_noise_free) {
+      text +=
+          " The residuals are far below their sigmas, as in data without "
+          "noise: they are not tested further.";
+    }
+    AddNote("chi_square", p, kUnlikely, text, p < kUnlikely);
+    if (is_noise_free) return;
+    const auto add = [this](const std::string& key, const TestResult& test,
+                            const char* name, const std::string& passed,
+                            const std::string& noted) {
+      if (!std::isfinite(test.p_value)) return;
+      const bool is_unlikely = test.p_value < kUnlikely;
+      AddNote(key, test.p_value, kUnlikely,
+              (is_unlikely ? noted : passed) + " (" + name + ", " +
+                  PValue(test.p_value) + ").",
+              is_unlikely);
+    };
+    add("normality", found.normality, "Anderson and Darling",
+        "The residuals are compatible with a normal distribution",
+        "The residuals are not normally distributed");
+    add("whiteness", found.whiteness, "Ljung and Box",
+        "The residuals are not autocorrelated along the order of measurement",
+        "The residuals are autocorrelated along the order of measurement, as "
+        "with a drift");
+  }
+
+  void JudgePrediction() {
+    if (!result_.uncertainty || !result_.uncertainty->heldout) return;
+    const PredictionCheck& check = *result_.uncertainty->heldout;
+    const std::string text = DescribePrediction("Validation poses", check);
+    if (text.empty()) return;
+    const bool agrees = check.verdict == "agree";
+    AddNote("prediction", check.axes.rate(),
+            check.verdict == "smaller" ? check.axes.upper : check.axes.lower,
+            text, !agrees);
+  }
+
+  std::string Title() const {
+    if (improvement_.is_worse()) return "Worse than before";
+    if (verdict_.level == FindingLevel::kFailed) return "Not accepted";
+    const std::string title =
+        result_.acceptance.empty() ? "Usable" : "Accepted";
+    if (verdict_.level == FindingLevel::kPassed) return title;
+    return title + (improvement_.is_hardly_better()
+                        ? ", hardly better than before"
+                        : ", with warnings");
+  }
+
+  const CalibrationResult& result_;
+  const Improvement improvement_;
+  Verdict verdict_{FindingLevel::kPassed, "", "", {}};
+};
+
+// The uncertainty of a parameter; null where it has none.
+const ParameterUncertainty* UncertaintyOf(const CalibrationResult& result,
+                                          const std::string& name) {
+  if (!result.uncertainty) return nullptr;
+  for (const ParameterUncertainty& one : result.uncertainty->parameters) {
+    if (one.name == name) return &one;
+  }
+  return nullptr;
+}
+
+ParameterAssessment Assess(const CalibrationResult& result,
+                           const ParameterResult& parameter) {
+  const ParameterDecision& decision = parameter.decision;
+  if (decision.state == ParameterState::kGiven) {
+    return ParameterAssessment::kKnown;
+  }
+  if (decision.state == ParameterState::kFrozen) {
+    return ParameterAssessment::kFixed;
+  }
+  const ParameterUncertainty* const known =
+      UncertaintyOf(result, parameter.name);
+  const double std = KnownStd(result, parameter);
+  double prior_share = 0.0;
+  if (known != nullptr) {
+    prior_share = known->prior_share;
+  } else if (!std::isfinite(parameter.std)) {
+    prior_share = std * std / (decision.prior_std * decision.prior_std);
+  }
+  if (prior_share > kDominantPrior) return ParameterAssessment::kPriorDominated;
+  // result.json has no infinity: of a result that was read back, none where
+  // other parameters have one.
+  const bool others_have_one =
+      std::any_of(result.parameters.begin(), result.parameters.end(),
+                  [](const ParameterResult& other) {
+                    return std::isfinite(other.decision.predicted_std);
+                  });
+  const std::vector<std::string>& weak = result.identifiability.weak;
+  const bool is_weak =
+      std::isinf(std) || (std::isnan(std) && others_have_one) ||
+      std::find(weak.begin(), weak.end(), parameter.name) != weak.end();
+  return is_weak ? ParameterAssessment::kWeak : ParameterAssessment::kEstimated;
+}
+
+}  // namespace
+
+void JudgeResult(CalibrationResult* result) {
+  for (ParameterResult& parameter : result->parameters) {
+    parameter.assessment = Assess(*result, parameter);
+  }
+  result->verdict = Judge(*result).Decide();
+}
+
+double KnownStd(const CalibrationResult& result,
+                const ParameterResult& parameter) {
+  const ParameterUncertainty* const known =
+      UncertaintyOf(result, parameter.name);
+  if (known != nullptr) return known->std;
+  return std::isfinite(parameter.std) ? parameter.std
+                                      : parameter.decision.predicted_std;
+}
+
+std::string DescribePrediction(const std::string& where,
+                               const PredictionCheck& check) {
+  if (check.axes.n == 0) return "";
+  const auto percent = [](double rate) {
+    return FixedNumber(100.0 * rate, 1) + " %";
+  };
+  std::string text = where + ": " + percent(check.axes.rate()) + " of " +
+                     Count(check.axes.n, "coordinate") + " lie within their " +
+                     percent(check.confidence) + " intervals (" +
+                     percent(check.axes.lower) + " to " +
+                     percent(check.axes.upper) + " by chance)";
+  if (check.ellipsoids.n > 0) {
+    text += ", " + percent(check.ellipsoids.rate()) +
+            " of positions within their ellipsoids";
+  }
+  return text + "; errors are " + FormatSignificant(check.rms_z, 3) +
+         " times the predicted ones (root mean square): " +
+         (check.verdict == "agree"
+              ? "predicted and observed agree."
+              : "observed errors are " + check.verdict + " than predicted.");
+}
+
+const EvaluatedSet& JudgedSet(const CalibrationResult& result) {
+  return result.heldout && result.heldout->after.n > 0 ? *result.heldout
+                                                       : result.train;
+}
+
+}  // namespace alidade::internal
