@@ -342,7 +342,7 @@ class RealArmStudy {
     if (outcome.status != PlanStatus::kDone) {
       throw InputError({name_, 0, 0, ""}, outcome.message);
     }
-    const LargeMatrix& planned = outcome.sheet.joint_values;
+    const SharedMatrix& planned = outcome.sheet.joint_values;
     for (Eigen::Index k = 0; k < planned.cols(); ++k) {
       for (Eigen::Index i = 0; i < pool.num_poses(); ++i) {
         if (pool.joint_values.col(i) != planned.col(k) ||
