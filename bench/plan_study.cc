@@ -328,7 +328,7 @@ class RealArmStudy {
     config.measurement.targets.resize(job_.arm.num_targets());
     std::iota(config.measurement.targets.begin(),
               config.measurement.targets.end(), 0);
-    config.given_candidates = pool.joint_values;
+    config.given_candidates = pool.joint_values.map();
     config.design.criterion = FindDesignCriterion(criterion);
     config.design.num_poses = number - static_cast<int>(first.size());
     config.design.allow_repeats = false;
