@@ -396,8 +396,9 @@ TEST(FormatDatasetTest, WritesPosesThatReadBack) {
   const Loaded read = Load(text);
   ASSERT_EQ(read.data().blocks.size(), 2U);
   for (int i = 0; i < 2; ++i) {
-    EXPECT_LT((read.block(i).measured - loaded.block(i).measured).norm(),
-              1e-15);
+    EXPECT_LT(
+        (read.block(i).measured.map() - loaded.block(i).measured.map()).norm(),
+        1e-15);
     EXPECT_EQ(read.block(i).poses, loaded.block(i).poses);
   }
   EXPECT_EQ(read.block(1).sigmas.col(0), Vector3d(kSigma, kInfinity, kSigma));

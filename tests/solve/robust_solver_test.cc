@@ -79,7 +79,9 @@ TEST(SolveRobustTest, EndsAtAMinimumOfTheRobustCost) {
     double sum = 0.0;
     for (const double s :
          SquaredNorms(calibration.model.Errors(values, calibration.data),
-                      calibration.data)) {
+                      calibration.data)
+             .map()
+             .eval()) {
       double rho[3];
       loss.Evaluate(s, rho);
       sum += rho[0];

@@ -61,9 +61,9 @@ Dataset Without(const Dataset& data, Eigen::Index pose) {
   for (Eigen::Index i = 0; i < n; ++i) {
     if (i != pose) kept.push_back(i);
   }
-  return MakePositions(data.joint_values(Eigen::all, kept),
-                       data.positions()(Eigen::all, kept),
-                       data.sigmas()(Eigen::all, kept));
+  return MakePositions(data.joint_values.map()(Eigen::all, kept),
+                       data.positions().map()(Eigen::all, kept),
+                       data.sigmas().map()(Eigen::all, kept));
 }
 
 TEST(DiagnosticsTest, LeveragesSumToTheNumberOfParameters) {
