@@ -12,6 +12,7 @@
 #include "alidade/version.h"
 #include "src/calibration/acceptance.h"
 #include "src/calibration/calibration_task.h"
+#include "src/calibration/data_check.h"
 #include "src/calibration/evaluate.h"
 #include "src/calibration/fit_report.h"
 #include "src/calibration/fit_uncertainty.h"
@@ -48,18 +49,18 @@ SolverRun Solve(SolverName name, const CalibrationProblem& problem,
 void RequireValid(const CalibrationTask& task) {
   std::string error;
   if (!task.options.IsValid(&error)) throw InputError({}, error);
-  const int joints = task.arm.num_joints();
-  for (const Dataset* data :
-       {&task.data.training,
-        task.data.validation ? &*task.data.validation : nullptr}) {
-    if (data == nullptr || data->num_poses() == 0) continue;
-    if (data->num_joints() == joints) continue;
-    SourceLocation location;
-    location.file = data->name;
-    throw InputError(location, "the data have " +
-                                   std::to_string(data->num_joints()) +
-                                   " joint values a pose, expected " +
-                                   std::to_string(joints) + ", as the arm");
+  const References& references = task.data.references;
+  const ParameterLayout layout(
+      LayoutShape{task.arm.num_joints(), task.arm.num_targets(),
+                  references.num_points(), references.num_planes()});
+  for (const ParameterBounds& bound : task.options.bounds) {
+    if (layout.Find(bound.parameter)) continue;
+    throw InputError({}, "bounds of \"" + bound.parameter +
+                             "\": the arm has no parameter of this name");
+  }
+  RequireConsistent(task.data.training, task.arm, references);
+  if (task.data.validation) {
+    RequireConsistent(*task.data.validation, task.arm, references);
   }
 }
 
@@ -363,6 +364,7 @@ CalibrationResult Calibrate(CalibrationTask task, IdentifiabilityCache* cache) {
   const auto start = std::chrono::steady_clock::now();
   RequireValid(task);
   HoldOutValidation(&task);
+  if (task.data.validation) RequireFinite(*task.data.validation);
   std::optional<CalibrationTask> as_given;
   if (task.options.folds) as_given = task;
   CalibrationResult result = Calibrator(Prepare(std::move(task)),

@@ -41,11 +41,14 @@ bool LeavesSizeOpen(const CalibrationTask& task) {
          2;
 }
 
-// An outlier far beyond all others spoils the fit of them all.
+// An outlier far beyond all others spoils the fit of them all, unless a robust
+// loss has taken its weight.
 std::string WarnOfWorst(const CalibrationResult& result) {
   constexpr double kFarBeyond = 3.0;
+  constexpr double kHardlyCounts = 0.01;
   if (result.outliers.empty()) return "";
   const Outlier& worst = result.outliers.front();
+  if (worst.weight < kHardlyCounts) return "";
   if (worst.standardised < kFarBeyond * result.outlier_limit) return "";
   return (worst.label.where.empty() ? "" : worst.label.where + ": ") +
          "the measurement that fits worst is " + FormatLength(worst.error, 3) +
