@@ -87,8 +87,9 @@ Eigen::Index Dataset::num_equations() const {
 
 bool Dataset::Has(MeasurementKind kind) const {
   for (std::size_t block = 0; block < blocks.size(); ++block) {
-    if (blocks[block].kind == kind && global_observations(block) > 0)
+    if (blocks[block].kind == kind && global_observations(block) > 0) {
       return true;
+    }
   }
   return false;
 }

@@ -33,8 +33,9 @@ int CountGroups(const std::vector<int>& groups) {
 // The first pose of the configuration that `pose` belongs to (a forest of
 // pointers to earlier poses).
 Eigen::Index FirstOf(std::vector<Eigen::Index>* first, Eigen::Index pose) {
-  while ((*first)[pose] != pose)
+  while ((*first)[pose] != pose) {
     pose = (*first)[pose] = (*first)[(*first)[pose]];
+  }
   return pose;
 }
 

@@ -201,8 +201,9 @@ class Diagnosis {
     double mean = 0.0;
     for (const double value : series) mean += value / n;
     double variance = 0.0;
-    for (const double value : series)
+    for (const double value : series) {
       variance += (value - mean) * (value - mean);
+    }
     if (!(variance > 0.0)) return 0.0;
     double sum = 0.0;
     for (int lag = 1; lag <= lags; ++lag) {
