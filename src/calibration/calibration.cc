@@ -12,7 +12,6 @@
 #include "alidade/version.h"
 #include "src/calibration/acceptance.h"
 #include "src/calibration/calibration_task.h"
-#include "src/calibration/data_check.h"
 #include "src/calibration/evaluate.h"
 #include "src/calibration/fit_report.h"
 #include "src/calibration/fit_uncertainty.h"
@@ -44,24 +43,6 @@ SolverRun Solve(SolverName name, const CalibrationProblem& problem,
                     : SolvePseudoInverse(problem, options, &run.values);
   run.train = EvaluateAccuracy(problem.model, problem.data, run.values);
   return run;
-}
-
-void RequireValid(const CalibrationTask& task) {
-  std::string error;
-  if (!task.options.IsValid(&error)) throw InputError({}, error);
-  const References& references = task.data.references;
-  const ParameterLayout layout(
-      LayoutShape{task.arm.num_joints(), task.arm.num_targets(),
-                  references.num_points(), references.num_planes()});
-  for (const ParameterBounds& bound : task.options.bounds) {
-    if (layout.Find(bound.parameter)) continue;
-    throw InputError({}, "bounds of \"" + bound.parameter +
-                             "\": the arm has no parameter of this name");
-  }
-  RequireConsistent(task.data.training, task.arm, references);
-  if (task.data.validation) {
-    RequireConsistent(*task.data.validation, task.arm, references);
-  }
 }
 
 // Data that fit nowhere, and would if one mistake were mended, are an error of
@@ -362,9 +343,7 @@ class Calibrator {
 
 CalibrationResult Calibrate(CalibrationTask task, IdentifiabilityCache* cache) {
   const auto start = std::chrono::steady_clock::now();
-  RequireValid(task);
-  HoldOutValidation(&task);
-  if (task.data.validation) RequireFinite(*task.data.validation);
+  CheckAndHoldOut(&task);
   std::optional<CalibrationTask> as_given;
   if (task.options.folds) as_given = task;
   CalibrationResult result = Calibrator(Prepare(std::move(task)),
@@ -375,8 +354,7 @@ CalibrationResult Calibrate(CalibrationTask task, IdentifiabilityCache* cache) {
 }
 
 IdentifiabilityResult AnalyzeTask(CalibrationTask task) {
-  RequireValid(task);
-  HoldOutValidation(&task);
+  CheckAndHoldOut(&task);
   RefuseMistakes(task);
   FitFrames(&task);
   const MeasurementModel model(task.arm, task.data.references,

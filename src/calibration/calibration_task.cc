@@ -1,18 +1,57 @@
 #include "src/calibration/calibration_task.h"
 
+#include <string>
 #include <utility>
 
+#include "alidade/error.h"
+#include "alidade/parameter_layout.h"
+#include "src/calibration/data_check.h"
 #include "src/kernel/holdout.h"
 
 namespace alidade::internal {
 
-void HoldOutValidation(CalibrationTask* task) {
-  if (!task->options.holdout || task->data.validation) return;
-  const HoldOutOptions& options = *task->options.holdout;
-  HoldOut split = HoldOutFraction(task->data.training, options.fraction,
-                                  options.seed, task->communicator);
-  task->data.training = std::move(split.train);
-  task->data.validation = std::move(split.heldout);
+namespace {
+
+void RequireValid(const CalibrationTask& task) {
+  std::string error;
+  if (!task.options.IsValid(&error)) throw InputError({}, error);
+  if (task.arm.joints.empty() || task.arm.targets.empty()) {
+    throw InputError(
+        {}, "the arm \"" + task.arm.name + "\" has no joint or no target");
+  }
+  const References& references = task.data.references;
+  const ParameterLayout layout(
+      LayoutShape{task.arm.num_joints(), task.arm.num_targets(),
+                  references.num_points(), references.num_planes()});
+  for (const ParameterBounds& bound : task.options.bounds) {
+    if (layout.Find(bound.parameter)) continue;
+    throw InputError({}, "bounds of \"" + bound.parameter +
+                             "\": the arm has no parameter of this name");
+  }
+  RequireConsistent(task.data.training, task.arm, references);
+  if (task.data.validation) {
+    RequireConsistent(*task.data.validation, task.arm, references);
+  }
+}
+
+}  // namespace
+
+void CheckAndHoldOut(CalibrationTask* task) {
+  RequireValid(*task);
+  CalibrationData& data = task->data;
+  if (task->options.holdout && !data.validation) {
+    const HoldOutOptions& options = *task->options.holdout;
+    HoldOut split = HoldOutFraction(data.training, options.fraction,
+                                    options.seed, task->communicator);
+    if (split.train.global_poses() == 0 || split.heldout.global_poses() == 0) {
+      throw InputError({},
+                       "holdout.fraction leaves no configuration on one side: "
+                       "the data have too few different ones for it");
+    }
+    data.training = std::move(split.train);
+    data.validation = std::move(split.heldout);
+  }
+  if (data.validation) RequireFinite(*data.validation);
 }
 
 }  // namespace alidade::internal

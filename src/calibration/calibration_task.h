@@ -26,9 +26,10 @@ struct CalibrationTask {
   Execution execution() const { return {options.num_threads, communicator}; }
 };
 
-/// Splits the training data as `options.holdout` says, unless there are
-/// validation data already.
-void HoldOutValidation(CalibrationTask* task);
+/// Checks options and data against each other and the arm, and splits the
+/// training data as `options.holdout` says, unless there are validation data
+/// already. What every use of a task begins with. @throws InputError.
+void CheckAndHoldOut(CalibrationTask* task);
 
 /// Calibrate of calibration.h. Data are not copied where the task is moved in.
 /// `cache`: null, or what calibrations of one arm and the same poses share; the

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <string>
 
+#include "alidade/error.h"
 #include "alidade/monte_carlo.h"
 #include "src/cli/command.h"
 #include "src/cli/progress_line.h"
@@ -33,6 +34,24 @@ TrialProgress ShowTrials(ProgressLine* progress) {
   };
 }
 
+// What goes wrong with the job is said with its file, which the library does
+// not know.
+MonteCarloResult Study(const std::string& path, const JobConfig& config,
+                       ProgressLine* progress) {
+  try {
+    MonteCarloResult result =
+        alidade::RunMonteCarlo(config.arm, config.data, config.options,
+                               config.montecarlo, ShowTrials(progress));
+    result.title = config.title;
+    return result;
+  } catch (const InputError& error) {
+    if (!error.location().file.empty()) throw;
+    SourceLocation location = error.location();
+    location.file = path;
+    throw InputError(location, error.message());
+  }
+}
+
 }  // namespace
 
 ExitStatus RunMonteCarlo(const CommandLine& line) {
@@ -46,10 +65,7 @@ ExitStatus RunMonteCarlo(const CommandLine& line) {
   if (line.seed) config.montecarlo.seed = *line.seed;
   progress.Clear();
   LogReading(config.data, config.input_files, config.rejected.size());
-  MonteCarloResult result =
-      alidade::RunMonteCarlo(config.arm, config.data, config.options,
-                             config.montecarlo, ShowTrials(&progress));
-  result.title = config.title;
+  const MonteCarloResult result = Study(path, config, &progress);
   progress.Clear();
   LOG(INFO) << "simulated and calibrated " << result.trials.size() << " of "
             << result.trials_wanted << " times, " << result.failed

@@ -60,6 +60,8 @@ void RequireNoContacts(const Dataset& data) {
 
 // The job with its frames where they are, its sigmas as they are.
 CalibrationTask Prepare(const CalibrationTask& task) {
+  CalibrationTask prepared = task;
+  CheckAndHoldOut(&prepared);
   RequireNoContacts(task.data.training);
   if (task.options.estimate_sigma && task.options.loss != LossKind::kNone) {
     throw InputError(
@@ -67,8 +69,6 @@ CalibrationTask Prepare(const CalibrationTask& task) {
         "trials with a robust loss cannot estimate sigma: expected a sigma "
         "(`calibrate` tells the one that the data have)");
   }
-  CalibrationTask prepared = task;
-  HoldOutValidation(&prepared);
   FitFrames(&prepared);
   if (prepared.options.estimate_sigma) EstimateSigmas(&prepared);
   prepared.options.solver_options.on_iteration = {};

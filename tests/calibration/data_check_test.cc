@@ -79,6 +79,13 @@ TEST(DataCheckTest, ValidationThatIsNotFiniteIsRefusedAtItsPose) {
               HasSubstr("pose 7 (from 0): a measured value is not a finite"));
 }
 
+TEST(DataCheckTest, AHoldOutThatLeavesNothingToFitIsRefused) {
+  CalibrationOptions options;
+  options.holdout = HoldOutOptions{0.99, 1};
+  EXPECT_THAT(Refusal([](CalibrationData*) {}, options),
+              HasSubstr("holdout.fraction leaves no configuration"));
+}
+
 TEST(DataCheckTest, BoundsOfUnknownParametersAreRefused) {
   CalibrationOptions options;
   options.bounds = {{"d9", -1.0, 1.0}};
