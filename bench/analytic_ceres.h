@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "src/solve/solver.h"
+#include "src/solve/solve.h"
 
 namespace alidade::internal::bench {
 

@@ -11,10 +11,10 @@
 #include <filesystem>
 #include <string>
 
-#include "alidade/random.h"
 #include "alidade/units.h"
 #include "src/common/files.h"
 #include "src/common/numbers.h"
+#include "src/common/random.h"
 #include "src/common/text.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/dataio/dataset_npy.h"

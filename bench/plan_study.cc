@@ -20,10 +20,10 @@
 #include <vector>
 
 #include "alidade/error.h"
-#include "alidade/random.h"
 #include "alidade/units.h"
 #include "bench/study_main.h"
 #include "src/common/files.h"
+#include "src/common/random.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/identifiability/analysis.h"
 #include "src/identifiability/rules.h"
@@ -32,10 +32,9 @@
 #include "src/planning/candidates.h"
 #include "src/planning/criterion.h"
 #include "src/planning/exchange.h"
-#include "src/planning/plan.h"
-#include "src/planning/plan_config.h"
 #include "src/report/svg_chart.h"
 #include "src/serialization/job_file.h"
+#include "src/serialization/plan_config.h"
 #include "src/serialization/plan_file.h"
 
 namespace alidade::internal {
@@ -338,7 +337,8 @@ class RealArmStudy {
           pool.joint_values.row(j).minCoeff(),
           pool.joint_values.row(j).maxCoeff());
     }
-    const PlanOutcome outcome = RunPlan(config, "plan_study", kThreads);
+    config.job.options.num_threads = kThreads;
+    const PlanResult outcome = RunPlan(config, "plan_study");
     if (outcome.status != PlanStatus::kDone) {
       throw InputError({name_, 0, 0, ""}, outcome.message);
     }

@@ -12,14 +12,14 @@
 #include <vector>
 
 #include "alidade/arm_file.h"
-#include "alidade/random.h"
 #include "alidade/units.h"
 #include "bench/study_columns.h"
+#include "src/common/random.h"
 #include "src/identifiability/analysis.h"
 #include "src/kernel/compression.h"
 #include "src/model/joint_draw.h"
 #include "src/simulation/repeated_calibration.h"
-#include "src/solve/solver.h"
+#include "src/solve/solve.h"
 
 namespace {
 std::atomic<long> allocations{0};

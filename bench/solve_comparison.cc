@@ -19,13 +19,13 @@
 #include <vector>
 
 #include "alidade/arm_file.h"
-#include "alidade/random.h"
 #include "alidade/units.h"
 #include "bench/analytic_ceres.h"
 #include "bench/study_columns.h"
 #include "bench/study_main.h"
+#include "src/common/random.h"
 #include "src/model/joint_draw.h"
-#include "src/solve/solver.h"
+#include "src/solve/solve.h"
 
 namespace alidade::internal {
 namespace {

@@ -13,7 +13,7 @@
 #include "src/identifiability/rules.h"
 #include "src/serialization/simulation_file.h"
 #include "src/simulation/simulation.h"
-#include "src/solve/solver.h"
+#include "src/solve/solve.h"
 
 namespace alidade::internal {
 namespace {

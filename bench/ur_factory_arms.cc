@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "alidade/forward_kinematics.h"
-#include "alidade/random.h"
 #include "alidade/units.h"
 #include "src/common/files.h"
+#include "src/common/random.h"
 #include "src/compensation/dh_conversion.h"
 #include "src/kernel/measurement_model.h"
 #include "src/model/joint_draw.h"

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "alidade/dataset.h"
-#include "alidade/identifiability_options.h"
+#include "alidade/identifiability.h"
 #include "alidade/references.h"
 #include "alidade/robust_loss.h"
-#include "alidade/solver_options.h"
-#include "alidade/uncertainty_options.h"
+#include "alidade/solver.h"
+#include "alidade/uncertainty.h"
 
 namespace alidade {
 

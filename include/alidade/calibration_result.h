@@ -12,10 +12,10 @@
 #include "alidade/accuracy.h"
 #include "alidade/arm.h"
 #include "alidade/dataset.h"
-#include "alidade/identifiability_result.h"
+#include "alidade/identifiability.h"
 #include "alidade/shared_matrix.h"
-#include "alidade/solver_summary.h"
-#include "alidade/uncertainty_result.h"
+#include "alidade/solver.h"
+#include "alidade/uncertainty.h"
 #include "alidade/units.h"
 
 namespace alidade {

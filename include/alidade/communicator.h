@@ -2,6 +2,7 @@
 #define ALIDADE_COMMUNICATOR_H_
 
 #include <cstdint>
+#include <cstring>
 #include <exception>
 #include <functional>
 #include <new>
@@ -10,8 +11,6 @@
 #include <type_traits>
 #include <utility>
 #include <vector>
-
-#include "alidade/bytes.h"
 
 namespace alidade {
 
@@ -60,9 +59,12 @@ class Communicator {
   template <typename T>
   T FromRoot(const T& mine) {
     static_assert(std::is_trivially_copyable_v<T>);
-    ByteWriter writer;
-    writer.Put(mine);
-    return ByteReader(Broadcast(writer.Take())).Get<T>();
+    std::string bytes(sizeof(T), '\0');
+    std::memcpy(bytes.data(), &mine, sizeof(T));
+    bytes = Broadcast(bytes);
+    T of_root;
+    std::memcpy(&of_root, bytes.data(), sizeof(T));
+    return of_root;
   }
 
   /// Not collective: sends to rank `to`, another one. Returns once the

@@ -1,8 +1,8 @@
-#include "alidade/batch_summary.h"
+#include "src/calibration/batch_summary.h"
 
 #include <algorithm>
 
-namespace alidade {
+namespace alidade::internal {
 
 std::int64_t BatchSummary::Count(BatchStatus status) const {
   return std::count_if(
@@ -18,4 +18,4 @@ BatchStatus BatchSummary::Worst() const {
   return worst;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

@@ -24,7 +24,7 @@
 #include "src/common/format.h"
 #include "src/identifiability/analysis.h"
 #include "src/kernel/partition.h"
-#include "src/solve/solver.h"
+#include "src/solve/solve.h"
 
 namespace alidade::internal {
 namespace {

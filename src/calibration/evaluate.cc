@@ -12,6 +12,7 @@
 #include "alidade/error.h"
 #include "alidade/rotation.h"
 #include "src/calibration/label_bytes.h"
+#include "src/common/bytes.h"
 #include "src/kernel/holdout.h"
 #include "src/kernel/partition.h"
 #include "src/model/joint_draw.h"

@@ -9,7 +9,7 @@
 #include "alidade/calibration_result.h"
 #include "src/calibration/calibration_task.h"
 #include "src/kernel/measurement_model.h"
-#include "src/solve/solver.h"
+#include "src/solve/solve.h"
 
 namespace alidade::internal {
 

@@ -1,8 +1,8 @@
 #ifndef ALIDADE_SRC_CALIBRATION_FIT_UNCERTAINTY_H_
 #define ALIDADE_SRC_CALIBRATION_FIT_UNCERTAINTY_H_
 
-#include "alidade/identifiability_result.h"
-#include "alidade/uncertainty_result.h"
+#include "alidade/identifiability.h"
+#include "alidade/uncertainty.h"
 #include "src/calibration/fit_report.h"
 #include "src/uncertainty/assessment.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "alidade/bytes.h"
+#include "src/common/bytes.h"
 #include "src/identifiability/analysis.h"
 
 namespace alidade::internal {

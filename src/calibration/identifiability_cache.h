@@ -7,8 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "alidade/identifiability_options.h"
-#include "alidade/identifiability_result.h"
+#include "alidade/identifiability.h"
 #include "src/kernel/measurement_model.h"
 
 namespace alidade::internal {

@@ -1,8 +1,8 @@
 #ifndef ALIDADE_SRC_CALIBRATION_LABEL_BYTES_H_
 #define ALIDADE_SRC_CALIBRATION_LABEL_BYTES_H_
 
-#include "alidade/bytes.h"
 #include "alidade/calibration_result.h"
+#include "src/common/bytes.h"
 
 namespace alidade::internal {
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "alidade/units.h"
+#include "src/common/bytes.h"
 #include "src/common/format.h"
 #include "src/initialization/frame_start.h"
 #include "src/kernel/partition.h"

@@ -4,12 +4,12 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "alidade/identifiability_result.h"
+#include "alidade/identifiability.h"
 #include "alidade/parameter_layout.h"
-#include "alidade/solver_summary.h"
+#include "alidade/solver.h"
 #include "src/calibration/calibration_task.h"
 #include "src/kernel/measurement_model.h"
-#include "src/solve/solver.h"
+#include "src/solve/solve.h"
 
 namespace alidade::internal {
 

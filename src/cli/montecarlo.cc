@@ -10,6 +10,7 @@
 #include "src/cli/command.h"
 #include "src/cli/progress_line.h"
 #include "src/cli/steps.h"
+#include "src/common/files.h"
 #include "src/common/format.h"
 #include "src/job/result_directory.h"
 #include "src/report/report.h"
@@ -38,18 +39,12 @@ TrialProgress ShowTrials(ProgressLine* progress) {
 // not know.
 MonteCarloResult Study(const std::string& path, const JobConfig& config,
                        ProgressLine* progress) {
-  try {
-    MonteCarloResult result =
-        alidade::RunMonteCarlo(config.arm, config.data, config.options,
-                               config.montecarlo, ShowTrials(progress));
-    result.title = config.title;
-    return result;
-  } catch (const InputError& error) {
-    if (!error.location().file.empty()) throw;
-    SourceLocation location = error.location();
-    location.file = path;
-    throw InputError(location, error.message());
-  }
+  MonteCarloResult result = WithFileInErrors(path, [&config, progress] {
+    return alidade::RunMonteCarlo(config.arm, config.data, config.options,
+                                  config.montecarlo, ShowTrials(progress));
+  });
+  result.title = config.title;
+  return result;
 }
 
 }  // namespace

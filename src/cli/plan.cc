@@ -1,5 +1,3 @@
-#include "src/planning/plan.h"
-
 #include <filesystem>
 #include <iostream>
 
@@ -8,7 +6,6 @@
 #include "src/cli/steps.h"
 #include "src/job/plan_files.h"
 #include "src/job/result_directory.h"
-#include "src/planning/plan_config.h"
 #include "src/report/plan_report.h"
 #include "src/serialization/plan_file.h"
 
@@ -28,17 +25,18 @@ ExitStatus RunPlanCommand(const CommandLine& line) {
   progress.Clear();
   LogReading(config.job.data, config.input_files);
   progress.Show("planning " + path);
-  const PlanOutcome outcome = RunPlan(config, line.text, line.threads);
+  config.job.options.num_threads = line.threads;
+  const PlanResult result = RunPlan(config, line.text);
   progress.Clear();
-  LogPlan(outcome.result);
-  if (outcome.status != PlanStatus::kDone) {
-    PrintError(path + ": " + outcome.message);
+  LogPlan(result);
+  if (result.status != PlanStatus::kDone) {
+    PrintError(path + ": " + result.message);
     return kExitNumerical;
   }
   const std::vector<std::string> paths =
-      WriteResultDirectory(directory, RenderPlan(outcome));
+      WriteResultDirectory(directory, RenderPlan(result));
   std::cout << config.title << "\n\n"
-            << FormatPlanSummary(outcome.result) << "\nResults\n";
+            << FormatPlanSummary(result) << "\nResults\n";
   for (const std::string& written : paths) std::cout << "  " << written << "\n";
   return kExitDone;
 }

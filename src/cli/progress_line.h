@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "alidade/solver_options.h"
+#include "alidade/solver.h"
 
 namespace alidade::internal {
 

@@ -3,7 +3,7 @@
 
 #include "alidade/calibration_options.h"
 #include "alidade/calibration_result.h"
-#include "alidade/plan_result.h"
+#include "alidade/plan.h"
 
 namespace alidade::internal {
 

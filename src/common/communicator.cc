@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "alidade/error.h"
+#include "src/common/bytes.h"
 
 namespace alidade {
 namespace {
@@ -26,7 +27,7 @@ Communicator* SingleProcess() {
 }
 
 std::string DescribeError(const std::exception& error) {
-  ByteWriter writer;
+  internal::ByteWriter writer;
   if (const auto* input = dynamic_cast<const InputError*>(&error)) {
     writer.Put(ErrorKind::kInput);
     const SourceLocation& location = input->location();
@@ -45,7 +46,7 @@ std::string DescribeError(const std::exception& error) {
 }
 
 void ThrowDescribed(const std::string& description) {
-  ByteReader reader(description);
+  internal::ByteReader reader(description);
   const auto kind = reader.Get<ErrorKind>();
   if (kind == ErrorKind::kMemory) throw std::bad_alloc();
   if (kind == ErrorKind::kOther) throw std::runtime_error(reader.GetText());
@@ -130,11 +131,11 @@ std::string Communicator::Broadcast(const std::string& of_root) {
 }
 
 std::int64_t Communicator::Sum(std::int64_t mine) {
-  ByteWriter writer;
+  internal::ByteWriter writer;
   writer.Put(mine);
   std::int64_t sum = 0;
   for (const std::string& each : Gather(writer.Take())) {
-    sum += ByteReader(each).Get<std::int64_t>();
+    sum += internal::ByteReader(each).Get<std::int64_t>();
   }
   return sum;
 }

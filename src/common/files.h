@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "alidade/error.h"
 #include "src/common/text_pieces.h"
 
 namespace alidade::internal {
@@ -45,6 +46,19 @@ std::string Sha256OfFile(const std::string& path);
 
 /// `path` as seen from the directory of `from_file`; absolute paths stay.
 std::string ResolvePath(const std::string& from_file, const std::string& path);
+
+/// work(), whose InputErrors are of this file where they name none.
+template <typename Work>
+auto WithFileInErrors(const std::string& path, const Work& work) {
+  try {
+    return work();
+  } catch (const InputError& error) {
+    if (!error.location().file.empty()) throw;
+    SourceLocation location = error.location();
+    location.file = path;
+    throw InputError(location, error.message());
+  }
+}
 
 }  // namespace alidade::internal
 

@@ -1,8 +1,8 @@
-#include "alidade/random.h"
+#include "src/common/random.h"
 
 #include <cmath>
 
-namespace alidade {
+namespace alidade::internal {
 namespace {
 
 std::uint64_t RotateLeft(std::uint64_t x, int k) {
@@ -67,4 +67,4 @@ double Random::Normal() {
   return u * scale;
 }
 
-}  // namespace alidade
+}  // namespace alidade::internal

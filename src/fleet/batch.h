@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "alidade/batch_summary.h"
 #include "alidade/communicator.h"
+#include "src/calibration/batch_summary.h"
 #include "src/fleet/batch_plan.h"
 #include "src/serialization/job_config.h"
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "alidade/batch_summary.h"
+#include "src/calibration/batch_summary.h"
 
 namespace alidade::internal {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "alidade/batch_summary.h"
+#include "src/calibration/batch_summary.h"
 #include "src/serialization/job_config.h"
 #include "src/serialization/job_matrix.h"
 

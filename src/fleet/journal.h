@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "alidade/batch_summary.h"
+#include "src/calibration/batch_summary.h"
 #include "src/common/file_descriptor.h"
 
 namespace alidade::internal {

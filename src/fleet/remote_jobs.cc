@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "alidade/bytes.h"
+#include "src/common/bytes.h"
 #include "src/fleet/scheduler.h"
 #include "src/serialization/batch_json.h"
 

@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
-#include "alidade/batch_summary.h"
 #include "alidade/communicator.h"
+#include "src/calibration/batch_summary.h"
 #include "src/fleet/job_computer.h"
 #include "src/fleet/staging_area.h"
 

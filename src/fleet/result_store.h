@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "alidade/batch_summary.h"
+#include "src/calibration/batch_summary.h"
 #include "src/common/file_descriptor.h"
 #include "src/fleet/journal.h"
 #include "src/fleet/staging_area.h"

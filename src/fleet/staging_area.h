@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "alidade/batch_summary.h"
+#include "src/calibration/batch_summary.h"
 #include "src/report/report.h"
 
 namespace alidade::internal {

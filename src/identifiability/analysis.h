@@ -4,8 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "alidade/identifiability_options.h"
-#include "alidade/identifiability_result.h"
+#include "alidade/identifiability.h"
 #include "src/kernel/measurement_model.h"
 
 namespace alidade::internal {

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "src/common/bytes.h"
 #include "src/identifiability/elimination.h"
 #include "src/identifiability/factor.h"
 #include "src/identifiability/generic_data.h"

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "alidade/forward_kinematics.h"
+#include "src/common/bytes.h"
 #include "src/kernel/holdout.h"
 #include "src/kernel/partition.h"
 #include "src/model/joint_draw.h"

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "alidade/identifiability_result.h"
+#include "alidade/identifiability.h"
 
 namespace alidade::internal {
 

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "alidade/random.h"
+#include "src/common/random.h"
 
 namespace alidade::internal {
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "alidade/identifiability_result.h"
+#include "alidade/identifiability.h"
 #include "src/identifiability/elimination.h"
 #include "src/kernel/measurement_model.h"
 

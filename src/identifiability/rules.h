@@ -3,8 +3,7 @@
 
 #include <vector>
 
-#include "alidade/identifiability_options.h"
-#include "alidade/identifiability_result.h"
+#include "alidade/identifiability.h"
 #include "src/kernel/measurement_model.h"
 
 namespace alidade::internal {

@@ -3,7 +3,7 @@
 
 #include "alidade/arm.h"
 #include "alidade/dataset.h"
-#include "alidade/identifiability_options.h"
+#include "alidade/identifiability.h"
 #include "alidade/references.h"
 
 namespace alidade::internal {

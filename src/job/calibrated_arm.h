@@ -9,7 +9,7 @@
 #include "alidade/arm.h"
 #include "alidade/calibration_result.h"
 #include "alidade/dataset.h"
-#include "alidade/uncertainty_result.h"
+#include "alidade/uncertainty.h"
 #include "src/uncertainty/covariance.h"
 
 namespace alidade::internal {

@@ -3,14 +3,29 @@
 #include <string>
 #include <utility>
 
+#include "src/common/files.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/report/plan_report.h"
 #include "src/serialization/plan_json.h"
 
 namespace alidade::internal {
 
-std::vector<ReportFile> RenderPlan(const PlanOutcome& outcome) {
-  const PlanResult& result = outcome.result;
+PlanResult RunPlan(const PlanConfig& config, const std::string& command) {
+  std::vector<InputFile> inputs;
+  for (const std::string& path : config.input_files) {
+    inputs.push_back({path, Sha256OfFile(path)});
+  }
+  PlanResult result = WithFileInErrors(config.path, [&config] {
+    return PlanPoses(config.job.arm, config.job.data, config.job.options,
+                     config);
+  });
+  result.command = command;
+  result.title = config.title;
+  result.inputs = std::move(inputs);
+  return result;
+}
+
+std::vector<ReportFile> RenderPlan(const PlanResult& result) {
   const std::vector<std::string> comments = {
       result.title,
       "poses planned by alidade " + result.version + " for " + result.arm +
@@ -19,8 +34,8 @@ std::vector<ReportFile> RenderPlan(const PlanOutcome& outcome) {
           "; fill in what is measured, or take the joint values alone"};
   std::vector<ReportFile> files;
   files.emplace_back("poses.csv",
-                     FormatDataset(outcome.sheet, outcome.arm,
-                                   outcome.joint_decimals, false, comments));
+                     FormatDataset(result.sheet, result.planned_arm,
+                                   result.joint_decimals, false, comments));
   files.emplace_back("plan.txt", FormatPlan(result));
   for (ReportFile& file : MakePlanFiles(result)) {
     files.push_back(std::move(file));

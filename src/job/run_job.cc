@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "src/calibration/calibration_task.h"
+#include "src/common/bytes.h"
 #include "src/common/files.h"
 #include "src/job/study.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "alidade/random.h"
+#include "src/common/random.h"
 #include "src/kernel/partition.h"
 
 namespace alidade::internal {

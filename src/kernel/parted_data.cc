@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "src/common/bytes.h"
 #include "src/kernel/lane_factor.h"
 #include "src/kernel/partition.h"
 

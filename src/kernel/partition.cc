@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "src/common/bytes.h"
 #include "src/data/merge_blocks.h"
 
 namespace alidade::internal {

@@ -9,6 +9,7 @@
 
 #include "alidade/communicator.h"
 #include "alidade/dataset.h"
+#include "src/common/bytes.h"
 
 // Data sets of which every rank of a communicator holds a part. What is done to
 // all observations is done to each part where it is; what must be known of all

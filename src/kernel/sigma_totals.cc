@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "src/common/bytes.h"
 #include "src/common/parallel.h"
 #include "src/kernel/partition.h"
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "alidade/units.h"
+#include "src/common/random.h"
 
 namespace alidade::internal {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "alidade/arm.h"
-#include "alidade/random.h"
+#include "src/common/random.h"
 
 namespace alidade::internal {
 

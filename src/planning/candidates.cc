@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "alidade/random.h"
 #include "alidade/units.h"
+#include "src/common/random.h"
 #include "src/model/chain_axes.h"
 #include "src/model/joint_draw.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "alidade/arm.h"
-#include "alidade/plan_options.h"
+#include "alidade/plan.h"
 
 namespace alidade::internal {
 

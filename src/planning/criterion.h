@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "alidade/plan_options.h"
+#include "alidade/plan.h"
 #include "src/planning/pose_rows.h"
 
 namespace alidade::internal {

@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
-#include "alidade/random.h"
 #include "src/common/parallel.h"
+#include "src/common/random.h"
 #include "src/planning/criterion.h"
 #include "src/planning/plan_state.h"
 

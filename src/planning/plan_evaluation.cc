@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-#include "alidade/random.h"
+#include "src/common/random.h"
 #include "src/identifiability/observability.h"
 #include "src/planning/criterion.h"
 #include "src/planning/efficiency.h"

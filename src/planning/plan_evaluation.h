@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "alidade/plan_result.h"
+#include "alidade/plan.h"
 #include "src/kernel/measurement_model.h"
 #include "src/planning/exchange.h"
-#include "src/planning/plan_config.h"
 #include "src/planning/plan_problem.h"
+#include "src/planning/plan_task.h"
 
 namespace alidade::internal {
 
@@ -20,7 +20,7 @@ DesignProblem WorstTold(const PlanProblem& problem, const DesignResult& plan,
 /// What plans predict. Its arguments outlive it.
 class PlanEvaluator {
  public:
-  PlanEvaluator(const PlanConfig& config, const MeasurementModel& model,
+  PlanEvaluator(const PlanTask& config, const MeasurementModel& model,
                 const PlanProblem& problem)
       : config_(config), model_(model), problem_(problem) {}
 
@@ -54,7 +54,7 @@ class PlanEvaluator {
   std::vector<int> CurveNumbers(int num_poses) const;
   PredictedAccuracy RandomAccuracy(int count) const;
 
-  const PlanConfig& config_;
+  const PlanTask& config_;
   const MeasurementModel& model_;
   const PlanProblem& problem_;
 };

@@ -28,7 +28,7 @@ constexpr int kRandomPoses = 5000;
 constexpr std::uint64_t kRegionSeed = 0x9e3779b97f4a7c15;
 constexpr std::uint64_t kRandomSeed = 0xd1b54a32d192ed03;
 
-Eigen::MatrixXd FindCandidates(const PlanConfig& config, const Arm& arm,
+Eigen::MatrixXd FindCandidates(const PlanTask& config, const Arm& arm,
                                std::int64_t* looked_at) {
   Eigen::MatrixXd found;
   if (config.given_candidates) {
@@ -44,7 +44,7 @@ Eigen::MatrixXd FindCandidates(const PlanConfig& config, const Arm& arm,
     found = std::move(candidates.joint_values);
   }
   if (found.cols() == 0) {
-    throw InputError({config.path, 0, 0, "candidates"},
+    throw InputError({"", 0, 0, "candidates"},
                      "none of " + std::to_string(*looked_at) +
                          " poses satisfies boxes, floor, walls and "
                          "visibility: loosen some of them");
@@ -52,7 +52,7 @@ Eigen::MatrixXd FindCandidates(const PlanConfig& config, const Arm& arm,
   return found;
 }
 
-Arm RegionArm(const PlanConfig& config, Arm arm) {
+Arm RegionArm(const PlanTask& config, Arm arm) {
   for (std::size_t j = 0; j < config.region.joint_limits.size(); ++j) {
     arm.joints[j].lower = config.region.joint_limits[j].first;
     arm.joints[j].upper = config.region.joint_limits[j].second;
@@ -60,7 +60,7 @@ Arm RegionArm(const PlanConfig& config, Arm arm) {
   return arm;
 }
 
-Eigen::MatrixXd DrawRegion(const PlanConfig& config, const Arm& arm) {
+Eigen::MatrixXd DrawRegion(const PlanTask& config, const Arm& arm) {
   PoseConstraints constraints;
   constraints.boxes = config.region.boxes;
   CandidateOptions options = config.candidates;
@@ -70,7 +70,7 @@ Eigen::MatrixXd DrawRegion(const PlanConfig& config, const Arm& arm) {
   Candidates drawn =
       DrawCandidates(RegionArm(config, arm), constraints, options);
   if (drawn.joint_values.cols() == 0) {
-    throw InputError({config.path, 0, 0, "region"},
+    throw InputError({"", 0, 0, "region"},
                      "no pose within these joint limits has its target in one "
                      "of the boxes: enlarge them");
   }
@@ -94,7 +94,7 @@ PoseRows FirstPoses(const PoseRows& rows, int count) {
 
 class ProblemMaker {
  public:
-  ProblemMaker(const PlanConfig& config, const MeasurementModel& model)
+  ProblemMaker(const PlanTask& config, const MeasurementModel& model)
       : config_(config), model_(model), values_(model.NominalValues()) {}
 
   PlanProblem Make() {
@@ -175,7 +175,7 @@ class ProblemMaker {
                config_.measurement);
   }
 
-  const PlanConfig& config_;
+  const PlanTask& config_;
   const MeasurementModel& model_;
   const Eigen::VectorXd values_;
   PlanProblem problem_;
@@ -183,16 +183,15 @@ class ProblemMaker {
 
 }  // namespace
 
-CalibrationTask PrepareMeasured(const PlanConfig& config, int num_threads) {
-  CalibrationTask task = config.job;
-  task.options.num_threads = num_threads;
+CalibrationTask PrepareMeasured(CalibrationTask task) {
   if (task.data.training.num_poses() == 0) return task;
+  CheckAndHoldOut(&task);
   FitFrames(&task);
   if (task.options.estimate_sigma) EstimateSigmas(&task);
   return task;
 }
 
-PlanProblem MakePlanProblem(const PlanConfig& config,
+PlanProblem MakePlanProblem(const PlanTask& config,
                             const MeasurementModel& model) {
   return ProblemMaker(config, model).Make();
 }

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "alidade/identifiability_result.h"
+#include "alidade/identifiability.h"
 #include "src/kernel/measurement_model.h"
 #include "src/planning/exchange.h"
-#include "src/planning/plan_config.h"
+#include "src/planning/plan_task.h"
 
 namespace alidade::internal {
 
@@ -34,11 +34,11 @@ struct PlanProblem {
 };
 
 /// Frames and sigmas of what was measured already, as a calibration finds them.
-CalibrationTask PrepareMeasured(const PlanConfig& config, int num_threads);
+CalibrationTask PrepareMeasured(CalibrationTask task);
 
 /// @throws InputError where no candidate satisfies the constraints. Where the
 /// pass refuses (exceeds_rank), only `identifiability` is set.
-PlanProblem MakePlanProblem(const PlanConfig& config,
+PlanProblem MakePlanProblem(const PlanTask& config,
                             const MeasurementModel& model);
 
 }  // namespace alidade::internal

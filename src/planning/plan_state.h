@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "alidade/plan_options.h"
+#include "alidade/plan.h"
 #include "src/planning/criterion.h"
 #include "src/planning/design_problem.h"
 

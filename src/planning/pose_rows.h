@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "alidade/dataset.h"
-#include "alidade/plan_options.h"
+#include "alidade/plan.h"
 #include "src/kernel/measurement_model.h"
 
 namespace alidade::internal {

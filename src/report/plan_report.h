@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "alidade/plan_result.h"
+#include "alidade/plan.h"
 #include "src/report/report.h"
 
 namespace alidade::internal {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "alidade/calibration_result.h"
-#include "alidade/monte_carlo_result.h"
+#include "alidade/monte_carlo.h"
 #include "src/common/text_pieces.h"
 #include "src/simulation/noise_study_result.h"
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "alidade/batch_summary.h"
+#include "src/calibration/batch_summary.h"
 
 namespace alidade::internal {
 

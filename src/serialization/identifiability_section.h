@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "alidade/identifiability_options.h"
+#include "alidade/identifiability.h"
 #include "alidade/parameter_layout.h"
 #include "src/serialization/job_config.h"
 #include "src/serialization/job_context.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "alidade/monte_carlo_options.h"
+#include "alidade/monte_carlo.h"
 #include "src/calibration/calibration_task.h"
 #include "src/simulation/noise_study.h"
 

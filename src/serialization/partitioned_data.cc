@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "src/common/bytes.h"
 #include "src/common/names.h"
 #include "src/kernel/partition.h"
 

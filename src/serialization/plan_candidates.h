@@ -1,8 +1,8 @@
 #ifndef ALIDADE_SRC_SERIALIZATION_PLAN_CANDIDATES_H_
 #define ALIDADE_SRC_SERIALIZATION_PLAN_CANDIDATES_H_
 
-#include "src/planning/plan_config.h"
 #include "src/serialization/job_context.h"
+#include "src/serialization/plan_config.h"
 
 namespace alidade::internal {
 

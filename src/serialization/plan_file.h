@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "src/planning/plan_config.h"
+#include "src/serialization/plan_config.h"
 
 namespace alidade::internal {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "alidade/plan_result.h"
+#include "alidade/plan.h"
 
 namespace alidade::internal {
 

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "alidade/calibration_result.h"
-#include "alidade/identifiability_result.h"
-#include "alidade/solver_summary.h"
+#include "alidade/identifiability.h"
+#include "alidade/solver.h"
 #include "alidade/units.h"
 
 namespace alidade::internal {

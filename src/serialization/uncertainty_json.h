@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "alidade/uncertainty_result.h"
+#include "alidade/uncertainty.h"
 #include "src/serialization/json_value.h"
 
 namespace alidade::internal {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "src/common/bytes.h"
 #include "src/common/names.h"
 #include "src/kernel/holdout.h"
 #include "src/kernel/partition.h"

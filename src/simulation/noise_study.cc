@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "alidade/random.h"
 #include "src/common/parallel.h"
+#include "src/common/random.h"
 #include "src/identifiability/analysis.h"
 #include "src/identifiability/rules.h"
 #include "src/model/joint_draw.h"
-#include "src/solve/solver.h"
+#include "src/solve/solve.h"
 
 namespace alidade::internal {
 namespace {

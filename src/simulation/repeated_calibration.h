@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "alidade/dataset.h"
-#include "alidade/identifiability_result.h"
+#include "alidade/identifiability.h"
 #include "alidade/robust_loss.h"
 #include "src/kernel/measurement_model.h"
-#include "src/solve/solver.h"
+#include "src/solve/solve.h"
 #include "src/uncertainty/covariance.h"
 
 namespace alidade::internal {

@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 
 #include "alidade/dataset.h"
-#include "alidade/monte_carlo_options.h"
-#include "alidade/random.h"
+#include "alidade/monte_carlo.h"
+#include "src/common/random.h"
 #include "src/kernel/measurement_model.h"
 
 namespace alidade::internal {

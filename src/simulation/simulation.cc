@@ -8,8 +8,8 @@
 #include "alidade/error.h"
 #include "alidade/forward_kinematics.h"
 #include "alidade/inverse_kinematics.h"
-#include "alidade/random.h"
 #include "alidade/units.h"
+#include "src/common/random.h"
 #include "src/model/joint_draw.h"
 
 namespace alidade::internal {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "alidade/monte_carlo_result.h"
+#include "alidade/monte_carlo.h"
 
 namespace alidade::internal {
 

@@ -10,7 +10,7 @@
 
 #include "src/kernel/compression.h"
 #include "src/solve/progress.h"
-#include "src/solve/solver.h"
+#include "src/solve/solve.h"
 
 namespace alidade::internal {
 

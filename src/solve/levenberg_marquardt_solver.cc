@@ -9,7 +9,7 @@
 
 #include "src/solve/formulation.h"
 #include "src/solve/progress.h"
-#include "src/solve/solver.h"
+#include "src/solve/solve.h"
 
 namespace alidade::internal {
 namespace {

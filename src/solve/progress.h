@@ -6,11 +6,10 @@
 #include <optional>
 #include <string>
 
-#include "alidade/solver_options.h"
-#include "alidade/solver_summary.h"
+#include "alidade/solver.h"
 #include "src/kernel/compression.h"
 #include "src/kernel/sigma_totals.h"
-#include "src/solve/solver.h"
+#include "src/solve/solve.h"
 
 namespace alidade::internal {
 

@@ -3,7 +3,7 @@
 
 #include "src/common/svd.h"
 #include "src/solve/progress.h"
-#include "src/solve/solver.h"
+#include "src/solve/solve.h"
 
 namespace alidade::internal {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "alidade/robust_loss.h"
 #include "src/kernel/partition.h"
-#include "src/solve/solver.h"
+#include "src/solve/solve.h"
 
 namespace alidade::internal {
 namespace {

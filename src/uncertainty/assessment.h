@@ -3,8 +3,7 @@
 
 #include <optional>
 
-#include "alidade/uncertainty_options.h"
-#include "alidade/uncertainty_result.h"
+#include "alidade/uncertainty.h"
 #include "src/uncertainty/covariance.h"
 #include "src/uncertainty/nonlinearity.h"
 

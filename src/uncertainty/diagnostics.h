@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "alidade/uncertainty_result.h"
+#include "alidade/uncertainty.h"
 #include "src/uncertainty/covariance.h"
 
 namespace alidade::internal {

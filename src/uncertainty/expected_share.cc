@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "alidade/random.h"
 #include "src/common/distributions.h"
+#include "src/common/random.h"
 
 namespace alidade::internal {
 namespace {

@@ -5,7 +5,7 @@
 #include <functional>
 #include <optional>
 
-#include "alidade/uncertainty_result.h"
+#include "alidade/uncertainty.h"
 #include "src/uncertainty/covariance.h"
 
 namespace alidade::internal {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "alidade/uncertainty_result.h"
+#include "alidade/uncertainty.h"
 #include "src/kernel/measurement_model.h"
 #include "src/uncertainty/covariance.h"
 

@@ -8,9 +8,9 @@
 #include <limits>
 #include <vector>
 
-#include "alidade/random.h"
 #include "alidade/rotation.h"
 #include "alidade/units.h"
+#include "src/common/random.h"
 #include "tests/support/edit.h"
 #include "tests/support/random_measurements.h"
 

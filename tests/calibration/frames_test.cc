@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "alidade/random.h"
 #include "alidade/rotation.h"
+#include "src/common/random.h"
 #include "src/job/run_job.h"
 #include "src/kernel/holdout.h"
 #include "src/kernel/measurement_model.h"

@@ -13,8 +13,8 @@
 
 #include "alidade/forward_kinematics.h"
 #include "alidade/inverse_kinematics.h"
-#include "alidade/random.h"
 #include "alidade/rotation.h"
+#include "src/common/random.h"
 #include "src/job/run_job.h"
 #include "src/model/joint_draw.h"
 #include "tests/calibration/kinds_util.h"

@@ -11,8 +11,8 @@
 
 #include "alidade/forward_kinematics.h"
 #include "alidade/inverse_kinematics.h"
-#include "alidade/random.h"
 #include "alidade/rotation.h"
+#include "src/common/random.h"
 #include "src/job/run_job.h"
 #include "src/kernel/holdout.h"
 #include "src/kernel/measurement_model.h"

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "alidade/arm_file.h"
-#include "alidade/random.h"
+#include "src/common/random.h"
 #include "tests/support/batch_outcome.h"
 #include "tests/support/process.h"
 #include "tests/support/without_times.h"

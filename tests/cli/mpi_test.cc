@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "alidade/random.h"
+#include "src/common/random.h"
 #include "tests/support/batch_outcome.h"
 #include "tests/support/process.h"
 

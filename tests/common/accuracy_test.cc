@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "alidade/random.h"
+#include "src/common/random.h"
 
 namespace alidade::internal {
 namespace {

@@ -1,4 +1,4 @@
-#include "alidade/random.h"
+#include "src/common/random.h"
 
 #include <gtest/gtest.h>
 

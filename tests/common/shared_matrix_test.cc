@@ -12,6 +12,7 @@
 
 #include "alidade/error.h"
 #include "src/common/memory.h"
+#include "src/common/random.h"
 
 namespace alidade::internal {
 namespace {

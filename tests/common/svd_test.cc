@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "alidade/random.h"
+#include "src/common/random.h"
 
 namespace alidade::internal {
 namespace {

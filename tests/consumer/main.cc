@@ -5,8 +5,8 @@
 
 #include "alidade/calibration.h"
 #include "alidade/forward_kinematics.h"
-#include "alidade/random.h"
 #include "alidade/units.h"
+#include "src/common/random.h"
 
 int main() {
   alidade::Arm arm;

@@ -1,5 +1,6 @@
 // Merged data sets against what an observation by itself says.
 
+#include "src/common/random.h"
 #include "src/data/merge.h"
 
 #include <gtest/gtest.h>

@@ -1,8 +1,8 @@
-#include "alidade/pose_sources.h"
-
 #include <gtest/gtest.h>
 
 #include <vector>
+
+#include "alidade/dataset.h"
 
 namespace alidade::internal {
 namespace {

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "alidade/random.h"
+#include "src/common/random.h"
 #include "src/kernel/measurement_model.h"
 #include "tests/support/measurement_oracle.h"
 #include "tests/support/random_arms.h"

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "alidade/dataset_file.h"
-#include "alidade/random.h"
 #include "alidade/units.h"
+#include "src/common/random.h"
 #include "tests/support/edit.h"
 #include "tests/support/io_test_util.h"
 

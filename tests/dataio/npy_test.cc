@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "alidade/dataset_file.h"
-#include "alidade/random.h"
 #include "alidade/units.h"
 #include "src/common/numbers.h"
+#include "src/common/random.h"
 #include "src/common/text.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/dataio/dataset_npy.h"

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "alidade/random.h"
 #include "alidade/units.h"
 #include "src/common/numbers.h"
 #include "src/common/plain_number.h"
+#include "src/common/random.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/dataio/dataset_reader.h"
 #include "tests/dataio/loaded_data_util.h"

@@ -42,12 +42,9 @@ ARROWS = {
 # Modules of the public headers that have no source of their name; those of
 # others are where src/*/NAME.cc is.
 HEADER_ONLY = {
-    'bytes': 'common',
-    'monte_carlo_options': 'simulation',
-    'monte_carlo_result': 'simulation',
-    'plan_result': 'planning',
+    'monte_carlo': 'simulation',
+    'plan': 'planning',
     'rotation': 'model',
-    'uncertainty_options': 'uncertainty',
     'units': 'common',
 }
 
@@ -174,12 +171,13 @@ class Tree:
     for module in ARROWS:
       self.may_include[module] = self._reachable(module)
     self.texts = self._read('include', 'src')
-    self.owners = dict(HEADER_ONLY)
+    self.owners = {}
     for path in self.texts:
       if path.startswith('src/') and path.endswith('.cc'):
         name = path.split('/')[-1][:-3]
         if f'include/alidade/{name}.h' in self.texts:
           self.owners[name] = path.split('/')[1]
+    self.owners.update(HEADER_ONLY)
     # (file, line, brackets, header) of all.
     self.includes = [(path, number, *match.groups())
                      for path, text in self.texts.items()

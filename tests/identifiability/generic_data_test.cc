@@ -12,7 +12,7 @@
 #include <tuple>
 #include <vector>
 
-#include "alidade/random.h"
+#include "src/common/random.h"
 #include "src/model/joint_draw.h"
 #include "tests/support/edit.h"
 #include "tests/support/random_arms.h"

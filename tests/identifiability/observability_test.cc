@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "alidade/random.h"
+#include "src/common/random.h"
 
 namespace alidade::internal {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "alidade/identifiability_options.h"
+#include "alidade/identifiability.h"
 
 namespace alidade::internal {
 namespace {

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "alidade/random.h"
+#include "src/common/random.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"
 #include "tests/support/reference_solution.h"

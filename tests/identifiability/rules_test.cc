@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "alidade/random.h"
 #include "alidade/units.h"
+#include "src/common/random.h"
 #include "tests/identifiability/rules_test_util.h"
 #include "tests/support/edit.h"
 #include "tests/support/random_arms.h"

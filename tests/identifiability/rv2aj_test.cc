@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "alidade/random.h"
+#include "src/common/random.h"
 #include "src/identifiability/rules.h"
 #include "tests/identifiability/rules_test_util.h"
 #include "tests/support/reference_solution.h"

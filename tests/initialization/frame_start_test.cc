@@ -9,9 +9,9 @@
 #include <optional>
 #include <vector>
 
-#include "alidade/random.h"
 #include "alidade/rotation.h"
 #include "alidade/units.h"
+#include "src/common/random.h"
 #include "tests/initialization/frame_start_util.h"
 
 namespace alidade::internal {

@@ -7,8 +7,8 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "alidade/random.h"
 #include "alidade/rotation.h"
+#include "src/common/random.h"
 #include "tests/support/random_arms.h"
 
 namespace alidade::internal::testing {

@@ -8,8 +8,8 @@
 #include <numeric>
 #include <vector>
 
-#include "alidade/random.h"
 #include "alidade/robust_loss.h"
+#include "src/common/random.h"
 #include "src/kernel/measurement_model.h"
 #include "tests/support/edit.h"
 #include "tests/support/measurement_oracle.h"

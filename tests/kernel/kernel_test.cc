@@ -8,7 +8,7 @@
 #include <numeric>
 #include <vector>
 
-#include "alidade/random.h"
+#include "src/common/random.h"
 #include "src/kernel/compression.h"
 #include "src/kernel/measurement_model.h"
 #include "src/kernel/sine.h"

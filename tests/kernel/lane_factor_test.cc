@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "alidade/random.h"
+#include "src/common/random.h"
 #include "src/common/svd.h"
 #include "src/kernel/aligned.h"
 #include "tests/support/vector_targets.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "alidade/dataset.h"
-#include "alidade/random.h"
+#include "src/common/random.h"
 #include "src/kernel/measurement_model.h"
 #include "src/kernel/observation_cost.h"
 #include "tests/support/cost_evaluation.h"

@@ -9,7 +9,7 @@
 #include <tuple>
 #include <vector>
 
-#include "alidade/random.h"
+#include "src/common/random.h"
 #include "tests/support/edit.h"
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/random_arms.h"

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "alidade/dataset.h"
-#include "alidade/random.h"
 #include "alidade/units.h"
+#include "src/common/random.h"
 #include "src/kernel/measurement_model.h"
 #include "src/kernel/observation_cost.h"
 #include "tests/support/cost_evaluation.h"

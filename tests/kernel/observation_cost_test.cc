@@ -10,7 +10,7 @@
 #include <tuple>
 #include <vector>
 
-#include "alidade/random.h"
+#include "src/common/random.h"
 #include "src/kernel/measurement_model.h"
 #include "tests/support/edit.h"
 #include "tests/support/matrix_kinematics.h"

@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "alidade/random.h"
 #include "alidade/robust_loss.h"
+#include "src/common/random.h"
 #include "src/kernel/compression.h"
 #include "src/kernel/holdout.h"
 #include "src/kernel/measurement_model.h"

@@ -7,8 +7,8 @@
 #include <limits>
 #include <vector>
 
-#include "alidade/random.h"
 #include "src/common/chi_square.h"
+#include "src/common/random.h"
 
 namespace alidade::internal {
 namespace {

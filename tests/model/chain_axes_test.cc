@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "alidade/parameter_layout.h"
-#include "alidade/random.h"
 #include "alidade/units.h"
+#include "src/common/random.h"
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/rv2aj_arms.h"

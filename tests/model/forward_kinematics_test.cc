@@ -8,8 +8,8 @@
 #include <limits>
 #include <utility>
 
-#include "alidade/random.h"
 #include "alidade/units.h"
+#include "src/common/random.h"
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"

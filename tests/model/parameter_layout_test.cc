@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "alidade/random.h"
+#include "src/common/random.h"
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"

@@ -7,8 +7,8 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "alidade/random.h"
 #include "alidade/units.h"
+#include "src/common/random.h"
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/measurement_oracle.h"
 #include "tests/support/random_arms.h"

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
-#include "alidade/random.h"
 #include "alidade/units.h"
+#include "src/common/random.h"
 #include "src/planning/travel.h"
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/random_arms.h"

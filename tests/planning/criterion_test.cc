@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "src/common/random.h"
 #include "src/identifiability/observability.h"
 #include "tests/planning/planning_test_util.h"
 

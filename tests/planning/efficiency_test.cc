@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "src/common/random.h"
 #include "tests/planning/planning_test_util.h"
 
 namespace alidade::internal {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "src/common/random.h"
 #include "src/planning/criterion.h"
 #include "src/planning/plan_state.h"
 #include "tests/planning/planning_test_util.h"

@@ -1,4 +1,4 @@
-#include "src/planning/plan.h"
+#include "alidade/plan.h"
 
 #include <gtest/gtest.h>
 
@@ -35,9 +35,8 @@ std::string ContentOf(const std::vector<ReportFile>& files,
 }
 
 TEST(RunPlanTest, FindsTheStudysParametersAndAlpha4) {
-  const PlanOutcome outcome = RunPlan(FlangePlan(), "test", 1);
-  ASSERT_EQ(outcome.status, PlanStatus::kDone) << outcome.message;
-  const PlanResult& result = outcome.result;
+  const PlanResult result = RunPlan(FlangePlan(), "test");
+  ASSERT_EQ(result.status, PlanStatus::kDone) << result.message;
   EXPECT_EQ(result.parameters.size(), 18U);
   EXPECT_EQ(result.joint_values.cols(), 12);
   EXPECT_NEAR(result.bound, 2e-5 * std::sqrt(18.0 / 12.0), 1e-18);
@@ -60,19 +59,20 @@ TEST(RunPlanTest, FindsTheStudysParametersAndAlpha4) {
 // The sheet is a data set in which nothing is measured; `simulate` and the
 // robot read the planned joint values from it, to the bit.
 TEST(RunPlanTest, SheetHoldsThePlannedJointValues) {
-  const PlanOutcome outcome = RunPlan(FlangePlan(), "test", 1);
+  const PlanResult result = RunPlan(FlangePlan(), "test");
   const TestDirectory directory;
   const std::string path =
-      directory.Write("poses.csv", ContentOf(RenderPlan(outcome), "poses.csv"));
-  EXPECT_EQ(LoadJointValues(path, outcome.arm), outcome.result.joint_values);
+      directory.Write("poses.csv", ContentOf(RenderPlan(result), "poses.csv"));
+  EXPECT_EQ(LoadJointValues(path, result.planned_arm), result.joint_values);
 }
 
 TEST(RunPlanTest, ThreadsChangeNothing) {
   PlanConfig config = FlangePlan();
   config.with_curve = true;
   config.curve = {9, 14};
-  const std::vector<ReportFile> one = RenderPlan(RunPlan(config, "test", 1));
-  const std::vector<ReportFile> three = RenderPlan(RunPlan(config, "test", 3));
+  const std::vector<ReportFile> one = RenderPlan(RunPlan(config, "test"));
+  config.job.options.num_threads = 3;
+  const std::vector<ReportFile> three = RenderPlan(RunPlan(config, "test"));
   for (const char* name :
        {"poses.csv", "plan.txt", "accuracy.svg", "curve.csv"}) {
     EXPECT_NE(ContentOf(one, name), "") << name;
@@ -84,14 +84,12 @@ TEST(RunPlanTest, ThreadsChangeNothing) {
 TEST(RunPlanTest, EarlierPosesCount) {
   PlanConfig config = FlangePlan();
   config.design.num_poses = 8;
-  const double alone =
-      RunPlan(config, "test", 1).result.evaluations[0].region.worst;
+  const double alone = RunPlan(config, "test").evaluations[0].region.worst;
   config.job.data.training = LoadDataset(
       std::string(ALIDADE_SOURCE_DIR) + "/datasets/rv2aj/flange_56.csv",
       config.job.arm, 2e-5);
-  const PlanOutcome outcome = RunPlan(config, "test", 1);
-  ASSERT_EQ(outcome.status, PlanStatus::kDone) << outcome.message;
-  const PlanResult& result = outcome.result;
+  const PlanResult result = RunPlan(config, "test");
+  ASSERT_EQ(result.status, PlanStatus::kDone) << result.message;
   EXPECT_EQ(result.measured_before, 56);
   EXPECT_EQ(result.bound, 0.0);
   ASSERT_EQ(result.evaluations.size(), 4U);
@@ -104,10 +102,10 @@ TEST(RunPlanTest, FindsHowManyPosesAnAccuracyNeeds) {
   PlanConfig config = FlangePlan();
   config.wanted = 2e-5;
   config.design.num_poses = 100;
-  const PlanOutcome outcome = RunPlan(config, "test", 1);
-  ASSERT_EQ(outcome.status, PlanStatus::kDone) << outcome.message;
+  const PlanResult result = RunPlan(config, "test");
+  ASSERT_EQ(result.status, PlanStatus::kDone) << result.message;
   // sigma sqrt(18 / N) is 0.02 mm at 18: no plan of 17 poses is enough.
-  const auto number = outcome.result.joint_values.cols();
+  const auto number = result.joint_values.cols();
   EXPECT_GE(number, 18);
   EXPECT_LE(number, 25);
   // The choice at last is among more candidates than the search looks at.
@@ -115,15 +113,15 @@ TEST(RunPlanTest, FindsHowManyPosesAnAccuracyNeeds) {
   for (const double wanted :
        {2.0e-5, 1.9e-5, 1.8e-5, 1.7e-5, 1.6e-5, 1.5e-5, 1.4e-5, 1.3e-5}) {
     config.wanted = wanted;
-    const PlanOutcome met = RunPlan(config, "test", 1);
+    const PlanResult met = RunPlan(config, "test");
     ASSERT_EQ(met.status, PlanStatus::kDone) << met.message;
-    EXPECT_LE(met.result.evaluations[0].region.worst, wanted);
-    EXPECT_LE(met.result.joint_values.cols(),
+    EXPECT_LE(met.evaluations[0].region.worst, wanted);
+    EXPECT_LE(met.joint_values.cols(),
               1.4 * 18.0 * (2e-5 / wanted) * (2e-5 / wanted));
   }
 
   config.design.num_poses = 15;
-  const PlanOutcome refused = RunPlan(config, "test", 1);
+  const PlanResult refused = RunPlan(config, "test");
   EXPECT_EQ(refused.status, PlanStatus::kRefused);
   EXPECT_NE(refused.message.find("needs more than 15 poses"), std::string::npos)
       << refused.message;
@@ -132,11 +130,11 @@ TEST(RunPlanTest, FindsHowManyPosesAnAccuracyNeeds) {
 TEST(RunPlanTest, TooFewPosesForTheParametersFail) {
   PlanConfig config = FlangePlan();
   config.design.num_poses = 5;
-  const PlanOutcome outcome = RunPlan(config, "test", 1);
-  EXPECT_EQ(outcome.status, PlanStatus::kFailed);
-  EXPECT_NE(outcome.message.find("do not tell 18 parameters apart"),
+  const PlanResult result = RunPlan(config, "test");
+  EXPECT_EQ(result.status, PlanStatus::kFailed);
+  EXPECT_NE(result.message.find("do not tell 18 parameters apart"),
             std::string::npos)
-      << outcome.message;
+      << result.message;
 }
 
 // An instrument that stands elsewhere measures the same of the joints, and
@@ -149,13 +147,13 @@ TEST(RunPlanTest, DistanceOfTheInstrumentChangesNoPlan) {
        {DesignCriterion::kA, DesignCriterion::kE, DesignCriterion::kD}) {
     config.design.criterion = criterion;
     config.job.arm.instrument_from_base = Eigen::Isometry3d::Identity();
-    const PlanOutcome near = RunPlan(config, "test", 1);
+    const PlanResult near = RunPlan(config, "test");
     ASSERT_EQ(near.status, PlanStatus::kDone) << near.message;
     for (const double distance : {3.0, 1e5}) {
       config.job.arm.instrument_from_base.translation().x() = distance;
-      const PlanOutcome far = RunPlan(config, "test", 1);
+      const PlanResult far = RunPlan(config, "test");
       ASSERT_EQ(far.status, PlanStatus::kDone) << far.message;
-      EXPECT_NEAR(far.result.value, near.result.value, 1e-6) << distance;
+      EXPECT_NEAR(far.value, near.value, 1e-6) << distance;
     }
   }
 }
@@ -165,13 +163,13 @@ TEST(RunPlanTest, WhatNoNumberOfPosesTellsIsNotAskedFor) {
   PlanConfig config = FlangePlan();
   config.measurement.axes = {false, false, true};
   config.design.num_poses = 200;
-  const PlanOutcome outcome = RunPlan(config, "test", 1);
-  EXPECT_EQ(outcome.status, PlanStatus::kFailed);
-  EXPECT_NE(outcome.message.find("all 600 candidates together tell only 9 of "
-                                 "16 parameters apart"),
+  const PlanResult result = RunPlan(config, "test");
+  EXPECT_EQ(result.status, PlanStatus::kFailed);
+  EXPECT_NE(result.message.find("all 600 candidates together tell only 9 of "
+                                "16 parameters apart"),
             std::string::npos)
-      << outcome.message;
-  EXPECT_EQ(outcome.message.find("plan more poses"), std::string::npos);
+      << result.message;
+  EXPECT_EQ(result.message.find("plan more poses"), std::string::npos);
 }
 
 TEST(RunPlanTest, ConstraintsThatNoPoseMeetsAreAnErrorOfTheUser) {
@@ -179,7 +177,7 @@ TEST(RunPlanTest, ConstraintsThatNoPoseMeetsAreAnErrorOfTheUser) {
   config.candidates.count = 50;
   config.candidates.max_draws = 10;
   config.constraints.boxes.push_back({{5.0, 5.0, 5.0}, {6.0, 6.0, 6.0}});
-  ExpectInputError([&] { RunPlan(config, "test", 1); },
+  ExpectInputError([&] { RunPlan(config, "test"); },
                    {0, 0, "candidates", "none of 500 poses"});
 }
 

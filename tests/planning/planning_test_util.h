@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "alidade/random.h"
+#include "src/common/random.h"
 #include "src/kernel/measurement_model.h"
 #include "src/planning/candidates.h"
 #include "src/planning/exchange.h"

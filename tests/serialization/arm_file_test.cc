@@ -9,10 +9,10 @@
 #include <string>
 
 #include "alidade/parameter_layout.h"
-#include "alidade/random.h"
 #include "alidade/rotation.h"
 #include "alidade/units.h"
 #include "src/common/files.h"
+#include "src/common/random.h"
 #include "tests/support/io_test_util.h"
 
 namespace alidade::internal {

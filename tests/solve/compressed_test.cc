@@ -14,11 +14,11 @@
 #include <tuple>
 #include <vector>
 
-#include "alidade/random.h"
 #include "alidade/robust_loss.h"
+#include "src/common/random.h"
 #include "src/identifiability/analysis.h"
 #include "src/kernel/compression.h"
-#include "src/solve/solver.h"
+#include "src/solve/solve.h"
 #include "tests/solve/solvers_test_util.h"
 #include "tests/support/edit.h"
 #include "tests/support/measurement_oracle.h"

@@ -9,11 +9,11 @@
 #include <limits>
 #include <vector>
 
-#include "alidade/random.h"
 #include "alidade/units.h"
+#include "src/common/random.h"
 #include "src/kernel/compression.h"
 #include "src/model/joint_draw.h"
-#include "src/solve/solver.h"
+#include "src/solve/solve.h"
 #include "tests/support/edit.h"
 #include "tests/support/rv2aj_arms.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "alidade/solver_options.h"
+#include "alidade/solver.h"
 
 namespace alidade::internal {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "src/identifiability/analysis.h"
 #include "src/identifiability/rules.h"
-#include "src/solve/solver.h"
+#include "src/solve/solve.h"
 #include "tests/support/study.h"
 
 namespace alidade::internal {

@@ -1,11 +1,11 @@
-#include "alidade/solver_summary.h"
-
 #include <gtest/gtest.h>
 
 #include <array>
 #include <limits>
 #include <set>
 #include <string>
+
+#include "alidade/solver.h"
 
 namespace alidade::internal {
 namespace {

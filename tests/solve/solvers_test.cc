@@ -6,7 +6,8 @@
 #include <tuple>
 #include <vector>
 
-#include "src/solve/solver.h"
+#include "src/common/random.h"
+#include "src/solve/solve.h"
 #include "tests/solve/solvers_test_util.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"

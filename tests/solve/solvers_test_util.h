@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "alidade/random.h"
+#include "src/common/random.h"
 #include "src/identifiability/rank.h"
-#include "src/solve/solver.h"
+#include "src/solve/solve.h"
 #include "tests/support/edit.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"

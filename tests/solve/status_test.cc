@@ -7,7 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "src/solve/solver.h"
+#include "src/common/random.h"
+#include "src/solve/solve.h"
 #include "tests/solve/solvers_test_util.h"
 #include "tests/support/edit.h"
 #include "tests/support/random_arms.h"

@@ -6,7 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include "src/solve/solver.h"
+#include "src/common/random.h"
+#include "src/solve/solve.h"
 #include "tests/solve/solvers_test_util.h"
 #include "tests/support/edit.h"
 #include "tests/support/reference_solution.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "alidade/dataset.h"
-#include "alidade/random.h"
+#include "src/common/random.h"
 #include "src/identifiability/analysis.h"
 #include "src/identifiability/rules.h"
 #include "src/kernel/measurement_model.h"

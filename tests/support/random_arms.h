@@ -6,8 +6,8 @@
 #include <string>
 
 #include "alidade/arm.h"
-#include "alidade/random.h"
 #include "alidade/units.h"
+#include "src/common/random.h"
 
 namespace alidade::internal::testing {
 

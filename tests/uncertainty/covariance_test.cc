@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "src/kernel/compression.h"
-#include "src/solve/solver.h"
+#include "src/solve/solve.h"
 #include "tests/support/classic_arms.h"
 #include "tests/support/noisy_positions.h"
 #include "tests/support/reference_solution.h"

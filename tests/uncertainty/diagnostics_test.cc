@@ -6,9 +6,9 @@
 #include <cmath>
 #include <vector>
 
-#include "alidade/random.h"
+#include "src/common/random.h"
 #include "src/kernel/compression.h"
-#include "src/solve/solver.h"
+#include "src/solve/solve.h"
 #include "tests/support/edit.h"
 #include "tests/support/noisy_positions.h"
 #include "tests/support/reference_solution.h"

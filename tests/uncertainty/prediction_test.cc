@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "alidade/random.h"
 #include "alidade/rotation.h"
+#include "src/common/random.h"
 #include "src/kernel/compression.h"
 #include "tests/support/classic_arms.h"
 #include "tests/support/edit.h"

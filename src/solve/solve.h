@@ -1,13 +1,12 @@
-#ifndef ALIDADE_SRC_SOLVE_SOLVER_H_
-#define ALIDADE_SRC_SOLVE_SOLVER_H_
+#ifndef ALIDADE_SRC_SOLVE_SOLVE_H_
+#define ALIDADE_SRC_SOLVE_SOLVE_H_
 
 #include <Eigen/Core>
 #include <vector>
 
-#include "alidade/identifiability_result.h"
+#include "alidade/identifiability.h"
 #include "alidade/robust_loss.h"
-#include "alidade/solver_options.h"
-#include "alidade/solver_summary.h"
+#include "alidade/solver.h"
 #include "src/kernel/measurement_model.h"
 
 namespace alidade::internal {
@@ -102,4 +101,4 @@ SolverSummary SolvePseudoInverse(const CalibrationProblem& problem,
 
 }  // namespace alidade::internal
 
-#endif  // ALIDADE_SRC_SOLVE_SOLVER_H_
+#endif  // ALIDADE_SRC_SOLVE_SOLVE_H_

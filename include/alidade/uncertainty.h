@@ -1,5 +1,5 @@
-#ifndef ALIDADE_UNCERTAINTY_RESULT_H_
-#define ALIDADE_UNCERTAINTY_RESULT_H_
+#ifndef ALIDADE_UNCERTAINTY_H_
+#define ALIDADE_UNCERTAINTY_H_
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -11,6 +11,28 @@
 #include "alidade/accuracy.h"
 
 namespace alidade {
+
+enum class IntervalMethod {
+  /// Profile likelihood for parameters whose nonlinearity is above the limit,
+  /// the linear model for all others.
+  kAutomatic,
+  kLinear,   ///< estimate +- quantile * standard deviation
+  kProfile,  ///< profile likelihood for every parameter
+};
+
+/// How the uncertainty of a calibration is told.
+struct UncertaintyOptions {
+  double confidence = 0.95;  ///< of intervals and ellipsoids; in (0, 1)
+  IntervalMethod intervals = IntervalMethod::kAutomatic;
+  /// Above this (nonlinearity.h) linear intervals no longer hold what they
+  /// say: a second-order part of a fifth of the standard deviation takes
+  /// about 0.5 to 1 % from a coverage of 95 %.
+  double nonlinearity_limit = 0.2;
+  /// Configurations that the predicted map is drawn at, within the joint
+  /// limits; 0 = no map.
+  int map_configurations = 2000;
+  std::uint64_t seed = 1;  ///< of these
+};
 
 /// An interval that holds the true value with the stated confidence (rad, m).
 struct ConfidenceInterval {
@@ -149,4 +171,4 @@ struct UncertaintyResult {
 
 }  // namespace alidade
 
-#endif  // ALIDADE_UNCERTAINTY_RESULT_H_
+#endif  // ALIDADE_UNCERTAINTY_H_

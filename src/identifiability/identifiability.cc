@@ -1,7 +1,9 @@
-#include "alidade/identifiability_options.h"
+#include "alidade/identifiability.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <utility>
 
@@ -83,6 +85,34 @@ bool PriorTolerances::IsValid(std::string* error) const {
     return false;
   }
   return true;
+}
+
+}  // namespace alidade
+
+namespace alidade {
+
+double RankReport::SmallestCounted() const {
+  return rank > 0 ? singular_values[rank - 1] : 1.0;
+}
+
+double RankReport::MiddleOfGap() const {
+  double below = std::numeric_limits<double>::epsilon();
+  if (rank < singular_values.size()) {
+    below = std::max(below, singular_values[rank]);
+  }
+  return std::sqrt(SmallestCounted() * below);
+}
+
+const char* ToString(ParameterState state) {
+  switch (state) {
+    case ParameterState::kFree:
+      return "free";
+    case ParameterState::kFrozen:
+      return "frozen";
+    case ParameterState::kGiven:
+      return "given";
+  }
+  return "unknown";
 }
 
 }  // namespace alidade

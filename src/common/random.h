@@ -1,10 +1,10 @@
-#ifndef ALIDADE_RANDOM_H_
-#define ALIDADE_RANDOM_H_
+#ifndef ALIDADE_SRC_COMMON_RANDOM_H_
+#define ALIDADE_SRC_COMMON_RANDOM_H_
 
 #include <array>
 #include <cstdint>
 
-namespace alidade {
+namespace alidade::internal {
 
 /// xoshiro256++ (Blackman, Vigna 2021, "Scrambled linear pseudorandom number
 /// generators"), its state filled by SplitMix64 from (seed, stream).
@@ -32,6 +32,6 @@ class Random {
   bool has_spare_normal_ = false;
 };
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
-#endif  // ALIDADE_RANDOM_H_
+#endif  // ALIDADE_SRC_COMMON_RANDOM_H_

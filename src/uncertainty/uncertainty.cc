@@ -1,4 +1,4 @@
-#include "alidade/uncertainty_result.h"
+#include "alidade/uncertainty.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
-#ifndef ALIDADE_BYTES_H_
-#define ALIDADE_BYTES_H_
+#ifndef ALIDADE_SRC_COMMON_BYTES_H_
+#define ALIDADE_SRC_COMMON_BYTES_H_
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace alidade {
+namespace alidade::internal {
 
 /// Values one behind the other as bytes, for ByteReader on a machine of the
 /// same kind: what ranks (communicator.h) send each other. No format for files.
@@ -115,6 +115,6 @@ class ByteReader {
   std::size_t next_ = 0;
 };
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
-#endif  // ALIDADE_BYTES_H_
+#endif  // ALIDADE_SRC_COMMON_BYTES_H_

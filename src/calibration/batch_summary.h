@@ -1,5 +1,5 @@
-#ifndef ALIDADE_BATCH_SUMMARY_H_
-#define ALIDADE_BATCH_SUMMARY_H_
+#ifndef ALIDADE_SRC_CALIBRATION_BATCH_SUMMARY_H_
+#define ALIDADE_SRC_CALIBRATION_BATCH_SUMMARY_H_
 
 #include <cstdint>
 #include <limits>
@@ -10,7 +10,7 @@
 #include "alidade/accuracy.h"
 #include "alidade/calibration_result.h"
 
-namespace alidade {
+namespace alidade::internal {
 
 /// How a job of a batch ended, from best to worst.
 enum class BatchStatus {
@@ -82,6 +82,6 @@ struct BatchRecord {
   std::vector<ResultFile> files;
 };
 
-}  // namespace alidade
+}  // namespace alidade::internal
 
-#endif  // ALIDADE_BATCH_SUMMARY_H_
+#endif  // ALIDADE_SRC_CALIBRATION_BATCH_SUMMARY_H_
