@@ -13,7 +13,7 @@
 #include "src/calibration/label_bytes.h"
 #include "src/calibration/preparation.h"
 #include "src/common/bytes.h"
-#include "src/common/chi_square.h"
+#include "src/common/distributions.h"
 #include "src/common/format.h"
 #include "src/identifiability/analysis.h"
 #include "src/kernel/holdout.h"

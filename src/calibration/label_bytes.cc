@@ -1,4 +1,5 @@
 #include "src/calibration/label_bytes.h"
+
 #include "src/common/bytes.h"
 
 namespace alidade::internal {

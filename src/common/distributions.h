@@ -6,22 +6,29 @@
 
 namespace alidade::internal {
 
-/// Distributions that intervals and tests need; the chi-square distribution has
-/// its own header. Relative errors are below 1e-12 for parameters up to 1e3 and
-/// below 1e-8 for those up to 1e8; parameters beyond 1e8 count as infinite.
+/// Distributions that intervals and tests need, as Boost.Math computes them, in
+/// double precision and without exceptions: a quantile at the end of its range
+/// is infinite. Degrees of freedom beyond 1e8 count as infinite, where the
+/// distributions agree with their limits to about 1e-8.
 
 /// P(Z <= z) of a standard normal Z.
 double NormalCdf(double z);
-/// z with NormalCdf(z) = probability; infinite at 0 and 1. Newton's method on
-/// the log of the smaller tail. @pre 0 <= probability <= 1.
+/// z with NormalCdf(z) = probability; infinite at 0 and 1.
+/// @pre 0 <= probability <= 1.
 double NormalQuantile(double probability);
 
-/// The regularised incomplete beta function I_x(a, b), the cumulative
-/// distribution of a beta variable, by Lentz's evaluation of its continued
-/// fraction (DLMF 8.17.22). @pre a, b > 0; 0 <= x <= 1.
-double BetaCdf(double x, double a, double b);
-/// x with BetaCdf(x, a, b) = probability.
-double BetaQuantile(double probability, double a, double b);
+/// The chi-square distribution with `dof` degrees of freedom: of the sum of
+/// that many squared standard normals. @pre dof > 0, finite.
+
+/// P(X <= x); 0 for x <= 0.
+double ChiSquareCdf(double x, double dof);
+/// P(X > x) = 1 - ChiSquareCdf, without the loss of digits; 1 for x <= 0.
+double ChiSquareSurvival(double x, double dof);
+/// x with ChiSquareCdf(x, dof) = probability. @pre 0 <= probability <= 1.
+double ChiSquareQuantile(double probability, double dof);
+/// x with ChiSquareSurvival(x, dof) = survival, which may be as small as
+/// 1e-300. @pre 0 <= survival <= 1.
+double ChiSquareUpperQuantile(double survival, double dof);
 
 /// Student's t: t with P(T <= t) = probability; `dof` may be infinite.
 /// @pre dof > 0, 0 < probability < 1.

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "src/common/chi_square.h"
+#include "src/common/distributions.h"
 
 namespace alidade {
 

@@ -8,7 +8,6 @@
 #include <optional>
 #include <vector>
 
-#include "src/common/chi_square.h"
 #include "src/common/distributions.h"
 #include "src/identifiability/generic_data.h"
 #include "src/kernel/measurement_model.h"

@@ -1,9 +1,9 @@
-#include "src/common/chi_square.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
+
+#include "src/common/distributions.h"
 
 namespace alidade::internal {
 namespace {

@@ -1,6 +1,5 @@
 // Merged data sets against what an observation by itself says.
 
-#include "src/common/random.h"
 #include "src/data/merge.h"
 
 #include <gtest/gtest.h>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "alidade/dataset.h"
+#include "src/common/random.h"
 #include "tests/dataio/loaded_data_util.h"
 
 namespace alidade::internal {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "src/common/chi_square.h"
+#include "src/common/distributions.h"
 #include "src/common/random.h"
 
 namespace alidade::internal {
