@@ -14,72 +14,74 @@
 #include "src/cli/command.h"
 #include "src/cli/launch.h"
 #include "src/common/memory.h"
+#include "src/common/text.h"
 
-DEFINE_string(out, "", "where results are written");
-DEFINE_string(arm, "", "the arm that data are of");
-DEFINE_string(read_as, "", "what the results of a comparison are");
-DEFINE_bool(report, false, "also write report.html");
-DEFINE_string(list, "", "a file that names jobs");
-DEFINE_string(outputs, "", "what result directories hold");
-DEFINE_bool(dry_run, false, "print what would run");
-DEFINE_bool(keep_going, false, "run all jobs, whatever becomes of one");
+// The help of a command shows these texts; the first word of one in capitals
+// stands for the flag's value.
+DEFINE_string(arm, "", "ARM.yaml the arm that the data are of");
+DEFINE_bool(dry_run, false, "print what would run, a line a job");
 DEFINE_bool(fail_fast, false, "start no more jobs once one is not done");
-DEFINE_int32(threads, 1, "threads to work with; results do not depend on it");
-DEFINE_uint64(seed, 0, "seed of everything random, instead of the file's");
+DEFINE_bool(keep_going, false,
+            "run all jobs whatever becomes of one, the default");
+DEFINE_string(list, "",
+              "FILE jobs and folders, one a line, from the list's folder");
+DEFINE_string(out, "", "PATH where results are written");
+DEFINE_string(read_as, "",
+              "WHAT fleet (arms), time (one arm, in order) or methods (of one "
+              "calibration); chosen by the data otherwise");
+DEFINE_bool(report, false, "also write report.html");
+DEFINE_string(outputs, "",
+              "WHAT full, or minimal: arm.yaml and result.json alone");
+DEFINE_uint64(seed, 0, "N seed of all that is drawn, instead of the file's");
+DEFINE_int32(threads, 1,
+             "N threads to work with, 1 by default; results do not depend on "
+             "it");
 DEFINE_uint64(memory, 0,
-              "MB of memory for data; 0: half of what the process may have");
-DEFINE_int32(verbosity, 0, "0: warnings, 1: what is done, 2: details");
+              "MB memory for data and results, half of all by default; what is "
+              "more goes to temporary files in $TMPDIR, or /var/tmp");
+DEFINE_int32(verbosity, 0,
+             "N 0: warnings, 1: what is done, 2: details; on standard error");
 
 namespace alidade::internal {
 namespace {
 
 constexpr std::uint64_t kMostMemory = 1000000000;  // MB
+constexpr std::size_t kHelpColumn = 19;
+constexpr std::size_t kHelpWidth = 80;
 
-struct FlagHelp {
-  const char* name;
-  const char* text;
-};
+// A flag as gflags knows it, which spells '-' as '_'.
+gflags::CommandLineFlagInfo FlagNamed(std::string name) {
+  std::replace(name.begin(), name.end(), '-', '_');
+  gflags::CommandLineFlagInfo flag;
+  gflags::GetCommandLineFlagInfo(name.c_str(), &flag);
+  return flag;
+}
 
-const std::vector<FlagHelp>& FlagHelps() {
-  static const std::vector<FlagHelp> kFlagHelps = {
-      {"arm", "--arm=ARM.yaml   the arm that the data are of"},
-      {"dry-run", "--dry-run        print what would run, a line a job"},
-      {"fail-fast", "--fail-fast      start no more jobs once one is not done"},
-      {"keep-going",
-       "--keep-going     run all jobs whatever becomes of one, the default"},
-      {"list",
-       "--list=FILE      jobs and folders, one a line, from the list's folder"},
-      {"out", "--out=PATH       where results are written"},
-      {"read-as",
-       "--read-as=WHAT   fleet (arms), time (one arm, in order) or methods (of "
-       "one\n                   calibration); chosen by the data otherwise"},
-      {"report", "--report         also write report.html"},
-      {"outputs",
-       "--outputs=WHAT   full, or minimal: arm.yaml and result.json alone"},
-      {"seed",
-       "--seed=N         seed of all that is drawn, instead of the "
-       "file's"},
-      {"threads",
-       "--threads=N      threads to work with, 1 by default; "
-       "results do not depend on it"},
-      {"memory",
-       "--memory=MB      memory for data and results, half of all by default; "
-       "what is\n                   more goes to temporary files in $TMPDIR, "
-       "or "
-       "/var/tmp"},
-      {"verbosity",
-       "--verbosity=N    0: warnings, 1: what is done, 2: "
-       "details; on standard error"},
-      {"help", "--help           this text"},
-  };
-  return kFlagHelps;
+// Those of every command first.
+std::vector<std::string> FlagsOf(const Command& command) {
+  std::vector<std::string> flags = {"threads", "memory", "verbosity"};
+  flags.insert(flags.begin(), command.flags.begin(), command.flags.end());
+  return flags;
 }
 
 bool Accepts(const Command& command, const std::string& flag) {
-  return flag == "threads" || flag == "memory" || flag == "verbosity" ||
-         flag == "help" ||
-         std::find(command.flags.begin(), command.flags.end(), flag) !=
-             command.flags.end();
+  const std::vector<std::string> flags = FlagsOf(command);
+  return std::find(flags.begin(), flags.end(), flag) != flags.end();
+}
+
+void PrintFlag(const std::string& name, std::string text) {
+  std::string left = "  --" + name;
+  if (FlagNamed(name).type != "bool" && name != "help") {
+    left += "=" + text.substr(0, text.find(' '));
+    text.erase(0, text.find(' ') + 1);
+  }
+  left.resize(std::max(left.size() + 1, kHelpColumn), ' ');
+  std::string indent = left;
+  for (const std::string& line :
+       WrapText(text, static_cast<int>(kHelpWidth - kHelpColumn))) {
+    std::cout << indent << line << "\n";
+    indent.assign(kHelpColumn, ' ');
+  }
 }
 
 void PrintUsage(std::ostream& out) {
@@ -101,9 +103,10 @@ void PrintHelp(const Command& command) {
   std::cout << "usage: alidade " << command.name << " [flags] "
             << command.arguments << "\n\n"
             << command.help << "\n\n";
-  for (const FlagHelp& flag : FlagHelps()) {
-    if (Accepts(command, flag.name)) std::cout << "  " << flag.text << "\n";
+  for (const std::string& flag : FlagsOf(command)) {
+    PrintFlag(flag, FlagNamed(flag).description);
   }
+  PrintFlag("help", "this text");
 }
 
 [[noreturn]] void ThrowUsage(const Command& command,
@@ -152,23 +155,17 @@ class ArgumentParser {
     if (!Accepts(command_, name)) {
       ThrowUsage(command_, "unknown flag " + argument);
     }
+    const gflags::CommandLineFlagInfo flag = FlagNamed(name);
     const std::string value = equals != std::string::npos
                                   ? argument.substr(equals + 1)
-                              : IsSwitch(name) ? "true"
-                                               : NextArgument(argument);
-    std::string flag = name;  // as C++ spells it
-    std::replace(flag.begin(), flag.end(), '-', '_');
-    if (gflags::SetCommandLineOption(flag.c_str(), value.c_str()).empty()) {
+                              : flag.type == "bool" ? "true"
+                                                    : NextArgument(argument);
+    if (gflags::SetCommandLineOption(flag.name.c_str(), value.c_str())
+            .empty()) {
       ThrowUsage(command_, "--" + name + " = \"" + value +
                                "\" is not a value of this flag");
     }
     if (name == "seed") line_.seed = FLAGS_seed;
-  }
-
-  // A flag that is on when it is there.
-  static bool IsSwitch(const std::string& name) {
-    return name == "report" || name == "dry-run" || name == "keep-going" ||
-           name == "fail-fast";
   }
 
   std::string NextArgument(const std::string& flag) {
