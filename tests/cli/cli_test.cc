@@ -162,7 +162,7 @@ TEST_F(StudyTest, CalibrateEndsOnPublishedAgainstObtainedAndThePaths) {
   const ProcessResult result = Alidade("calibrate " + kStudy + " --out=" + out);
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_THAT(result.out, AllOf(HasSubstr("Published: Etalonnage"),
-                                HasSubstr("160.100000   160.100400")));
+                                HasSubstr("160.100000  160.100400")));
   EXPECT_GT(result.out.find("result.json"), result.out.find("160.100400"));
   EXPECT_THAT(result.err, AllOf(HasSubstr("warning"), HasSubstr("beta4")));
 }
