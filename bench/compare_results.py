@@ -140,10 +140,19 @@ def read_csv(path: Path) -> list[dict[str, Any]]:
     return table
 
 
+def read_json(path: Path) -> Any:
+    """With what studies/rv2aj writes beside a result, as result.json once had."""
+    value = json.loads(path.read_text())
+    study = path.with_name("study.json")
+    if path.name == "result.json" and study.exists():
+        value["study"] = json.loads(study.read_text())
+    return value
+
+
 NUMBERS = re.compile(r"(?<![\w.+])-?\d+(?:\.\d+)?(?:e[-+]\d+)?(?!\w|\.\d)")
 READERS = {
     "identify.txt": lambda path: list(map(float, NUMBERS.findall(path.read_text()))),
-    ".json": lambda path: json.loads(path.read_text()),
+    ".json": read_json,
     ".csv": read_csv,
     ".yaml": read_yaml,
 }

@@ -78,6 +78,8 @@ struct ParameterResult {
   double std = std::numeric_limits<double>::quiet_NaN();
   /// The true value, where the job knows it (a simulated arm).
   std::optional<double> truth;
+  /// The value that a publication states, where the job names one.
+  std::optional<double> published;
   ParameterDecision decision;
   ParameterAssessment assessment = ParameterAssessment::kKnown;
 
@@ -185,57 +187,23 @@ struct Outlier {
   double weight = 1.0;        ///< that the robust loss left it
 };
 
-/// One line of "published against obtained".
-struct StudyRow {
-  std::string quantity;
+/// One quantity that a publication states, in its own words.
+struct PublishedFigure {
+  std::string quantity;  ///< one of those in docs/files.md
   std::string published;
-  std::string obtained;
 };
 
-/// One parameter of the study's tables, as deviations from nominal.
-struct StudyParameter {
-  std::string name;
-  Dimension dimension = Dimension::kLength;
-  bool identified = false;
-  double nominal = 0.0;
-  double assumed = 0.0;    ///< deviation of the assumed real arm
-  double published = 0.0;  ///< as the study's table prints it
-  double obtained = 0.0;   ///< ours, at full precision
-
-  /// |deviation - assumed| / |assumed| in percent, the study's error of a
-  /// parameter. NaN where assumed = 0.
-  double ErrorPercent(double deviation) const;
-};
-
-/// A free parameter takes up part of a frozen one that is not at its nominal
-/// value: to first order at the identified geometry,
-/// change of `taken_up_by` = coefficient * deviation of `frozen`.
-struct Absorption {
-  std::string frozen;
-  double frozen_deviation = 0.0;
-  std::string taken_up_by;
-  Dimension dimension = Dimension::kLength;  ///< of `taken_up_by`
-  double coefficient = 0.0;
-  double amount = 0.0;
-};
-
-/// A published study beside our results.
-struct StudyResult {
+/// What a publication says of the same calibration: the `published` of a job.
+struct PublishedStudy {
   std::string source;
-  std::vector<StudyRow> rows;
-  std::vector<StudyParameter> parameters;
-  std::vector<Absorption> absorptions;
-  /// Digits of the study's printed table (of rad and of mm).
-  int angle_decimals = 0;
-  int length_decimals = 0;
-  /// Over the validation poses: the identified values rounded as the study
-  /// prints them, and with three more decimals of the lengths.
-  Accuracy as_printed;
-  Accuracy three_more_decimals;
-  /// The baseline's fixed number of iterations against the published time.
-  int timed_iterations = 0;
-  double timed_s = 0.0;
-  double published_s = 0.0;
+  /// Deviations from nominal as its table prints them, one per column of the
+  /// layout; zero where it states none.
+  Eigen::VectorXd deviations;
+  int angle_decimals = 4;   ///< of rad
+  int length_decimals = 1;  ///< of mm
+  int baseline_iterations = 100;
+  double baseline_time_s = 0.0;
+  std::vector<PublishedFigure> figures;
 };
 
 enum class CalibrationStatus {
@@ -301,7 +269,8 @@ struct CalibrationResult {
   double reduced_chi_square = 0.0;
   /// Nothing where it was not asked for.
   std::optional<UncertaintyResult> uncertainty;
-  std::optional<StudyResult> study;
+  /// Where the `published` values of the parameters come from; may be empty.
+  std::string published_source;
   std::vector<AcceptanceCheck> acceptance;
   /// What speaks against the result although a solver calls it usable.
   std::vector<std::string> warnings;

@@ -29,7 +29,7 @@ void PrintSummary(const CalibrationResult& result,
                   const std::vector<std::string>& paths) {
   std::cout << result.title << "\n\n"
             << FormatAccuracyTable(result) << "\n"
-            << FormatStudyTable(result);
+            << FormatPublished(result);
   std::cout << "\nResults\n";
   for (const std::string& path : paths) std::cout << "  " << path << "\n";
 }
@@ -77,10 +77,8 @@ ExitStatus Calibrate(const CommandLine& line, Communicator* communicator) {
   std::vector<ReportFile> files = RenderResult(result, outputs);
   if (line.report) {
     // Before result.json, which comes last.
-    const std::string label =
-        std::filesystem::absolute(directory).lexically_normal().filename();
     files.insert(files.end() - 1,
-                 MakeResultPage(result, RenderResult(result), label));
+                 MakeResultPage(result, RenderResult(result), directory));
   }
   const std::vector<std::string> paths = WriteResultDirectory(directory, files);
   progress.Clear();

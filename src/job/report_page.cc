@@ -147,9 +147,11 @@ std::optional<ArmPicture> PictureOf(const Arm& arm,
 
 ReportFile MakeResultPage(const CalibrationResult& result,
                           const std::vector<ReportFile>& files,
-                          const std::string& label) {
+                          const std::string& directory,
+                          const std::string& sections) {
   ReportSource source;
-  source.label = label;
+  source.label = fs::absolute(directory).lexically_normal().filename();
+  source.sections = sections;
   source.title = result.title;
   source.result_json = ContentOf(files, "result.json");
   source.report_text = ContentOf(files, "report.txt");

@@ -10,11 +10,12 @@
 
 namespace alidade::internal {
 
-/// report.html of the job whose other files RenderResult made; `label` is what
-/// its directory is called.
+/// report.html of the job whose other files RenderResult made, for a directory
+/// of this path; `sections`: ReportSource.
 ReportFile MakeResultPage(const CalibrationResult& result,
                           const std::vector<ReportFile>& files,
-                          const std::string& label);
+                          const std::string& directory,
+                          const std::string& sections = "");
 
 /// The page of a result directory, or of its result.json; further files of the
 /// directory are used where they are there. @throws InputError.

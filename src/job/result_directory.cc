@@ -90,10 +90,11 @@ ReportFile RenderArm(const CalibrationResult& result) {
 
 }  // namespace
 
-std::vector<ReportFile> RenderResult(const CalibrationResult& result) {
+std::vector<ReportFile> RenderResult(const CalibrationResult& result,
+                                     const std::string& further) {
   std::vector<ReportFile> files;
   files.push_back(RenderArm(result));
-  files.emplace_back("report.txt", FormatReport(result));
+  files.emplace_back("report.txt", FormatReport(result, further));
   Append(MakeCsvFiles(result), &files);
   Append(MakeFigures(result), &files);
   Append(MakeUncertaintyFiles(result), &files);

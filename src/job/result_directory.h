@@ -13,9 +13,11 @@ namespace alidade::internal {
 /// The files of a result directory (docs/files.md): arm.yaml, result.json,
 /// report.txt, the CSV files and the figures. Tables with a row for each
 /// observation are made of `result` when they are written: ReportFile.
-/// @pre a usable solution.
-std::vector<ReportFile> RenderResult(const CalibrationResult& result);
-std::vector<ReportFile> RenderResult(const CalibrationResult&& result) = delete;
+/// `further`: FormatReport. @pre a usable solution.
+std::vector<ReportFile> RenderResult(const CalibrationResult& result,
+                                     const std::string& further = "");
+std::vector<ReportFile> RenderResult(const CalibrationResult&& result,
+                                     const std::string& further = "") = delete;
 
 /// What a job asks for by its `outputs`: the above, or arm.yaml and result.json
 /// alone. @pre a usable solution.

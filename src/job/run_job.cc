@@ -1,14 +1,12 @@
 #include "src/job/run_job.h"
 
 #include <cstddef>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "src/calibration/calibration_task.h"
 #include "src/common/bytes.h"
 #include "src/common/files.h"
-#include "src/job/study.h"
 
 namespace alidade::internal {
 namespace {
@@ -35,22 +33,29 @@ std::vector<InputFile> HashInputs(const JobConfig& job) {
   return files;
 }
 
+// A deviation of zero is one that the publication does not state.
+void NotePublished(const PublishedStudy& published, CalibrationResult* result) {
+  result->published_source = published.source;
+  for (std::size_t c = 0; c < result->parameters.size(); ++c) {
+    const double deviation = published.deviations[static_cast<int>(c)];
+    if (deviation == 0.0) continue;
+    ParameterResult& parameter = result->parameters[c];
+    parameter.published = parameter.nominal + deviation;
+  }
+}
+
 }  // namespace
 
 CalibrationResult RunJob(JobConfig job, const std::string& command,
                          IdentifiabilityCache* cache) {
   std::vector<InputFile> inputs = HashInputs(job);
-  std::optional<CalibrationTask> studied;
-  if (job.published) studied = job;
   CalibrationResult result =
       Calibrate(static_cast<CalibrationTask&&>(job), cache);
   result.command = command;
   result.title = job.title;
   result.inputs = std::move(inputs);
   result.rejected = std::move(job.rejected);
-  if (studied && result.IsUsable()) {
-    result.study = CompareWithStudy(*job.published, *studied, result);
-  }
+  if (job.published) NotePublished(*job.published, &result);
   return result;
 }
 

@@ -9,8 +9,8 @@
 namespace alidade::internal {
 
 /// Calibrates as the job says, notes where the result comes from (`command`,
-/// the hashes of the files that were read), and sets a published study beside
-/// it. Writes nothing. Data are not copied where the job is moved in.
+/// the hashes of the files that were read) and the job's published values.
+/// Writes nothing. Data are not copied where the job is moved in.
 ///
 /// Collective where several ranks have loaded the job (LoadJob).
 ///

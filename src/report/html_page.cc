@@ -26,10 +26,11 @@ std::string EscapeLines(const std::string& text) {
 }  // namespace
 
 std::string FillPage(const std::string& title, const std::string& data,
-                     const std::string& text) {
+                     const std::string& text, const std::string& sections) {
   const std::vector<std::pair<std::string, std::string>> parts = {
       {"{{title}}", EscapeXml(title)},
       {"{{style}}", PageStyle()},
+      {"{{sections}}", sections},
       {"{{text}}", EscapeLines(text)},
       {"{{data}}", data},
       {"{{script}}", PageScript()}};

@@ -11,9 +11,10 @@ std::string PageStyle();
 std::string PageScript();
 
 /// The page: `data` is JSON without a '<', which the script draws everything
-/// from; `text` is for readers without scripts.
+/// from; `text` is for readers without scripts; `sections` are <section>
+/// elements, which the script puts before its own.
 std::string FillPage(const std::string& title, const std::string& data,
-                     const std::string& text);
+                     const std::string& text, const std::string& sections = "");
 
 }  // namespace alidade::internal
 

@@ -75,7 +75,8 @@ std::string RenderResultPage(const ReportSource& source) {
       ",\"result\":" + CompactJson(source.result_json, digits) +
       ",\"tables\":" + tables;
   if (source.picture) data += ",\"picture\":" + PictureJson(*source.picture);
-  return FillPage(source.title, data + "}]}", source.report_text);
+  return FillPage(source.title, data + "}]}", source.report_text,
+                  source.sections);
 }
 
 }  // namespace alidade::internal

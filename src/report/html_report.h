@@ -17,7 +17,8 @@ namespace alidade::internal {
 /// script and data are inside, nothing is loaded from anywhere. The data are
 /// JSON in <script id="alidade-data">, from which the script in the page draws
 /// tables and figures. No text of a result can become markup: in the data every
-/// '<' is escaped, and the script makes text nodes of text only.
+/// '<' is escaped, and the script makes text nodes of text only. Only further
+/// sections are markup, of the program that makes the page.
 
 /// The arm as a chain of links at some of the poses of `residuals.csv`, in the
 /// instrument's frame (m).
@@ -41,6 +42,7 @@ struct ReportSource {
   TextSource predicted_map_csv;
   TextSource influence_csv;
   std::optional<ArmPicture> picture;
+  std::string sections;  ///< markup of further <section> elements
 };
 
 /// report.html of one result. At most 4000 rows of a table are in it, spread

@@ -31,13 +31,13 @@ struct ReportFile {
 };
 
 /// Text for people, each ending in a newline, at most 100 columns wide (a path
-/// or a hash is never broken). Lengths in mm, angles in deg; the study's tables
-/// and what compares with them in mm and rad.
+/// or a hash is never broken). Lengths in mm, angles in
+/// deg.
 std::string FormatIdentifiability(const IdentifiabilityResult& result);
 std::string FormatParameters(const CalibrationResult& result);
 std::string FormatAccuracyTable(const CalibrationResult& result);
-/// Published against obtained; empty without a study.
-std::string FormatStudyTable(const CalibrationResult& result);
+/// Published and obtained values; empty where none are published.
+std::string FormatPublished(const CalibrationResult& result);
 /// Every solver side by side: outcome, cost and error per iteration, time,
 /// and where the values differ.
 std::string FormatComparison(const CalibrationResult& result);
@@ -76,8 +76,10 @@ std::vector<ReportFile> MakeIdentifiabilityFigures(
 /// The sentences of the findings of these keys, in the order of the keys.
 std::string FindingSentences(const CalibrationResult& result,
                              const std::vector<std::string>& keys);
-/// The whole report.txt. The result has been judged (calibration/verdict.h).
-std::string FormatReport(const CalibrationResult& result);
+/// The whole report.txt, `further` sections before its last. The result has
+/// been judged (calibration/verdict.h).
+std::string FormatReport(const CalibrationResult& result,
+                         const std::string& further = "");
 
 /// residuals.csv (training poses), heldout.csv (with validation poses),
 /// iterations.csv. Numbers read back to the same bits of the unit shown.

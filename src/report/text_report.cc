@@ -157,7 +157,29 @@ std::string FindingSentences(const CalibrationResult& result,
   return Join(sentences, " ");
 }
 
-std::string FormatReport(const CalibrationResult& result) {
+std::string FormatPublished(const CalibrationResult& result) {
+  TextTable table({{"name"},
+                   {"unit"},
+                   {"published", Align::kRight},
+                   {"obtained", Align::kRight},
+                   {"difference", Align::kRight}});
+  for (const ParameterResult& parameter : result.parameters) {
+    if (!parameter.published) continue;
+    const Dimension dimension = parameter.dimension;
+    table.AddRow(
+        {parameter.name, UnitForPeople(dimension),
+         FormatParameter(*parameter.published, dimension, kParameterDecimals),
+         FormatParameter(parameter.value, dimension, kParameterDecimals),
+         SignificantParameter(parameter.value - *parameter.published,
+                              dimension)});
+  }
+  if (table.empty()) return "";
+  return Paragraph("Published: " + result.published_source) + "\n" +
+         table.ToString();
+}
+
+std::string FormatReport(const CalibrationResult& result,
+                         const std::string& further) {
   const std::string title =
       result.title.empty() ? "Calibration of " + result.arm_name : result.title;
   std::string text = Heading(title, '=') + "\n";
@@ -179,7 +201,7 @@ std::string FormatReport(const CalibrationResult& result) {
     text += Section(result.runs.size() == 1 ? "Solver" : "Solvers",
                     FormatComparison(result) + SolverMessages(result));
   }
-  text += Section("Published study", FormatStudyTable(result));
+  text += Section("Published values", FormatPublished(result)) + further;
   text += Section("Provenance", Provenance(result));
   return text;
 }

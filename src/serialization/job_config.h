@@ -16,24 +16,6 @@ namespace alidade::internal {
 /// what machines read, arm.yaml and result.json.
 enum class JobOutputs { kFull, kMinimal };
 
-/// One quantity of a study that the report prints beside ours.
-struct PublishedFigure {
-  std::string quantity;   ///< one of PublishedQuantityNames()
-  std::string published;  ///< as the study words it
-};
-
-/// What a published study says of the same calibration.
-struct PublishedStudy {
-  std::string source;
-  /// Deviations as its table prints them, one per column of the layout.
-  Eigen::VectorXd deviations;
-  int angle_decimals = 4;   ///< of rad
-  int length_decimals = 1;  ///< of mm
-  int baseline_iterations = 100;
-  double baseline_time_s = 0.0;
-  std::vector<PublishedFigure> figures;
-};
-
 /// The quantities a `published: figures:` entry may name.
 const std::vector<std::string>& PublishedQuantityNames();
 

@@ -304,8 +304,8 @@ void RefuseForMany(const JobContext& context, const JobConfig& job) {
                std::to_string(num_ranks) +
                ": leave it out, or run without mpirun");
   };
-  for (const char* key : {"compare_with", "published"}) {
-    if (const auto value = context.file.Optional(key)) refuse(*value, key);
+  if (const auto compared = context.file.Optional("compare_with")) {
+    refuse(*compared, "compare_with");
   }
   if (job.options.solver == SolverName::kPseudoInverse) {
     refuse(context.file.Required("solver"), "the pseudo-inverse");

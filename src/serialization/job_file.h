@@ -17,8 +17,7 @@ namespace alidade::internal {
 ///
 /// Ranks read the same job and consecutive files of its data each: what they
 /// get is a part of the data (partition.h). Collective. What needs all data in
-/// one place is then refused: other solvers than Ceres, a published study,
-/// folds.
+/// one place is then refused: other solvers than Ceres, folds.
 /// @throws InputError with file, line, column and key; also where the file has
 /// a `matrix`, which is many jobs (job_matrix.h).
 JobConfig LoadJob(const std::string& path, const Execution& execution = {});

@@ -102,6 +102,7 @@ Json ToJson(const ParameterResult& parameter) {
                {"deviation", parameter.deviation()},
                {"std", parameter.std}};
   if (parameter.truth) json["truth"] = *parameter.truth;
+  if (parameter.published) json["published"] = *parameter.published;
   const ParameterDecision& decision = parameter.decision;
   json["state"] = KeyOf(kStateKeys, decision.state);
   json["assessment"] = KeyOf(kAssessmentKeys, parameter.assessment);
@@ -211,45 +212,6 @@ Json ToJson(const AcceptanceCheck& check) {
           {"met", check.met()}};
 }
 
-Json ToJson(const StudyRow& row) {
-  return {{"quantity", row.quantity},
-          {"published", row.published},
-          {"obtained", row.obtained}};
-}
-
-Json ToJson(const StudyParameter& parameter) {
-  return {{"name", parameter.name},
-          {"unit", KeyOf(kUnitKeys, parameter.dimension)},
-          {"identified", parameter.identified},
-          {"nominal", parameter.nominal},
-          {"assumed", parameter.assumed},
-          {"published", parameter.published},
-          {"obtained", parameter.obtained}};
-}
-
-Json ToJson(const Absorption& absorption) {
-  return {{"frozen", absorption.frozen},
-          {"frozen_deviation", absorption.frozen_deviation},
-          {"taken_up_by", absorption.taken_up_by},
-          {"unit", KeyOf(kUnitKeys, absorption.dimension)},
-          {"coefficient", absorption.coefficient},
-          {"amount", absorption.amount}};
-}
-
-Json ToJson(const StudyResult& study) {
-  return {{"source", study.source},
-          {"rows", ToJsonList(study.rows, ToJson)},
-          {"parameters", ToJsonList(study.parameters, ToJson)},
-          {"absorptions", ToJsonList(study.absorptions, ToJson)},
-          {"angle_decimals", study.angle_decimals},
-          {"length_decimals", study.length_decimals},
-          {"as_printed", AccuracyToJson(study.as_printed)},
-          {"three_more_decimals", AccuracyToJson(study.three_more_decimals)},
-          {"timed_iterations", study.timed_iterations},
-          {"timed_s", study.timed_s},
-          {"published_s", study.published_s}};
-}
-
 }  // namespace
 
 std::string FormatResultJson(const CalibrationResult& result) {
@@ -295,7 +257,9 @@ std::string FormatResultJson(const CalibrationResult& result) {
                                        : ToJson(result.runs.front().summary);
   json["runs"] = ToJsonList(result.runs, ToJson);
   json["acceptance"] = ToJsonList(result.acceptance, ToJson);
-  if (result.study) json["study"] = ToJson(*result.study);
+  if (!result.published_source.empty()) {
+    json["published_source"] = result.published_source;
+  }
   json["times"] = {{"identify_s", result.identify_time_s},
                    {"total_s", result.total_time_s}};
   // Paths may hold bytes that are no UTF-8.

@@ -105,6 +105,7 @@ ParameterResult ReadParameter(const JsonValue& json) {
   parameter.value = json["value"].Number();
   parameter.std = json["std"].Number();
   if (json.Has("truth")) parameter.truth = json["truth"].Number();
+  if (json.Has("published")) parameter.published = json["published"].Number();
   if (json.Has("assessment")) {
     parameter.assessment = json["assessment"].Choice(kAssessmentKeys);
   }
@@ -233,50 +234,6 @@ AcceptanceCheck ReadAcceptance(const JsonValue& json) {
           has_unit ? json["unit"].Choice(kUnitKeys) : Dimension::kLength};
 }
 
-StudyRow ReadStudyRow(const JsonValue& json) {
-  return {json["quantity"].Text(), json["published"].Text(),
-          json["obtained"].Text()};
-}
-
-StudyParameter ReadStudyParameter(const JsonValue& json) {
-  StudyParameter parameter;
-  parameter.name = json["name"].Text();
-  parameter.dimension = json["unit"].Choice(kUnitKeys);
-  parameter.identified = json["identified"].Boolean();
-  parameter.nominal = json["nominal"].Number();
-  parameter.assumed = json["assumed"].Number();
-  parameter.published = json["published"].Number();
-  parameter.obtained = json["obtained"].Number();
-  return parameter;
-}
-
-Absorption ReadAbsorption(const JsonValue& json) {
-  Absorption absorption;
-  absorption.frozen = json["frozen"].Text();
-  absorption.frozen_deviation = json["frozen_deviation"].Number();
-  absorption.taken_up_by = json["taken_up_by"].Text();
-  absorption.dimension = json["unit"].Choice(kUnitKeys);
-  absorption.coefficient = json["coefficient"].Number();
-  absorption.amount = json["amount"].Number();
-  return absorption;
-}
-
-StudyResult ReadStudy(const JsonValue& json) {
-  StudyResult study;
-  study.source = json["source"].Text();
-  study.rows = ReadList(json["rows"], ReadStudyRow);
-  study.parameters = ReadList(json["parameters"], ReadStudyParameter);
-  study.absorptions = ReadList(json["absorptions"], ReadAbsorption);
-  study.angle_decimals = json["angle_decimals"].Integer();
-  study.length_decimals = json["length_decimals"].Integer();
-  study.as_printed = ReadAccuracy(json["as_printed"]);
-  study.three_more_decimals = ReadAccuracy(json["three_more_decimals"]);
-  study.timed_iterations = json["timed_iterations"].Integer();
-  study.timed_s = json["timed_s"].Number();
-  study.published_s = json["published_s"].Number();
-  return study;
-}
-
 // The parser gives the number of bytes read.
 SourceLocation LocationOfByte(const std::string& path, const std::string& text,
                               std::size_t byte) {
@@ -379,7 +336,9 @@ CalibrationResult LoadResultJson(const std::string& path) {
   ReadMeasurements(json, &result);
   result.runs = ReadList(json["runs"], ReadRun);
   result.acceptance = ReadList(json["acceptance"], ReadAcceptance);
-  if (json.Has("study")) result.study = ReadStudy(json["study"]);
+  if (json.Has("published_source")) {
+    result.published_source = json["published_source"].Text();
+  }
   result.identify_time_s = json["times"]["identify_s"].Number();
   result.total_time_s = json["times"]["total_s"].Number();
   if (json.Has("verdict")) {

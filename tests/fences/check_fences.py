@@ -207,6 +207,7 @@ class Tree:
     self.check_mpi()
     self.check_cycles()
     self.check_names()
+    self.check_studies()
     self.check_lengths()
 
   def module_of(self, path):
@@ -348,6 +349,19 @@ class Tree:
                          'and both may be in one program: rename one, or put '
                          'it into an anonymous namespace')
       programs[0].setdefault(name, (path, one.line))
+
+  def check_studies(self):
+    """Studies are clients as anybody's: they include the public headers, and of
+    other libraries what these do."""
+    for path, text in self._read('studies').items():
+      for number, line in enumerate(text.split('\n'), 1):
+        match = INCLUDE.match(line)
+        if match and '/' in match[2] and not re.match(
+            r'"(alidade|studies)/|<(Eigen/|glog/logging\.h)', ''.join(
+                match.groups())):
+          self.violation(path, number, f'a study must not include {match[2]}: '
+                         'use the headers of include/alidade, or make public '
+                         'what is missing there')
 
   def check_lengths(self):
     for folder in LENGTH_FOLDERS:

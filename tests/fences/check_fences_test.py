@@ -183,6 +183,15 @@ class FencesTest(unittest.TestCase):
     self.assertIn('liby.a:a.o: F() is also defined in libx.a:a.o',
                   self.check(library, self.tree / 'liby.a'))
 
+  def test_studies_use_the_public_headers(self):
+    path = 'studies/s/main.cc'
+    self.plant(path, '#include <sys>\n#include <Eigen/QR>\n'
+               '#include "alidade/arm.h"\n#include "studies/s/s.h"\n')
+    self.assertEqual(self.check(), '')
+    for header in ('"src/model/joint.h"', '<ceres/ceres.h>'):
+      self.expect(path, f'\n#include {header}\n', 2,
+                  f'a study must not include {header[1:-1]}')
+
   def test_lengths(self):
     for path in ('tests/model/long_test.cc', 'studies/s.py', 'src/report/p.js'):
       self.expect(path, '//\n' * 501, 501, '501 lines, at most 500')

@@ -98,66 +98,18 @@ TEST(FormatAccuracyTableTest, HasBeforeAndAfterOfBothSets) {
   EXPECT_TRUE(Contains(flat, "validation poses after 3.000e-13"));
 }
 
-TEST(FormatStudyTableTest, IsEmptyWithoutAStudy) {
+TEST(FormatPublishedTest, IsEmptyWhereNothingIsPublished) {
   CalibrationResult result = MakeResult();
-  result.study.reset();
-  EXPECT_EQ(FormatStudyTable(result), "");
+  result.parameters[1].published.reset();
+  EXPECT_EQ(FormatPublished(result), "");
   EXPECT_FALSE(Contains(JudgedReport(result), "Published"));
 }
 
-TEST(FormatStudyTableTest, HasBothTablesOfTheStudy) {
-  const std::string flat = Flat(FormatStudyTable(MakeResult()));
-  EXPECT_TRUE(Contains(flat, "error after below 2e-13 mm 2.1e-13 mm"));
-  // Table 1: joint 4 has d = 160 mm and r = 0.
-  EXPECT_TRUE(Contains(flat, "4 160.0000 0.0000"));
-  EXPECT_TRUE(Contains(flat, "beta1 rad 0.009000 0.0090 0.00900000 0 0 yes"));
-  EXPECT_TRUE(Contains(flat, "d4 mm 0.100000 0.1 0.100400 0 0.400 yes"));
-  EXPECT_TRUE(Contains(flat, "r4 mm 0.100000 0.0 0.000000 100 100 no"));
-}
-
-TEST(FormatStudyTableTest, ExplainsWhatAFrozenParameterDoes) {
-  const std::string flat = Flat(FormatStudyTable(MakeResult()));
-  EXPECT_TRUE(Contains(
-      flat,
-      "d4 comes out as 0.100400 mm, not 0.100000 mm: it takes up the frozen "
-      "r4 (0.1000 mm off its nominal value) with coefficient 0.004000, that "
-      "is 4.000e-04 mm. That explains the difference."));
-}
-
-TEST(FormatStudyTableTest, ClaimsNoExplanationThatTheNumbersDoNotBear) {
-  CalibrationResult result = MakeResult();
-  result.study->absorptions[0].amount = 1e-7;
-  const std::string flat = Flat(FormatStudyTable(result));
-  EXPECT_FALSE(Contains(flat, "explains"));
-  EXPECT_TRUE(Contains(flat,
-                       "Together that is 1.000e-04 mm to first order, "
-                       "of 4.000e-04 mm."));
-}
-
-TEST(FormatStudyTableTest, ExplainsThePrintedTable) {
-  CalibrationResult result = MakeResult();
-  const std::string flat = Flat(FormatStudyTable(result));
-  EXPECT_TRUE(Contains(flat,
-                       "angles to 4 decimals of a radian, lengths to 1 "
-                       "decimal of a mm"));
-  EXPECT_TRUE(Contains(flat,
-                       "4.0000e-04 mm (4.0e-07 m) in the mean, at most "
-                       "4.0000e-04 mm, the same at every one of them."));
-  EXPECT_TRUE(Contains(flat, "With 4 decimals of a mm it is 8.00e-07 mm"));
-  EXPECT_TRUE(Contains(flat, "no limit of the calibration"));
-
-  result.study->as_printed.min = 3e-7;
-  result.heldout->after.max = 1e-6;
-  const std::string other = Flat(FormatStudyTable(result));
-  EXPECT_FALSE(Contains(other, "the same at every one"));
-  EXPECT_FALSE(Contains(other, "no limit of the calibration"));
-}
-
-TEST(FormatStudyTableTest, ComparesTimes) {
-  EXPECT_TRUE(Contains(Flat(FormatStudyTable(MakeResult())),
-                       "100 iterations of the iterated pseudo-inverse take "
-                       "10.0 ms here, and took 59.0 min"));
-  EXPECT_TRUE(Contains(FormatStudyTable(MakeResult()), "354300"));
+TEST(FormatPublishedTest, HasPublishedObtainedAndTheirDifference) {
+  const std::string flat = Flat(FormatPublished(MakeResult()));
+  EXPECT_TRUE(Contains(flat, "Published: A study of an arm"));
+  EXPECT_TRUE(Contains(flat, "d4 mm 160.100000 160.100400 4.0e-04"));
+  EXPECT_FALSE(Contains(flat, "beta1"));
 }
 
 TEST(FormatComparisonTest, ShowsSolversSideBySide) {
@@ -204,7 +156,7 @@ TEST(FormatReportTest, HasEverySectionAndTheProvenance) {
   const std::string text = JudgedReport(MakeResult());
   for (const char* title :
        {"A calibration\n=", "\nAccuracy\n-", "\nWhat can be identified\n-",
-        "\nParameters\n-", "\nSolvers\n-", "\nPublished study\n-",
+        "\nParameters\n-", "\nSolvers\n-", "\nPublished values\n-",
         "\nProvenance\n-"}) {
     EXPECT_TRUE(Contains(text, title)) << title;
   }

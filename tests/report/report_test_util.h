@@ -148,38 +148,6 @@ inline SolverRun MakeRun(const std::string& solver,
   return run;
 }
 
-inline StudyParameter MakeStudyParameter(const ParameterResult& parameter,
-                                         double published) {
-  StudyParameter study;
-  study.name = parameter.name;
-  study.dimension = parameter.dimension;
-  study.identified = parameter.decision.state == ParameterState::kFree;
-  study.nominal = parameter.nominal;
-  study.assumed = *parameter.truth - parameter.nominal;
-  study.published = published;
-  study.obtained = parameter.deviation();
-  return study;
-}
-
-inline StudyResult MakeStudy(const std::vector<ParameterResult>& parameters) {
-  StudyResult study;
-  study.source = "A study of an arm";
-  study.rows = {{"error after", "below 2e-13 mm", "2.1e-13 mm"}};
-  study.parameters = {MakeStudyParameter(parameters[0], 0.009),
-                      MakeStudyParameter(parameters[1], 1e-4),
-                      MakeStudyParameter(parameters[2], 0.0)};
-  study.absorptions = {{"r4", 1e-4, "d4", Dimension::kLength, 0.004, 4e-7}};
-  study.angle_decimals = 4;
-  study.length_decimals = 1;
-  study.as_printed = SummarizeErrors(Eigen::VectorXd::Constant(20, 4e-7));
-  study.three_more_decimals =
-      SummarizeErrors(Eigen::VectorXd::Constant(20, 8e-10));
-  study.timed_iterations = 100;
-  study.timed_s = 0.01;
-  study.published_s = 3543.0;
-  return study;
-}
-
 inline CalibrationResult MakeResult() {
   CalibrationResult result;
   result.version = "1.2.3";
@@ -196,7 +164,8 @@ inline CalibrationResult MakeResult() {
                  MakeRun("pseudo_inverse", {5.21e-3, 1e-8, 2.2e-16})};
   result.runs[0].summary.iterations[1].accepted = false;
   result.runs[1].values[1] += 2e-15;
-  result.study = MakeStudy(result.parameters);
+  result.published_source = "A study of an arm";
+  result.parameters[1].published = 0.1601;
   result.acceptance = {{"train_max", 1e-6, 2.1e-16}};
   result.total_time_s = 0.25;
   return result;

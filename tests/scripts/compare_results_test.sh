@@ -62,6 +62,18 @@ compares "$none" calibrate/residuals.csv 0.5,3 0.50000001,7
 compares "$none" calibrate/residuals.csv 1e-11 7e-10
 compares "calibrate: 0 -> 3" statuses.yaml 0 3
 
+# What the study's own program writes beside a result is a part of it.
+results old
+sed -i 's/"warnings"/"study": {"amount": 4e-07}, &/' "$work/old/job/$result"
+compares "study: {'amount': 4e-07} -> missing" $result none none
+results new
+echo '{"amount": 4e-07}' >"$work/new/job/calibrate/study.json"
+"$compare" "$work" job | grep -q "$none" || {
+  echo "study.json was not taken for a part of the result"
+  failures=$((failures + 1))
+}
+
+results old
 results new
 rm "$work/new/job/calibrate/arm.yaml"
 if "$compare" "$work" job >"$work/output" || ! grep -q missing "$work/output"; then

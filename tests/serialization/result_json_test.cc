@@ -17,7 +17,6 @@ using testing::ExpectEqual;
 using testing::kInfinity;
 using testing::kNan;
 using testing::MakeResult;
-using testing::MakeStudy;
 using testing::RoundTrip;
 
 TEST(ResultJsonTest, KeepsProvenance) {
@@ -147,44 +146,28 @@ TEST(ResultJsonTest, KeepsAccuracyAndAcceptance) {
   EXPECT_EQ(read.acceptance[1].obtained, 1.0);
 }
 
-TEST(ResultJsonTest, KeepsTheStudy) {
-  const StudyResult study = MakeStudy();
-  const StudyResult read = RoundTrip(MakeResult()).study.value();
-  EXPECT_EQ(read.source, study.source);
-  ASSERT_EQ(read.rows.size(), 1U);
-  EXPECT_EQ(read.rows[0].quantity, study.rows[0].quantity);
-  EXPECT_EQ(read.rows[0].published, study.rows[0].published);
-  EXPECT_EQ(read.rows[0].obtained, study.rows[0].obtained);
-  ASSERT_EQ(read.parameters.size(), 2U);
-  for (int i = 0; i < 2; ++i) {
-    EXPECT_EQ(read.parameters[i].name, study.parameters[i].name);
-    EXPECT_EQ(read.parameters[i].dimension, study.parameters[i].dimension);
-    EXPECT_EQ(read.parameters[i].identified, study.parameters[i].identified);
-    EXPECT_EQ(read.parameters[i].nominal, study.parameters[i].nominal);
-    EXPECT_EQ(read.parameters[i].assumed, study.parameters[i].assumed);
-    EXPECT_EQ(read.parameters[i].published, study.parameters[i].published);
-    EXPECT_EQ(read.parameters[i].obtained, study.parameters[i].obtained);
-  }
-  ASSERT_EQ(read.absorptions.size(), 1U);
-  EXPECT_EQ(read.absorptions[0].frozen, "r4");
-  EXPECT_EQ(read.absorptions[0].frozen_deviation, 1e-4);
-  EXPECT_EQ(read.absorptions[0].taken_up_by, "d4");
-  EXPECT_EQ(read.absorptions[0].dimension, Dimension::kLength);
-  EXPECT_EQ(read.absorptions[0].coefficient, 0.004);
-  EXPECT_EQ(read.absorptions[0].amount, 4e-7);
-  EXPECT_EQ(read.angle_decimals, 4);
-  EXPECT_EQ(read.length_decimals, 1);
-  ExpectEqual(read.as_printed, study.as_printed);
-  ExpectEqual(read.three_more_decimals, study.three_more_decimals);
-  EXPECT_EQ(read.timed_iterations, 100);
-  EXPECT_EQ(read.timed_s, 0.01);
-  EXPECT_EQ(read.published_s, 3543.198);
+TEST(ResultJsonTest, KeepsPublishedValues) {
+  const CalibrationResult read = RoundTrip(MakeResult());
+  EXPECT_EQ(read.published_source, "A study");
+  EXPECT_EQ(read.parameters[0].published, 0.3);
+  EXPECT_FALSE(read.parameters[1].published.has_value());
+}
+
+// Earlier versions wrote what studies/rv2aj computes.
+TEST(ResultJsonTest, StudyOfAnEarlierVersionIsPassedOver) {
+  auto json = nlohmann::json::parse(FormatResultJson(MakeResult()));
+  json["study"] = {{"source", "A study"}, {"rows", nlohmann::json::array()}};
+  const TestDirectory directory;
+  const CalibrationResult read =
+      LoadResultJson(directory.Write("result.json", json.dump()));
+  EXPECT_EQ(read.parameters.size(), 2U);
 }
 
 TEST(ResultJsonTest, KeepsAnEmptyResult) {
   const CalibrationResult read = RoundTrip(CalibrationResult());
   EXPECT_TRUE(read.parameters.empty() && read.runs.empty());
-  EXPECT_FALSE(read.heldout || read.study);
+  EXPECT_FALSE(read.heldout);
+  EXPECT_EQ(read.published_source, "");
 }
 
 // The keys that other programs rely on.

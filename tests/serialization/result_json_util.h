@@ -79,25 +79,6 @@ inline SolverRun MakeRun() {
   return run;
 }
 
-inline StudyResult MakeStudy() {
-  StudyResult study;
-  study.source = "A study";
-  study.rows = {{"after_max", "2e-13 mm", "1.9e-13 mm"}};
-  study.parameters.push_back(
-      {"d4", Dimension::kLength, true, 0.16, 1e-4, 1e-4, 1.004e-4});
-  study.parameters.push_back(
-      {"beta1", Dimension::kAngle, false, 0.0, 0.009, 0.009, 0.009});
-  study.absorptions = {{"r4", 1e-4, "d4", Dimension::kLength, 0.004, 4e-7}};
-  study.angle_decimals = 4;
-  study.length_decimals = 1;
-  study.as_printed = MakeAccuracy(4e-7);
-  study.three_more_decimals = MakeAccuracy(8e-10);
-  study.timed_iterations = 100;
-  study.timed_s = 0.01;
-  study.published_s = 3543.198;
-  return study;
-}
-
 inline CalibrationResult MakeResult() {
   CalibrationResult result;
   result.version = "0.1.0";
@@ -110,6 +91,7 @@ inline CalibrationResult MakeResult() {
   result.parameters = {MakeParameter("beta1", Dimension::kAngle),
                        MakeParameter("r3", Dimension::kLength)};
   result.parameters[0].truth = 0.2;
+  result.parameters[0].published = 0.3;
   result.parameters[0].std = 1e-5;
   ParameterDecision& decision = result.parameters[1].decision;
   decision.state = ParameterState::kFrozen;
@@ -134,7 +116,7 @@ inline CalibrationResult MakeResult() {
   result.runs[1].summary.solver = "pseudo_inverse";
   result.train = MakeEvaluatedSet("train.csv", 1.0);
   result.heldout = MakeEvaluatedSet("heldout.csv", 2.0);
-  result.study = MakeStudy();
+  result.published_source = "A study";
   result.acceptance = {{"train_max", 1e-6, 2e-16}, {"heldout_max", 1e-6, 1.0}};
   result.identify_time_s = 0.002;
   result.total_time_s = 0.5;

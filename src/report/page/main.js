@@ -3,13 +3,13 @@
 function resultPage(entry) {
   const {result} = entry;
   document.title = result.title + ' – Alidade';
-  const parts =
-      [
-        studySection, parametersSection, identifiabilitySection,
-        residualsSection, workspaceSection, stagesSection, solverSection,
-        provenanceSection
-      ].map((part) => part(entry))
-          .filter(Boolean);
+  const parts = [
+    ...document.getElementById('sections').content.children,
+    ...[parametersSection, identifiabilitySection, residualsSection,
+        workspaceSection, stagesSection, solverSection, provenanceSection]
+        .map((part) => part(entry))
+        .filter(Boolean)
+  ];
   return [
     h('header', {}, h('h1', {}, result.title),
       h('div', {class: 'small'}, result.arm)),

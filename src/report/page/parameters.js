@@ -54,6 +54,8 @@ function parameterCells(result, parameter) {
     unit: unitName(unit),
     nominal: shown(parameter.nominal),
     truth: isNumber(parameter.truth) ? shown(parameter.truth) : blank,
+    published: isNumber(parameter.published) ? shown(parameter.published) :
+                                               blank,
     why: whyText(result, parameter),
     change: blank,
     std: blank,
@@ -116,6 +118,7 @@ function parameterTable(result) {
     right('interval', confidence), right('nominal', 'nominal'),
     right('found', 'found'),
     right('truth', 'true', 'known, because the arm is simulated'),
+    right('published', 'published', result.published_source),
     {key: 'why', title: 'remarks', align: 'why'}
   ];
   const rows = parameters.map(

@@ -27,13 +27,12 @@ function observationTip(table, i, value, unit) {
              where && where[i] ? '\n' + where[i].split('/').pop() : ''}`;
 }
 
-function poseFigure(id, title, table, which, note) {
+function poseFigure(id, title, table) {
   const errors = errorColumns(table);
-  const values = errors[which];
+  const values = errors.after;
   return figure({
     id,
     title,
-    note,
     draw: (width) => plot(width, {
       x: {
         label: 'observation, in order',
@@ -46,7 +45,7 @@ function poseFigure(id, title, table, which, note) {
         type: values.length > 800 ? 'points' : 'stems',
         marker: 'circle',
         size: values.length > 800 ? 1.5 : 2.5,
-        className: which === 'before' ? 'c1' : 'c2',
+        className: 'c2',
         x: table.index,
         y: values,
         tip: (i) => observationTip(table, i, values[i], errors.unit)
@@ -266,18 +265,14 @@ function residualsSection(entry) {
         histogramFigure(
             'histogram', 'Are the residuals like noise?', histogramData(entry)),
         shown && jointFigure(shown, heldout ? 'validation' : 'training')),
-      // A study shows these among its own figures.
-      !entry.result.study &&
-          h('div', {class: 'pair'},
-            train &&
-                poseFigure(
-                    'by-pose', 'Error after calibration, training poses', train,
-                    'after'),
-            heldout &&
-                poseFigure(
-                    'by-pose-heldout',
-                    'Error after calibration, validation poses', heldout,
-                    'after')),
+      h('div', {class: 'pair'},
+        train &&
+            poseFigure(
+                'by-pose', 'Error after calibration, training poses', train),
+        heldout &&
+            poseFigure(
+                'by-pose-heldout', 'Error after calibration, validation poses',
+                heldout)),
       thinnedNote, findingText(entry.result, /^outliers$/),
       outlierTable(entry.result), influenceTable(entry.tables.influence));
 }

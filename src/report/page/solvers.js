@@ -2,14 +2,13 @@
 
 const SOLVER_LOOKS = [['c2', 'circle'], ['c1', 'square'], ['c4', 'triangle']];
 
-function convergenceFigure(id, title, runs, note) {
+function convergenceFigure(id, title, runs) {
   const shown = runs.filter((run) => run.history && run.history.length > 0);
   if (shown.length === 0) return null;
   const floor = runs[0].rounding_floor;
   return figure({
     id,
     title,
-    note,
     draw: (width) => plot(width, {
       x: {label: 'iteration', integer: true, min: 0},
       y: {label: 'largest position error [mm]', log: true},

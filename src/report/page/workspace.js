@@ -150,7 +150,7 @@ function workspaceSection(entry) {
   const workspace = uncertainty && uncertainty.workspace;
   const summary = workspace && workspace.position_std;
   const truth = workspace && workspace.true_error;
-  const observed = entry.result.study ? null : heldoutMaps(entry);
+  const observed = heldoutMaps(entry);
   if (!map && !uncertainty && !observed) return null;
   return section(
       'workspace', 'Predicted accuracy',
@@ -192,13 +192,12 @@ function heldoutMaps(entry) {
           'map-after', 'Error after, validation poses', heldout, 'after'));
 }
 
-function planeFigure(id, title, table, which, note) {
+function planeFigure(id, title, table, which) {
   const columns = table.columns;
   const values = columns[which + '_error_mm'];
   return figure({
     id,
     title,
-    note,
     draw: (width) => mapPlot(width, {
       x: {label: 'x [mm]', values: columns.x_mm},
       y: {label: 'y [mm]', values: columns.y_mm},
