@@ -5,16 +5,13 @@
 #include <vector>
 
 #include "alidade/calibration_result.h"
-#include "src/report/html_report.h"
+#include "src/report/comparison_page.h"
 #include "src/report/report.h"
 
 namespace alidade::internal {
 
-/// report.html of the job whose other files RenderResult made; `label` is what
-/// its directory is called.
-ReportFile MakeResultPage(const CalibrationResult& result,
-                          const std::vector<ReportFile>& files,
-                          const std::string& label);
+/// report.html of a result that was just computed.
+ReportFile MakeResultPage(const CalibrationResult& result);
 
 /// The page of a result directory, or of its result.json; further files of the
 /// directory are used where they are there. @throws InputError.
@@ -29,11 +26,6 @@ void AddToComparison(const std::string& path, const std::string& label,
 /// Names by which results in these directories are told apart: the last parts
 /// of their paths, as many as it takes. One entry per path.
 std::vector<std::string> ResultLabels(const std::vector<std::string>& paths);
-
-/// The arm as a chain of links at up to 60 poses of residuals.csv; nothing
-/// where the table has no joint values of this arm.
-std::optional<ArmPicture> PictureOf(const Arm& arm,
-                                    const TextSource& residuals_csv);
 
 }  // namespace alidade::internal
 

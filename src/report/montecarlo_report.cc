@@ -6,6 +6,7 @@
 #include "src/common/format.h"
 #include "src/common/text.h"
 #include "src/common/text_table.h"
+#include "src/report/quantities.h"
 #include "src/report/report.h"
 #include "src/report/svg_chart.h"
 
@@ -13,11 +14,6 @@ namespace alidade::internal {
 namespace {
 
 using Align = TextTable::Align;
-
-std::string InUnit(double value, Dimension dimension) {
-  const double unit = dimension == Dimension::kLength ? kMillimetre : kDegree;
-  return FormatSignificant(value / unit, 3);
-}
 
 std::string Percent(double rate) { return FixedNumber(100.0 * rate, 1); }
 
@@ -67,11 +63,11 @@ TextTable ParameterTable(const MonteCarloResult& result) {
                    {"interval"}});
   for (const SimulatedParameter& one : result.parameters) {
     table.AddRow({one.name, UnitForPeople(one.dimension),
-                  InUnit(one.bias, one.dimension),
-                  InUnit(one.bias_error, one.dimension),
-                  InUnit(one.spread, one.dimension),
-                  InUnit(one.predicted_std, one.dimension),
-                  InUnit(one.bound, one.dimension), Rate(one.coverage),
+                  InUnit(one.bias, one.dimension, 3),
+                  InUnit(one.bias_error, one.dimension, 3),
+                  InUnit(one.spread, one.dimension, 3),
+                  InUnit(one.predicted_std, one.dimension, 3),
+                  InUnit(one.bound, one.dimension, 3), Rate(one.coverage),
                   one.is_profile ? "profile" : "linear"});
   }
   return table;

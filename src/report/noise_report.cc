@@ -5,6 +5,7 @@
 #include "src/common/format.h"
 #include "src/common/text.h"
 #include "src/common/text_table.h"
+#include "src/report/quantities.h"
 #include "src/report/report.h"
 #include "src/report/svg_chart.h"
 
@@ -12,10 +13,6 @@ namespace alidade::internal {
 namespace {
 
 using Align = TextTable::Align;
-
-std::string Millimetres(double metres) {
-  return FormatSignificant(metres / kMillimetre, 3);
-}
 
 void AddMethod(const NoiseStudyMethod& method, TextTable* table) {
   std::vector<std::string> row = {method.name};

@@ -7,16 +7,13 @@
 #include "src/common/format.h"
 #include "src/common/text.h"
 #include "src/common/text_table.h"
+#include "src/report/quantities.h"
 #include "src/report/svg_chart.h"
 
 namespace alidade::internal {
 namespace {
 
 using Align = TextTable::Align;
-
-std::string Millimetres(double metres) {
-  return FormatSignificant(metres / kMillimetre, 3);
-}
 
 int NumPoses(const PlanResult& result) {
   return static_cast<int>(result.joint_values.cols());

@@ -1,0 +1,136 @@
+#include "src/report/report_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "src/common/format.h"
+#include "src/common/text.h"
+#include "src/report/markup.h"
+#include "src/report/quantities.h"
+
+namespace alidade::internal {
+namespace {
+
+using Align = TextTable::Align;
+
+// Numbers are typeset, names and paths stay as they are.
+std::string CellHtml(const TableCell& cell, const ReportTable::Column& column,
+                     bool is_first) {
+  const bool is_number = std::isfinite(cell.value);
+  const bool is_right = column.align == Align::kRight;
+  std::string content = cell.markup;
+  if (content.empty()) {
+    content = is_number || is_right ? Words(cell.text) : EscapeXml(cell.text);
+  }
+  return Element(is_first ? "th" : "td",
+                 {{"scope", is_first ? "row" : ""},
+                  {"class", is_right ? "right" : ""},
+                  {"data-value", is_number ? ShortestNumber(cell.value) : ""}},
+                 content);
+}
+
+// "before [mm]" with its unit in a line of its own.
+std::string HeaderHtml(const ReportTable::Column& column) {
+  const std::size_t unit = column.title.find(" [");
+  std::string content = EscapeXml(column.title.substr(0, unit));
+  if (unit != std::string::npos) {
+    content += Element("span", {{"class", "unit"}},
+                       EscapeXml(column.title.substr(unit)));
+  }
+  return Element("th",
+                 {{"scope", "col"},
+                  {"class", column.align == Align::kRight ? "right" : ""},
+                  {"title", column.help}},
+                 content);
+}
+
+}  // namespace
+
+TableCell NumberCell(double value, int digits) {
+  return {FormatSignificant(value, digits), value};
+}
+
+TableCell FixedCell(double value, int decimals) {
+  return {FixedNumber(value, decimals), value};
+}
+
+TableCell CountCell(std::int64_t count) {
+  return {std::to_string(count), static_cast<double>(count)};
+}
+
+TableCell QuantityCell(double value, Dimension dimension, int digits) {
+  return NumberCell(value / UnitOf(dimension), digits);
+}
+
+ReportTable::Column Right(std::string title, std::string help,
+                          ReportTable::Medium medium) {
+  return {std::move(title), Align::kRight, std::move(help), medium};
+}
+
+void ReportTable::AddRow(std::vector<TableCell> cells, std::string look) {
+  rows_.push_back({std::move(cells), std::move(look)});
+}
+
+std::string ReportTable::ToText(std::size_t most_rows) const {
+  std::vector<TextTable::Column> columns;
+  std::vector<int> widths;
+  for (const Column& column : columns_) {
+    if (column.medium == Medium::kPage) continue;
+    columns.push_back({column.title, column.align});
+    widths.push_back(column.width);
+  }
+  TextTable table(std::move(columns));
+  for (std::size_t i = 0; i < std::min(rows_.size(), most_rows); ++i) {
+    std::vector<std::string> cells;
+    for (std::size_t k = 0; k < columns_.size(); ++k) {
+      if (columns_[k].medium != Medium::kPage) {
+        cells.push_back(rows_[i].cells[k].text);
+      }
+    }
+    AddWrappedRow(cells, widths, &table);
+  }
+  return table.ToString();
+}
+
+std::string ReportTable::ToHtml(std::size_t most_rows) const {
+  if (rows_.empty()) return "";
+  // Columns in which no row has anything are left out.
+  const auto is_shown = [this](std::size_t k) {
+    return columns_[k].medium != Medium::kText &&
+           std::any_of(rows_.begin(), rows_.end(), [k](const Row& row) {
+             return !row.cells[k].text.empty();
+           });
+  };
+  std::string head;
+  for (std::size_t k = 0; k < columns_.size(); ++k) {
+    if (is_shown(k)) head += HeaderHtml(columns_[k]);
+  }
+  std::string body;
+  for (std::size_t i = 0; i < std::min(rows_.size(), most_rows); ++i) {
+    std::string cells;
+    for (std::size_t k = 0; k < columns_.size(); ++k) {
+      if (is_shown(k)) {
+        cells += CellHtml(rows_[i].cells[k], columns_[k], cells.empty());
+      }
+    }
+    body += Element("tr", {{"class", rows_[i].look}}, cells) + "\n";
+  }
+  const std::string caption = id_ + "-caption";
+  const std::string table =
+      Element("table", {{"id", id_}, {"aria-labelledby", caption}},
+              Element("thead", {}, Element("tr", {}, head)) +
+                  Element("tbody", {}, "\n" + body));
+  return Element("div", {{"class", "table"}},
+                 Element("div", {{"class", "table-head"}},
+                         Element("h3", {{"id", caption}}, Words(caption_))) +
+                     Element("div",
+                             {{"class", "scroll"},
+                              {"tabindex", "0"},
+                              {"role", "region"},
+                              {"aria-labelledby", caption}},
+                             table)) +
+         "\n";
+}
+
+}  // namespace alidade::internal

@@ -1,0 +1,89 @@
+#ifndef ALIDADE_SRC_REPORT_REPORT_TABLE_H_
+#define ALIDADE_SRC_REPORT_REPORT_TABLE_H_
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "alidade/units.h"
+#include "src/common/text_table.h"
+
+namespace alidade::internal {
+
+/// A cell: what it shows, and the number that it sorts and copies by.
+struct TableCell {
+  TableCell(std::string words) : text(std::move(words)) {}  // NOLINT: a text
+  TableCell(const char* words) : text(words) {}             // NOLINT
+  TableCell(std::string words, double number)
+      : text(std::move(words)), value(number) {}
+
+  std::string text;
+  double value = std::numeric_limits<double>::quiet_NaN();
+  std::string markup;  ///< shown by a page in place of the text
+};
+
+/// A number with so many significant digits.
+TableCell NumberCell(double value, int digits);
+/// With so many decimals.
+TableCell FixedCell(double value, int decimals);
+TableCell CountCell(std::int64_t count);
+/// A length in mm or an angle in degrees.
+TableCell QuantityCell(double value, Dimension dimension, int digits);
+
+/// A table of a report, as text and in a page.
+class ReportTable {
+ public:
+  enum class Medium { kBoth, kText, kPage };
+  static constexpr std::size_t kAllRows =
+      std::numeric_limits<std::size_t>::max();
+  struct Column {
+    Column(std::string heading,  // NOLINT: a heading is a column
+           TextTable::Align alignment = TextTable::Align::kLeft,
+           std::string explanation = "", Medium where = Medium::kBoth)
+        : title(std::move(heading)),
+          align(alignment),
+          help(std::move(explanation)),
+          medium(where) {}
+
+    std::string title;
+    TextTable::Align align;
+    std::string help;  ///< what a page says of it
+    Medium medium;     ///< where it is shown
+    int width = 0;     ///< the text is wrapped to it; 0 = not
+  };
+
+  ReportTable(std::string id, std::string caption, std::vector<Column> columns)
+      : id_(std::move(id)),
+        caption_(std::move(caption)),
+        columns_(std::move(columns)) {}
+
+  /// `look` is the row's class in a page. @pre one cell per column.
+  void AddRow(std::vector<TableCell> cells, std::string look = "");
+  bool empty() const { return rows_.empty(); }
+
+  std::string ToText(std::size_t most_rows = kAllRows) const;
+  /// With its caption; nothing where there are no rows.
+  std::string ToHtml(std::size_t most_rows = kAllRows) const;
+
+ private:
+  struct Row {
+    std::vector<TableCell> cells;
+    std::string look;
+  };
+
+  std::string id_;
+  std::string caption_;
+  std::vector<Column> columns_;
+  std::vector<Row> rows_;
+};
+
+/// A column of numbers.
+ReportTable::Column Right(
+    std::string title, std::string help = "",
+    ReportTable::Medium medium = ReportTable::Medium::kBoth);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_REPORT_REPORT_TABLE_H_
