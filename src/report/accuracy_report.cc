@@ -8,6 +8,7 @@
 
 #include "src/common/format.h"
 #include "src/common/text.h"
+#include "src/report/markup.h"
 #include "src/report/quantities.h"
 #include "src/report/report.h"
 
@@ -23,6 +24,9 @@ void AddCells(const Accuracy& accuracy, Dimension dimension,
   for (const double value : {accuracy.mean, accuracy.rms, accuracy.stddev,
                              accuracy.median, accuracy.p95, accuracy.max}) {
     row->push_back(QuantityCell(value, dimension, 4));
+    // Half of a page has no room for more.
+    const double shown = value / UnitOf(dimension);
+    row->back().markup = Words(FormatSignificant(shown, shown < 1e-3 ? 2 : 3));
   }
 }
 
@@ -216,7 +220,7 @@ ReportTable OutlierTable(const CalibrationResult& result) {
 
 ReportTable RejectedRowTable(const CalibrationResult& result) {
   ReportTable table("rejected", "Rows that measure nothing",
-                    {{"file"}, Right("line"), {"reason"}});
+                    {{"file"}, Right("line"), Long("reason")});
   for (const RejectedRow& row : result.rejected) {
     table.AddRow({row.file, CountCell(row.line), row.reason});
   }

@@ -27,7 +27,6 @@ constexpr double kStemWidth = 2.0;
 constexpr double kMarkerCell = 2.0;
 constexpr std::size_t kManyTips = 150;
 constexpr double kTipCell = 20.0;
-constexpr int kSamplesPerSegment = 8;
 
 std::string At(char command, SvgPoint point) {
   return command + SvgNumber(point.x) + " " + SvgNumber(point.y);
@@ -178,15 +177,17 @@ void DrawLegendKey(SvgWriter* svg, const ChartSeries& series,
   }
 }
 
-void AddSegment(SvgPoint from, SvgPoint to, std::vector<SvgPoint>* samples) {
-  for (int i = 0; i <= kSamplesPerSegment; ++i) {
-    const double t = static_cast<double>(i) / kSamplesPerSegment;
-    samples->push_back(
-        {from.x + t * (to.x - from.x), from.y + t * (to.y - from.y)});
-  }
-}
-
 }  // namespace
+
+ChartSeries Markers(const std::string& label, MarkerStyle marker,
+                    const std::string& colour) {
+  ChartSeries series;
+  series.label = label;
+  series.line = false;
+  series.marker = marker;
+  series.colour = colour;
+  return series;
+}
 
 SeriesLook LookOf(const ChartSeries& series, std::size_t index) {
   const std::string colour = series.colour.empty()
@@ -299,25 +300,6 @@ bool Neighbourhoods::IsNew(SvgPoint at) {
   const bool is_new = !taken_[row][column];
   taken_[row][column] = true;
   return is_new;
-}
-
-std::vector<SvgPoint> InkSamples(const ChartSeries& series,
-                                 const PlotArea& plot,
-                                 const std::vector<PixelRun>& runs) {
-  std::vector<SvgPoint> samples;
-  const double base = BaseLine(plot);
-  for (const PixelRun& run : runs) {
-    const PixelRun thin = ThinLine(run);
-    for (std::size_t i = 0; i < thin.size(); ++i) {
-      samples.push_back(thin[i]);
-      if (series.marker == MarkerStyle::kStem) {
-        AddSegment({thin[i].x, base}, thin[i], &samples);
-      } else if (series.line && i > 0) {
-        AddSegment(thin[i - 1], thin[i], &samples);
-      }
-    }
-  }
-  return samples;
 }
 
 }  // namespace alidade::internal

@@ -31,6 +31,10 @@ struct ChartSeries {
   std::function<std::string(std::size_t)> tip;
 };
 
+/// One without points yet, of markers alone.
+ChartSeries Markers(const std::string& label, MarkerStyle marker,
+                    const std::string& colour = "");
+
 /// How a series is drawn: its colour, and full markers for the first colour,
 /// open ones for others, so that those below show through.
 struct SeriesLook {
@@ -64,11 +68,6 @@ void DrawTips(SvgWriter* svg, const ChartAxis& x, const ChartAxis& y,
 /// Returns the y below it.
 double DrawLegend(SvgWriter* svg, const ChartLayout& layout,
                   const std::vector<ChartSeries>& series, double top);
-
-/// Some points along what DrawSeries draws, to keep labels off it.
-std::vector<SvgPoint> InkSamples(const ChartSeries& series,
-                                 const PlotArea& plot,
-                                 const std::vector<PixelRun>& runs);
 
 /// One thing for each neighbourhood of the plot, of several the first:
 /// whether `at` is in a square of `side` pixels that no call has seen.

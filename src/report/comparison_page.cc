@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "src/common/text.h"
-#include "src/report/comparison_views.h"
 #include "src/report/markup.h"
 #include "src/report/page.h"
 #include "src/report/report_table.h"
@@ -119,7 +118,7 @@ std::string ComparisonPage::Render(ComparisonKind kind) const {
   std::string content = HtmlChoices("read-as", "Read as", choices, shown);
   ReportTable failures("failures",
                        "Failed (" + std::to_string(failures_.size()) + ")",
-                       {{"job"}, {"message"}});
+                       {{"job"}, Long("message")});
   for (const auto& [label, message] : failures_) {
     failures.AddRow({label, message});
   }

@@ -30,10 +30,6 @@ constexpr std::size_t kMostLegends = 3;
 // Scores of the strongest colour.
 constexpr double kStrongScore = 6.0;
 
-std::string WithSign(std::string text) {
-  return text.front() == '-' || text == "0" ? text : "+" + text;
-}
-
 std::string Quantity(double value, Dimension dimension) {
   return WithSign(InUnit(value, dimension, 3)) +
          (dimension == Dimension::kLength ? " mm" : "°");
@@ -72,16 +68,6 @@ TableCell LabelCell(const ComparedItems& all, std::size_t i) {
   return cell;
 }
 
-ChartSeries Look(const std::string& label, const std::string& colour,
-                 MarkerStyle marker) {
-  ChartSeries look;
-  look.label = label;
-  look.line = false;
-  look.colour = colour;
-  look.marker = marker;
-  return look;
-}
-
 std::string DescribeError(const std::string& label, const std::string& when,
                           const Accuracy& accuracy) {
   return label + "\n" + when + ": mean " + FormatLength(accuracy.mean, 3) +
@@ -114,8 +100,8 @@ std::string FleetFigure(const ComparedItems& all, const FleetSummary& fleet) {
   chart.title = "Position error of each arm, by score";
   chart.x.label = "mean position error [mm]";
   chart.x.logarithmic = true;
-  chart.looks = {Look("before", "s2", MarkerStyle::kSquare),
-                 Look("after", "s1", MarkerStyle::kDot)};
+  chart.looks = {Markers("before", MarkerStyle::kSquare, "s2"),
+                 Markers("after", MarkerStyle::kDot, "s1")};
   for (const FleetArm& arm : fleet.arms) {
     if (chart.rows.size() == kMostArms) break;
     const ComparedResult& result = all.values[arm.result];
@@ -260,7 +246,7 @@ std::string ScoreFigure(const ComparedItems& all, const FleetSummary& fleet) {
           "A column is a parameter, its colour how far it is from the median "
           "of all arms, in robust standard deviations: orange larger, blue "
           "smaller, pale typical. Numbers stand where it is more than " +
-              FormatSignificant(FleetSummary::kThreshold, 2) +
+              ShortestNumber(FleetSummary::kThreshold) +
               ". Grey: not estimated of that arm."));
 }
 
@@ -292,8 +278,7 @@ ReportTable ChangeTable(const ComparedItems& all, const DriftSummary& drift) {
         {change.name, all.values[change.from].label,
          all.values[change.from + 1].label, FixedCell(change.before / unit, 4),
          FixedCell(change.after / unit, 4), difference,
-         NumberCell(change.std / unit, 2),
-         change.dimension == Dimension::kLength ? "mm" : "°",
+         NumberCell(change.std / unit, 2), UnitName(change.dimension),
          ScoreCell(change.score()),
          BadgeCell(change.is_significant ? FindingLevel::kAttention
                                          : FindingLevel::kNote,
@@ -317,8 +302,7 @@ std::string ChangeFigure(const ComparedItems& all, const DriftSummary& drift) {
     if (i + 1 < all.values.size() && all.values.size() <= kMostLegends + 1) {
       label = all.values[i].label + " to " + all.values[i + 1].label;
     }
-    chart.looks.push_back(
-        Look(label, "s" + std::to_string(i + 1), kMarkers[i]));
+    chart.looks.push_back(Markers(label, kMarkers[i]));
   }
   for (const ParameterChange& change : drift.changes) {
     if (!std::isfinite(change.score())) continue;
@@ -342,7 +326,7 @@ std::string ChangeFigure(const ComparedItems& all, const DriftSummary& drift) {
   if (chart.rows.empty()) return "";
   return HtmlFigure("changes-figure", chart,
                     "Beyond the dashed lines at " +
-                        FormatSignificant(DriftSummary::kThreshold, 2) +
+                        ShortestNumber(DriftSummary::kThreshold) +
                         " a change is significant.");
 }
 
@@ -353,8 +337,8 @@ std::string AccuracyOverTime(const ComparedItems& all) {
   chart.x.integer_ticks = true;
   chart.y.label = "mean error [mm]";
   chart.y.logarithmic = true;
-  ChartSeries before = Look("before", "s2", MarkerStyle::kSquare);
-  ChartSeries after = Look("after", "s1", MarkerStyle::kDot);
+  ChartSeries before = Markers("before", MarkerStyle::kSquare, "s2");
+  ChartSeries after = Markers("after", MarkerStyle::kDot, "s1");
   const auto add = [&all](ChartSeries* series, Accuracy ComparedResult::*of) {
     series->line = true;
     for (std::size_t i = 0; i < all.values.size(); ++i) {
@@ -413,7 +397,7 @@ ReportTable MethodTable(const ComparedItems& all) {
 }  // namespace
 
 std::string FleetView(const ComparedItems& all, const FleetSummary& fleet) {
-  const std::string threshold = FormatSignificant(FleetSummary::kThreshold, 2);
+  const std::string threshold = ShortestNumber(FleetSummary::kThreshold);
   std::string html = Outliers(all, fleet) + FleetFigure(all, fleet);
   if (fleet.is_small) {
     html += HtmlNote(
@@ -445,7 +429,7 @@ std::string MethodsView(const ComparedItems& all,
   chart.title = "Error after calibration by each method, mean to largest";
   chart.x.label = "position error [mm]";
   chart.x.logarithmic = true;
-  chart.looks = {Look("", "s1", MarkerStyle::kDot)};
+  chart.looks = {Markers("", MarkerStyle::kDot, "s1")};
   for (const std::size_t place : methods.ranking) {
     if (chart.rows.size() == kMostArms) break;
     const ComparedResult& result = all.values[place];

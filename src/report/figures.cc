@@ -241,12 +241,9 @@ Figure JointFigure(const EvaluatedSet& set, Eigen::Index joint) {
   const std::vector<Eigen::Index> drawn =
       DrawnObservations(after, kMostScattered);
   for (const ShownErrors& errors : {before, after}) {
-    ChartSeries series;
-    series.line = false;
-    const bool is_before = chart.series.empty();
-    series.label = is_before ? "before" : "after";
-    series.colour = is_before ? "s2" : "s1";
-    series.marker = is_before ? MarkerStyle::kSquare : MarkerStyle::kDot;
+    ChartSeries series = chart.series.empty()
+                             ? Markers("before", MarkerStyle::kSquare, "s2")
+                             : Markers("after", MarkerStyle::kDot, "s1");
     for (const Eigen::Index i : drawn) {
       const Eigen::Index pose = set.labels.empty() ? i : set.labels[i].pose;
       series.x.push_back(pose < 0 ? kNan

@@ -73,14 +73,6 @@ AssessmentLook LookOf(ParameterAssessment assessment) {
   return {FindingLevel::kNote, "known"};
 }
 
-std::string WithSign(std::string text) {
-  return text.front() == '-' || text == "0" ? text : "+" + text;
-}
-
-const char* UnitName(Dimension dimension) {
-  return dimension == Dimension::kLength ? "mm" : "°";
-}
-
 // What people call the block of a parameter: targets and references have names
 // of their own.
 std::string TitleOf(const CalibrationResult& result,
@@ -175,7 +167,7 @@ ReportTable ParameterTable(const CalibrationResult& result) {
        Right("nominal"),
        Right("found"),
        Right("true", "known, because the arm is simulated"),
-       {"remarks"}});
+       Long("remarks")});
   for (const bool is_free : {true, false}) {
     for (const ParameterResult& parameter : result.parameters) {
       if ((parameter.decision.state == ParameterState::kFree) == is_free) {
@@ -278,17 +270,9 @@ std::string ChangeFigure(const CalibrationResult& result, Dimension dimension) {
   chart.x.label = std::string("change [") + UnitName(dimension) + "]";
   chart.range = UsefulRange(chart.rows);
   chart.references = {0.0};
-  ChartSeries found;
-  found.line = false;
-  found.marker = MarkerStyle::kDot;
-  chart.looks = {found};
+  chart.looks = {Markers(has_truth ? "found" : "", MarkerStyle::kDot)};
   if (has_truth) {
-    ChartSeries truth = found;
-    chart.looks[0].label = "found";
-    truth.label = "true";
-    truth.marker = MarkerStyle::kSquare;
-    truth.colour = "s7";
-    chart.looks.push_back(truth);
+    chart.looks.push_back(Markers("true", MarkerStyle::kSquare, "s7"));
   }
   bool is_cut = false;
   for (const ChartRow& row : chart.rows) {

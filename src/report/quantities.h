@@ -13,8 +13,18 @@ inline double UnitOf(Dimension dimension) {
   return dimension == Dimension::kLength ? kMillimetre : kDegree;
 }
 
+/// As pages show it.
+inline const char* UnitName(Dimension dimension) {
+  return dimension == Dimension::kLength ? "mm" : "°";
+}
+
 inline std::string InUnit(double value, Dimension dimension, int digits) {
   return FormatSignificant(value / UnitOf(dimension), digits);
+}
+
+/// A difference: "+0.1", "-0.1", "0".
+inline std::string WithSign(const std::string& text) {
+  return text.front() == '-' || text == "0" ? text : "+" + text;
 }
 
 inline std::string Millimetres(double metres) {

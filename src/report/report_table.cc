@@ -25,7 +25,9 @@ std::string CellHtml(const TableCell& cell, const ReportTable::Column& column,
   }
   return Element(is_first ? "th" : "td",
                  {{"scope", is_first ? "row" : ""},
-                  {"class", is_right ? "right" : ""},
+                  {"class", is_right         ? "right"
+                            : column.is_long ? "long"
+                                             : ""},
                   {"data-value", is_number ? ShortestNumber(cell.value) : ""}},
                  content);
 }
@@ -66,6 +68,12 @@ TableCell QuantityCell(double value, Dimension dimension, int digits) {
 ReportTable::Column Right(std::string title, std::string help,
                           ReportTable::Medium medium) {
   return {std::move(title), Align::kRight, std::move(help), medium};
+}
+
+ReportTable::Column Long(std::string title) {
+  ReportTable::Column column(std::move(title));
+  column.is_long = true;
+  return column;
 }
 
 void ReportTable::AddRow(std::vector<TableCell> cells, std::string look) {

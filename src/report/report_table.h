@@ -49,9 +49,10 @@ class ReportTable {
 
     std::string title;
     TextTable::Align align;
-    std::string help;  ///< what a page says of it
-    Medium medium;     ///< where it is shown
-    int width = 0;     ///< the text is wrapped to it; 0 = not
+    std::string help;      ///< what a page says of it
+    Medium medium;         ///< where it is shown
+    int width = 0;         ///< the text is wrapped to it; 0 = not
+    bool is_long = false;  ///< of sentences, which need room
   };
 
   ReportTable(std::string id, std::string caption, std::vector<Column> columns)
@@ -79,6 +80,8 @@ class ReportTable {
   std::vector<Row> rows_;
 };
 
+/// A column of sentences.
+ReportTable::Column Long(std::string title);
 /// A column of numbers.
 ReportTable::Column Right(
     std::string title, std::string help = "",

@@ -179,10 +179,7 @@ std::string TruthFigure(const PredictedMap& map) {
   chart.y.label = "true error [mm]";
   chart.x.logarithmic = true;
   chart.y.logarithmic = true;
-  ChartSeries points;
-  points.label = "a configuration";
-  points.line = false;
-  points.marker = MarkerStyle::kDot;
+  ChartSeries points = Markers("a configuration", MarkerStyle::kDot);
   ValueRange range;
   const Eigen::Index size = map.true_error.size();
   const Eigen::Index step = (size + kMostPoints - 1) / kMostPoints;

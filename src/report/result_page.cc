@@ -131,8 +131,9 @@ ReportTable RelationTable(const std::vector<Relation>& relations) {
       {"structural", "at all poses"},
       {"at_geometry", "at the nominal geometry"},
       {"not_excited", "at these poses"}};
-  ReportTable table("relations", "Linearly dependent parameters, left out",
-                    {{"parameter"}, {"relation"}, {"dependent"}, {"checked"}});
+  ReportTable table(
+      "relations", "Linearly dependent parameters, left out",
+      {{"parameter"}, Long("relation"), {"dependent"}, {"checked"}});
   for (const Relation& relation : relations) {
     const auto level = std::find_if(
         kLevels.begin(), kLevels.end(),
@@ -175,14 +176,8 @@ PageSection StagesSection(const CalibrationResult& result) {
   chart.title = std::string("Error by what was calibrated, ") +
                 (result.heldout ? "validation" : "training") + " poses";
   chart.x.label = "position error [mm]";
-  ChartSeries mean;
-  mean.label = "mean";
-  mean.line = false;
-  mean.marker = MarkerStyle::kDot;
-  ChartSeries largest = mean;
-  largest.label = "largest";
-  largest.marker = MarkerStyle::kSquare;
-  chart.looks = {mean, largest};
+  chart.looks = {Markers("mean", MarkerStyle::kDot),
+                 Markers("largest", MarkerStyle::kSquare)};
   for (const StageResult& stage : result.stages) {
     const Accuracy& accuracy = result.heldout ? stage.heldout : stage.train;
     ChartRow row;
@@ -207,15 +202,15 @@ PageSection StagesSection(const CalibrationResult& result) {
 PageSection SolverSection(const CalibrationResult& result) {
   if (result.runs.empty()) return {"solver", "Convergence", ""};
   const SolverSummary& summary = result.runs.front().summary;
-  std::string html = HtmlParagraph(
+  std::string html = HtmlParagraph(AsSentence(
       SolverTitle(summary.solver) + " " + ToString(summary.status) + " after " +
       Count(summary.accepted_steps + summary.rejected_steps, "iteration") +
-      (summary.message.empty() ? "." : ": " + AsSentence(summary.message)));
+      (summary.message.empty() ? "" : ": " + summary.message)));
   html += HtmlPair({HtmlFigure("convergence", ConvergenceFigure(result.runs)),
                     SolverTable(result.runs).ToHtml()});
   for (std::size_t i = 1; i < result.runs.size(); ++i) {
-    const std::string difference = DifferenceSentence(result, result.runs[i]);
-    if (!difference.empty()) html += HtmlParagraph(difference + ".");
+    html +=
+        HtmlParagraph(AsSentence(DifferenceSentence(result, result.runs[i])));
   }
   return {"solver",
           result.runs.size() > 1 ? "Solver against solver" : "Convergence",

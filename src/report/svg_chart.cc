@@ -1,6 +1,7 @@
 #include "src/report/svg_chart.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
@@ -25,7 +26,6 @@ constexpr int kMaxLabelsOfPage = 6;
 constexpr int kMaxLabelsY = 8;
 constexpr double kReferenceSize = 13.0;
 constexpr double kReferenceGap = 6.0;
-constexpr double kDescentShare = 0.25;
 
 struct DataExtent {
   ValueRange x;
@@ -95,43 +95,6 @@ std::string Describe(const LineChart& chart) {
   return text;
 }
 
-bool Covers(const SvgBox& box, SvgPoint point) {
-  constexpr double kClearance = 5.0;
-  return point.x > box.left - kClearance &&
-         point.x < box.right() + kClearance && point.y > box.top - kClearance &&
-         point.y < box.bottom() + kClearance;
-}
-
-struct LabelPlace {
-  SvgBox box;
-  bool at_right = true;
-};
-
-// The emptiest of the four places at the ends of the line, above or below it.
-LabelPlace PlaceLabel(const SvgBox& plot, double line_y, double width,
-                      const std::vector<SvgPoint>& ink) {
-  const double above = line_y - kReferenceSize - kReferenceGap;
-  const double below = line_y + kReferenceGap;
-  LabelPlace best;
-  std::int64_t fewest = -1;
-  for (const bool at_right : {true, false}) {
-    for (const double top : {above, below}) {
-      const double left = at_right ? plot.right() - width - kReferenceGap
-                                   : plot.left + kReferenceGap;
-      const SvgBox box{left, top, width, kReferenceSize};
-      const bool inside = top >= plot.top && box.bottom() <= plot.bottom();
-      const std::int64_t covered =
-          std::count_if(ink.begin(), ink.end(),
-                        [&](SvgPoint point) { return Covers(box, point); }) +
-          (inside ? 0 : static_cast<std::int64_t>(ink.size()) + 1);
-      if (fewest >= 0 && covered >= fewest) continue;
-      best = {box, at_right};
-      fewest = covered;
-    }
-  }
-  return best;
-}
-
 void DrawReferenceLines(SvgWriter* svg, const LineChart& chart,
                         const PlotArea& plot) {
   for (const ChartReference& reference : chart.references) {
@@ -141,33 +104,42 @@ void DrawReferenceLines(SvgWriter* svg, const LineChart& chart,
   }
 }
 
+// Above the line, at the end that fewer points are near.
 void DrawReferenceLabels(SvgWriter* svg, const LineChart& chart,
                          const PlotArea& plot,
-                         const std::vector<SvgPoint>& ink) {
+                         const std::vector<PixelRun>& points) {
   for (const ChartReference& reference : chart.references) {
     if (!IsDrawable(chart.y, reference.y)) continue;
     const double y = plot.At(plot.x.lower(), reference.y).y;
     const double width = SvgTextWidth(reference.label, kReferenceSize);
-    const LabelPlace place = PlaceLabel(plot.box, y, width, ink);
-    svg->Text({place.at_right ? place.box.right() : place.box.left,
-               place.box.bottom() - kDescentShare * kReferenceSize},
-              reference.label, place.at_right ? "halo end" : "halo");
+    std::int64_t at_right = 0;
+    for (const PixelRun& run : points) {
+      for (const SvgPoint point : run) {
+        if (std::abs(point.y - y) > 2.0 * kReferenceSize) continue;
+        at_right += point.x > plot.box.right() - width ? 1 : 0;
+        at_right -= point.x < plot.box.left + width ? 1 : 0;
+      }
+    }
+    const bool is_right = at_right <= 0;
+    svg->Text({is_right ? plot.box.right() - kReferenceGap
+                        : plot.box.left + kReferenceGap,
+               y - kReferenceGap},
+              reference.label, is_right ? "halo end" : "halo");
   }
 }
 
 void DrawData(SvgWriter* svg, const LineChart& chart, const PlotArea& plot) {
   DrawReferenceLines(svg, chart, plot);
-  std::vector<SvgPoint> ink;
+  std::vector<PixelRun> points;
   for (std::size_t i = 0; i < chart.series.size(); ++i) {
     const ChartSeries& series = chart.series[i];
     const std::vector<PixelRun> runs =
         PixelRuns(chart.x, chart.y, series, plot);
     DrawSeries(svg, series, LookOf(series, i), plot, runs);
     DrawTips(svg, chart.x, chart.y, series, plot);
-    const std::vector<SvgPoint> samples = InkSamples(series, plot, runs);
-    ink.insert(ink.end(), samples.begin(), samples.end());
+    points.insert(points.end(), runs.begin(), runs.end());
   }
-  DrawReferenceLabels(svg, chart, plot, ink);
+  DrawReferenceLabels(svg, chart, plot, points);
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ constexpr int kNumColours = 63;
 // Tips are so far apart, in pixels.
 constexpr double kTipCell = 20.0;
 // Cells reach under their neighbours, so that no seam shows.
-constexpr double kCellOverlap = 0.3;
+constexpr double kCellOverlap = 0.6;
 
 // Viridis (van der Walt, Smith 2015), every ninth part of it: readable by
 // colour-blind people and in grey.

@@ -222,7 +222,7 @@ ReportTable InfluenceTable(const ResidualDiagnostics& residuals) {
        Right("Cook's distance",
              "how far the fit moves without it, in its own uncertainty"),
        Right("residual [sigma]"),
-       {"where"}});
+       {"where", {}, "", ReportTable::Medium::kText}});
   for (const Influence& pose : poses) {
     table.AddRow({CountCell(pose.pose + 1), NumberCell(pose.leverage, 3),
                   NumberCell(pose.cooks_distance, 3),

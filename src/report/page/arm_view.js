@@ -3,7 +3,12 @@
 
 const round = (v) => Math.round(v * 10) / 10;
 const norm = (v) => Math.hypot(...v);
-const num = (v) => String(Number(v.toPrecision(3)));
+const superscript =
+    (digits) => [...digits]
+                    .map((c) => '⁻⁰¹²³⁴⁵⁶⁷⁸⁹'['-0123456789'.indexOf(c)])
+                    .join('');
+const num = (v) => String(Number(v.toPrecision(3)))
+                       .replace(/e(.*)/, (e, n) => '×10' + superscript(n));
 const maxOf = (values) => values.reduce((a, b) => Math.max(a, b), -Infinity);
 const minOf = (values) => values.reduce((a, b) => Math.min(a, b), Infinity);
 
