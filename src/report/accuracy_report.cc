@@ -17,8 +17,6 @@ namespace {
 
 constexpr std::size_t kMostRows = 30;
 
-using Medium = ReportTable::Medium;
-
 void AddCells(const Accuracy& accuracy, Dimension dimension,
               std::vector<TableCell>* row) {
   for (const double value : {accuracy.mean, accuracy.rms, accuracy.stddev,
@@ -33,12 +31,10 @@ void AddCells(const Accuracy& accuracy, Dimension dimension,
 // The columns of AddCells.
 void AddColumns(const std::string& of, const std::string& unit,
                 std::vector<ReportTable::Column>* columns) {
-  columns->push_back(Right(of + "mean"));
-  columns->push_back(Right("rms"));
-  columns->push_back(Right("std", "", Medium::kText));
-  columns->push_back(Right("median", "", Medium::kText));
-  columns->push_back(Right("p95", "95 of 100 are below"));
-  columns->push_back(Right("max" + unit));
+  columns->insert(columns->end(),
+                  {">" + of + "mean", ">rms", ReportTable::TextOnly(">std"),
+                   ReportTable::TextOnly(">median"), ">p95|95 of 100 are below",
+                   ">max" + unit});
 }
 
 void AddAccuracy(const std::string& poses, const std::string& when,
@@ -54,11 +50,11 @@ void AddAccuracy(const std::string& poses, const std::string& when,
 // `what` heads the text's first column, `caption` the page's table.
 ReportTable MakeAccuracyTable(const std::string& id, const std::string& what,
                               const std::string& caption = "") {
-  std::vector<ReportTable::Column> columns = {{what, {}, "", Medium::kText},
-                                              {"poses", {}, "", Medium::kPage},
-                                              {"calibration"}};
+  std::vector<ReportTable::Column> columns = {ReportTable::TextOnly(what),
+                                              ReportTable::PageOnly("poses"),
+                                              "calibration"};
   AddColumns("", "", &columns);
-  columns.push_back(Right("n"));
+  columns.push_back(">n");
   return {id, caption, std::move(columns)};
 }
 
@@ -125,12 +121,9 @@ std::string FitNotes(const CalibrationResult& result) {
 
 std::string AcceptanceTable(const CalibrationResult& result) {
   if (result.acceptance.empty()) return "";
-  ReportTable table("acceptance", "",
-                    {{"acceptance limit"},
-                     {"unit"},
-                     Right("at most"),
-                     Right("obtained"),
-                     {"verdict"}});
+  ReportTable table(
+      "acceptance", "",
+      {"acceptance limit", "unit", ">at most", ">obtained", "verdict"});
   for (const AcceptanceCheck& check : result.acceptance) {
     table.AddRow({check.quantity, UnitForPeople(check.dimension),
                   QuantityCell(check.limit, check.dimension, 4),
@@ -176,7 +169,7 @@ ReportTable StagesTable(const CalibrationResult& result, Dimension dimension) {
   const bool is_length = dimension == Dimension::kLength;
   const bool heldout = result.heldout.has_value();
   const std::string poses = heldout ? "validation" : "training";
-  std::vector<ReportTable::Column> columns = {{"calibrated"}, Right("free")};
+  std::vector<ReportTable::Column> columns = {{"calibrated"}, ">free"};
   AddColumns(poses + (is_length ? " " : " orientation "),
              is_length ? " [mm]" : " [deg]", &columns);
   ReportTable table(
@@ -198,14 +191,10 @@ ReportTable StagesTable(const CalibrationResult& result, Dimension dimension) {
 ReportTable OutlierTable(const CalibrationResult& result) {
   ReportTable table(
       "outliers", "Outliers (" + std::to_string(result.outliers.size()) + ")",
-      {Right("observation", "", Medium::kText),
-       Right("pose", "", Medium::kPage),
-       {"kind"},
-       {"target"},
-       {"read from"},
-       Right("error [mm]"),
-       Right("in sigmas", "the error in its standard deviations"),
-       Right("weight in the fit", "what the robust loss left it")});
+      {ReportTable::TextOnly(">observation"), ReportTable::PageOnly(">pose"),
+       "kind", "target", "read from", ">error [mm]",
+       ">in sigmas|the error in its standard deviations",
+       ">weight in the fit|what the robust loss left it"});
   for (const Outlier& outlier : result.outliers) {
     const int pose = outlier.label.pose + 1;
     table.AddRow({CountCell(outlier.observation + 1),
@@ -220,7 +209,7 @@ ReportTable OutlierTable(const CalibrationResult& result) {
 
 ReportTable RejectedRowTable(const CalibrationResult& result) {
   ReportTable table("rejected", "Rows that measure nothing",
-                    {{"file"}, Right("line"), Long("reason")});
+                    {"file", ">line", "~reason"});
   for (const RejectedRow& row : result.rejected) {
     table.AddRow({row.file, CountCell(row.line), row.reason});
   }

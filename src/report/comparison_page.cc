@@ -118,7 +118,7 @@ std::string ComparisonPage::Render(ComparisonKind kind) const {
   std::string content = HtmlChoices("read-as", "Read as", choices, shown);
   ReportTable failures("failures",
                        "Failed (" + std::to_string(failures_.size()) + ")",
-                       {{"job"}, Long("message")});
+                       {"job", "~message"});
   for (const auto& [label, message] : failures_) {
     failures.AddRow({label, message});
   }

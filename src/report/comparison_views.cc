@@ -158,18 +158,11 @@ ReportTable FleetTable(const ComparedItems& all, const FleetSummary& fleet) {
       std::string("Every arm, ") +
           (is_validated ? "at validation poses, " : "") +
           "the largest score first",
-      {{"arm"},
-       {"verdict", {}, "among the others"},
-       Right("before [mm]", "mean position error"),
-       Right("after [mm]", "mean position error"),
-       Right("largest [mm]", "after calibration"),
-       Right("n"),
-       Right("z before", "modified z-score of the error before calibration"),
-       Right("z after"),
-       Right("z geometry"),
-       {"differs most in", {}, "deviation from nominal"},
-       {"limits"},
-       Right("warnings")});
+      {"arm", "verdict|among the others", ">before [mm]|mean position error",
+       ">after [mm]|mean position error", ">largest [mm]|after calibration",
+       ">n", ">z before|modified z-score of the error before calibration",
+       ">z after", ">z geometry", "differs most in|deviation from nominal",
+       "limits", ">warnings"});
   for (const FleetArm& arm : fleet.arms) {
     const std::size_t i = arm.result;
     const ComparedResult& result = all.values[i];
@@ -259,16 +252,8 @@ ReportTable ChangeTable(const ComparedItems& all, const DriftSummary& drift) {
                std::to_string(drift.changes.size());
   }
   ReportTable table("changes", std::move(caption),
-                    {{"parameter"},
-                     {"from"},
-                     {"to"},
-                     Right("before"),
-                     Right("after"),
-                     Right("change"),
-                     Right("std", "of the change"),
-                     {"unit"},
-                     Right("change / std"),
-                     {"verdict"}});
+                    {"parameter", "from", "to", ">before", ">after", ">change",
+                     ">std|of the change", "unit", ">change / std", "verdict"});
   for (std::size_t k = 0; k < shown; ++k) {
     const ParameterChange& change = drift.changes[k];
     const double unit = UnitOf(change.dimension);
@@ -304,7 +289,9 @@ std::string ChangeFigure(const ComparedItems& all, const DriftSummary& drift) {
     }
     chart.looks.push_back(Markers(label, kMarkers[i]));
   }
-  for (const ParameterChange& change : drift.changes) {
+  for (std::size_t k = 0; k < std::min(drift.changes.size(), kMostChanges);
+       ++k) {
+    const ParameterChange& change = drift.changes[k];
     if (!std::isfinite(change.score())) continue;
     auto row = std::find_if(
         chart.rows.begin(), chart.rows.end(),
@@ -357,17 +344,11 @@ std::string AccuracyOverTime(const ComparedItems& all) {
 
 // Every solver of every result.
 ReportTable MethodTable(const ComparedItems& all) {
-  ReportTable table("methods", "Every method, side by side",
-                    {{"result"},
-                     {"solver"},
-                     {"outcome"},
-                     Right("free"),
-                     Right("iterations"),
-                     Right("chi-square"),
-                     Right("training mean [mm]"),
-                     Right("validation mean [mm]"),
-                     Right("validation largest [mm]"),
-                     Right("solving")});
+  ReportTable table(
+      "methods", "Every method, side by side",
+      {"result", "solver", "outcome", ">free", ">iterations", ">chi-square",
+       ">training mean [mm]", ">validation mean [mm]",
+       ">validation largest [mm]", ">solving"});
   for (std::size_t i = 0; i < all.items.size(); ++i) {
     const ComparisonItem& item = all.items[i];
     const ComparedResult& result = all.values[i];

@@ -112,11 +112,9 @@ std::string Remarks(const IdentifiabilityResult& result) {
 
 ReportTable RankTable(const IdentifiabilityResult& result) {
   ReportTable table("ranks", "Numerical rank",
-                    {{"rank of what, where, at which geometry"},
-                     Right("rank"),
-                     Right("gap",
-                           "smallest singular value that counts over the "
-                           "largest that does not")});
+                    {"rank of what, where, at which geometry", ">rank",
+                     ">gap|smallest singular value that counts over the "
+                     "largest that does not"});
   const auto add = [&table](const char* geometry, const RankReport& report) {
     table.AddRow({geometry,
                   {std::to_string(report.rank) + " of " +
@@ -134,14 +132,9 @@ ReportTable RankTable(const IdentifiabilityResult& result) {
 }
 
 ReportTable ObservabilityTable(const IdentifiabilityResult& result) {
-  ReportTable table("observability", "Observability indices",
-                    {{"observability"},
-                     Right("O1"),
-                     Right("O2"),
-                     Right("O3"),
-                     Right("O4"),
-                     Right("O5"),
-                     Right("condition")});
+  ReportTable table(
+      "observability", "Observability indices",
+      {"observability", ">O1", ">O2", ">O3", ">O4", ">O5", ">condition"});
   if (result.num_free == 0 || result.scaled.condition == 0.0) return table;
   const auto add = [&table](const char* name,
                             const ObservabilityIndices& indices) {

@@ -5,15 +5,13 @@
 
 #include "src/common/format.h"
 #include "src/common/text.h"
-#include "src/common/text_table.h"
 #include "src/report/quantities.h"
 #include "src/report/report.h"
+#include "src/report/report_table.h"
 #include "src/report/svg_chart.h"
 
 namespace alidade::internal {
 namespace {
-
-using Align = TextTable::Align;
 
 std::string Percent(double rate) { return FixedNumber(100.0 * rate, 1); }
 
@@ -51,16 +49,9 @@ std::string Introduction(const MonteCarloResult& result) {
   return Paragraph(text);
 }
 
-TextTable ParameterTable(const MonteCarloResult& result) {
-  TextTable table({{"name"},
-                   {"unit"},
-                   {"bias", Align::kRight},
-                   {"+-", Align::kRight},
-                   {"spread", Align::kRight},
-                   {"told std", Align::kRight},
-                   {"least std", Align::kRight},
-                   {"holds truth %", Align::kRight},
-                   {"interval"}});
+ReportTable ParameterTable(const MonteCarloResult& result) {
+  ReportTable table({"name", "unit", ">bias", ">+-", ">spread", ">told std",
+                     ">least std", ">holds truth %", "interval"});
   for (const SimulatedParameter& one : result.parameters) {
     table.AddRow({one.name, UnitForPeople(one.dimension),
                   InUnit(one.bias, one.dimension, 3),
@@ -200,7 +191,7 @@ std::string TrialCsv(const MonteCarloResult& result) {
 std::string FormatMonteCarlo(const MonteCarloResult& result) {
   std::string text = Introduction(result);
   if (result.parameters.empty()) return text;
-  text += "\n" + ParameterTable(result).ToString() + "\n";
+  text += "\n" + ParameterTable(result).ToText() + "\n";
   text += Paragraph(
       "The spread is " + FormatSignificant(result.inefficiency, 4) +
       " times the least one that sigmas and priors allow (root mean square "

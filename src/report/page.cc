@@ -100,22 +100,23 @@ std::string HtmlChoices(const std::string& id, const std::string& label,
                         const std::vector<PageChoice>& choices,
                         std::size_t first) {
   if (choices.empty()) return "";
-  std::string buttons;
-  std::string contents;
+  std::string html = Element("span", {{"class", "small"}}, Words(label));
   for (std::size_t i = 0; i < choices.size(); ++i) {
     const std::string button = id + "-" + std::to_string(i + 1);
-    buttons += "<input type=\"radio\" name=\"" + id + "\" id=\"" + button +
-               "\"" + (i == first ? " checked>" : ">") +
-               Element("label", {{"for", button}}, Words(choices[i].label));
-    contents += Element("div", {{"class", "choice"}}, choices[i].html) + "\n";
+    html += Element("div", {{"class", "choice"}},
+                    "<input type=\"radio\" name=\"" + id + "\" id=\"" + button +
+                        "\"" + (i == first ? " checked>" : ">") +
+                        Element("label", {{"for", button}},
+                                Words(choices[i].label)) +
+                        Element("div", {}, choices[i].html)) +
+            "\n";
   }
-  return Element(
-      "div",
-      {{"class", "choices"},
-       {"id", id},
-       {"role", "group"},
-       {"aria-label", label}},
-      Element("span", {{"class", "small"}}, Words(label)) + buttons + contents);
+  return Element("div",
+                 {{"class", "choices"},
+                  {"id", id},
+                  {"role", "group"},
+                  {"aria-label", label}},
+                 html);
 }
 
 std::string HtmlSection(const PageSection& section) {

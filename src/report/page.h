@@ -52,7 +52,7 @@ std::string HtmlFigure(const std::string& id, const Figure& figure,
                        const std::string& note = "");
 /// Side by side where there is room; empty parts are left out.
 std::string HtmlPair(const std::vector<std::string>& parts);
-/// A row of buttons, one for each choice, which need no script. At most 16.
+/// A row of buttons, one for each choice, which need no script.
 std::string HtmlChoices(const std::string& id, const std::string& label,
                         const std::vector<PageChoice>& choices,
                         std::size_t first = 0);

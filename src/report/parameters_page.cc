@@ -154,20 +154,13 @@ ReportTable ParameterTable(const CalibrationResult& result) {
                            100.0) +
                 "\u00a0% interval"
           : "interval";
-  ReportTable table(
-      "parameters-table", "All parameters",
-      {{"name"},
-       {"state"},
-       Right("change", "found less nominal"),
-       Right("std", "standard deviation of what was found"),
-       {"unit"},
-       Right("change / std",
-             "change against nominal in units of its own standard deviation"),
-       Right(confidence),
-       Right("nominal"),
-       Right("found"),
-       Right("true", "known, because the arm is simulated"),
-       Long("remarks")});
+  ReportTable table("parameters-table", "All parameters",
+                    {"name", "state", ">change|found less nominal",
+                     ">std|standard deviation of what was found", "unit",
+                     ">change / std|change against nominal in units of its own "
+                     "standard deviation",
+                     ">" + confidence, ">nominal", ">found",
+                     ">true|known, because the arm is simulated", "~remarks"});
   for (const bool is_free : {true, false}) {
     for (const ParameterResult& parameter : result.parameters) {
       if ((parameter.decision.state == ParameterState::kFree) == is_free) {

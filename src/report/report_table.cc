@@ -12,22 +12,21 @@
 namespace alidade::internal {
 namespace {
 
-using Align = TextTable::Align;
-
 // Numbers are typeset, names and paths stay as they are.
 std::string CellHtml(const TableCell& cell, const ReportTable::Column& column,
                      bool is_first) {
   const bool is_number = std::isfinite(cell.value);
-  const bool is_right = column.align == Align::kRight;
   std::string content = cell.markup;
   if (content.empty()) {
-    content = is_number || is_right ? Words(cell.text) : EscapeXml(cell.text);
+    content =
+        is_number || column.is_number ? Words(cell.text) : EscapeXml(cell.text);
   }
+  std::string look;
+  if (column.is_number) look = column.width > 0 ? "right wrap" : "right";
+  if (column.is_long) look = "long";
   return Element(is_first ? "th" : "td",
                  {{"scope", is_first ? "row" : ""},
-                  {"class", is_right         ? "right"
-                            : column.is_long ? "long"
-                                             : ""},
+                  {"class", look},
                   {"data-value", is_number ? ShortestNumber(cell.value) : ""}},
                  content);
 }
@@ -42,7 +41,7 @@ std::string HeaderHtml(const ReportTable::Column& column) {
   }
   return Element("th",
                  {{"scope", "col"},
-                  {"class", column.align == Align::kRight ? "right" : ""},
+                  {"class", column.is_number ? "right" : ""},
                   {"title", column.help}},
                  content);
 }
@@ -65,15 +64,13 @@ TableCell QuantityCell(double value, Dimension dimension, int digits) {
   return NumberCell(value / UnitOf(dimension), digits);
 }
 
-ReportTable::Column Right(std::string title, std::string help,
-                          ReportTable::Medium medium) {
-  return {std::move(title), Align::kRight, std::move(help), medium};
-}
-
-ReportTable::Column Long(std::string title) {
-  ReportTable::Column column(std::move(title));
-  column.is_long = true;
-  return column;
+ReportTable::Column::Column(std::string_view title_and_help)
+    : is_number(title_and_help.substr(0, 1) == ">"),
+      is_long(title_and_help.substr(0, 1) == "~") {
+  if (is_number || is_long) title_and_help.remove_prefix(1);
+  const std::size_t bar = title_and_help.find('|');
+  title = title_and_help.substr(0, bar);
+  if (bar != std::string_view::npos) help = title_and_help.substr(bar + 1);
 }
 
 void ReportTable::AddRow(std::vector<TableCell> cells, std::string look) {
@@ -85,7 +82,9 @@ std::string ReportTable::ToText(std::size_t most_rows) const {
   std::vector<int> widths;
   for (const Column& column : columns_) {
     if (column.medium == Medium::kPage) continue;
-    columns.push_back({column.title, column.align});
+    columns.push_back({column.title, column.is_number
+                                         ? TextTable::Align::kRight
+                                         : TextTable::Align::kLeft});
     widths.push_back(column.width);
   }
   TextTable table(std::move(columns));

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -39,22 +40,34 @@ class ReportTable {
   static constexpr std::size_t kAllRows =
       std::numeric_limits<std::size_t>::max();
   struct Column {
-    Column(std::string heading,  // NOLINT: a heading is a column
-           TextTable::Align alignment = TextTable::Align::kLeft,
-           std::string explanation = "", Medium where = Medium::kBoth)
-        : title(std::move(heading)),
-          align(alignment),
-          help(std::move(explanation)),
-          medium(where) {}
+    /// A title, with its unit in brackets and what a page says of it after a
+    /// bar: "change [mm]|found less nominal". ">" before it: numbers, on the
+    /// right; "~": sentences, which need room.
+    Column(std::string_view title_and_help);  // NOLINT: they make a column
+    Column(const char* title_and_help)        // NOLINT
+        : Column(std::string_view(title_and_help)) {}
+    Column(const std::string& title_and_help)  // NOLINT
+        : Column(std::string_view(title_and_help)) {}
 
     std::string title;
-    TextTable::Align align;
-    std::string help;      ///< what a page says of it
-    Medium medium;         ///< where it is shown
-    int width = 0;         ///< the text is wrapped to it; 0 = not
-    bool is_long = false;  ///< of sentences, which need room
+    std::string help;
+    bool is_number = false;
+    bool is_long = false;
+    Medium medium = Medium::kBoth;  ///< where it is shown
+    int width = 0;                  ///< the text is wrapped to it; 0 = not
   };
+  static Column TextOnly(Column column) {
+    column.medium = Medium::kText;
+    return column;
+  }
+  static Column PageOnly(Column column) {
+    column.medium = Medium::kPage;
+    return column;
+  }
 
+  /// For a text alone.
+  explicit ReportTable(std::vector<Column> columns)
+      : columns_(std::move(columns)) {}
   ReportTable(std::string id, std::string caption, std::vector<Column> columns)
       : id_(std::move(id)),
         caption_(std::move(caption)),
@@ -79,13 +92,6 @@ class ReportTable {
   std::vector<Column> columns_;
   std::vector<Row> rows_;
 };
-
-/// A column of sentences.
-ReportTable::Column Long(std::string title);
-/// A column of numbers.
-ReportTable::Column Right(
-    std::string title, std::string help = "",
-    ReportTable::Medium medium = ReportTable::Medium::kBoth);
 
 }  // namespace alidade::internal
 

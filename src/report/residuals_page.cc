@@ -19,7 +19,6 @@ namespace {
 
 constexpr std::size_t kMostOutliers = 200;
 constexpr Eigen::Index kFewestResiduals = 8;
-constexpr Eigen::Index kMostJoints = 16;
 // Slices of the workspace along each axis, and squares across one.
 constexpr int kSlices = 5;
 constexpr int kSquares = 22;
@@ -64,8 +63,7 @@ std::string ResidualHistogram(const CalibrationResult& result) {
 std::string JointFigures(const EvaluatedSet& set, const std::string& poses) {
   if (set.joint_values.cols() == 0) return "";
   std::vector<PageChoice> choices;
-  for (Eigen::Index j = 0; j < std::min(set.joint_values.rows(), kMostJoints);
-       ++j) {
+  for (Eigen::Index j = 0; j < set.joint_values.rows(); ++j) {
     const std::string number = std::to_string(j + 1);
     choices.push_back(
         {number,
@@ -84,14 +82,6 @@ struct Slice {
   double upper = 0.0;
   double side = 1.0;
 };
-
-double RoundStep(double rough) {
-  const double power = std::pow(10.0, std::floor(std::log10(rough)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= 0.999 * rough) return factor * power;
-  }
-  return 10.0 * power;
-}
 
 MapChart SliceChart(const PredictedMap& map, const Slice& slice) {
   const std::array<int, 2> across = {slice.axis == 0 ? 1 : 0,
@@ -155,7 +145,7 @@ std::string MapFigures(const PredictedMap& map) {
     if (!(spans.maxCoeff() > 0.0)) continue;
     Slice slice;
     slice.axis = axis;
-    slice.side = RoundStep(spans.maxCoeff() / kSquares);
+    slice.side = StepAbove(spans.maxCoeff() / kSquares);
     for (int k = 0; k < kSlices; ++k) {
       slice.lower = low[axis] + k * thick;
       slice.upper = slice.lower + thick;

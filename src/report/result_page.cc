@@ -131,9 +131,8 @@ ReportTable RelationTable(const std::vector<Relation>& relations) {
       {"structural", "at all poses"},
       {"at_geometry", "at the nominal geometry"},
       {"not_excited", "at these poses"}};
-  ReportTable table(
-      "relations", "Linearly dependent parameters, left out",
-      {{"parameter"}, Long("relation"), {"dependent"}, {"checked"}});
+  ReportTable table("relations", "Linearly dependent parameters, left out",
+                    {"parameter", "~relation", "dependent", "checked"});
   for (const Relation& relation : relations) {
     const auto level = std::find_if(
         kLevels.begin(), kLevels.end(),
@@ -243,7 +242,7 @@ PageSection ProvenanceSection(const CalibrationResult& result) {
   for (const auto& [name, value] : facts) {
     list += Element("dt", {}, name) + Element("dd", {}, value);
   }
-  ReportTable inputs("inputs", "Files read", {{"path"}, {"SHA-256"}});
+  ReportTable inputs("inputs", "Files read", {"path", "SHA-256"});
   for (const InputFile& input : result.inputs) {
     TableCell hash(input.sha256);
     hash.markup = Element("code", {}, EscapeXml(input.sha256));

@@ -8,16 +8,14 @@
 #include "src/calibration/verdict.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
-#include "src/common/text_table.h"
 #include "src/report/figures.h"
 #include "src/report/quantities.h"
 #include "src/report/report.h"
+#include "src/report/report_table.h"
 #include "src/report/rows.h"
 
 namespace alidade::internal {
 namespace {
-
-using Align = TextTable::Align;
 
 constexpr std::size_t kPosesListed = 5;
 constexpr std::size_t kMostPoses = 8;  // of a page
@@ -37,16 +35,8 @@ const ParameterResult* Find(const CalibrationResult& result,
 }
 
 std::string IntervalTable(const CalibrationResult& result) {
-  TextTable table({{"name"},
-                   {"unit"},
-                   {"deviation", Align::kRight},
-                   {"std", Align::kRight},
-                   {"from", Align::kRight},
-                   {"to", Align::kRight},
-                   {"in std", Align::kRight},
-                   {"bends", Align::kRight},
-                   {"prior %", Align::kRight},
-                   {"interval"}});
+  ReportTable table({"name", "unit", ">deviation", ">std", ">from", ">to",
+                     ">in std", ">bends", ">prior %", "interval"});
   for (const ParameterUncertainty& one : result.uncertainty->parameters) {
     const ParameterResult* parameter = Find(result, one.name);
     if (parameter == nullptr) continue;
@@ -62,7 +52,7 @@ std::string IntervalTable(const CalibrationResult& result) {
                   FixedNumber(100.0 * one.prior_share, 0),
                   one.interval.is_profile ? "profile" : "linear"});
   }
-  return table.ToString();
+  return table.ToText();
 }
 
 std::string Correlations(const UncertaintyResult& uncertainty) {
@@ -215,14 +205,11 @@ ReportTable InfluenceTable(const ResidualDiagnostics& residuals) {
                      return a.cooks_distance > b.cooks_distance;
                    });
   if (poses.size() > kMostPoses) poses.resize(kMostPoses);
-  ReportTable table(
-      "influence", "Influential poses",
-      {Right("pose"),
-       Right("leverage"),
-       Right("Cook's distance",
-             "how far the fit moves without it, in its own uncertainty"),
-       Right("residual [sigma]"),
-       {"where", {}, "", ReportTable::Medium::kText}});
+  ReportTable table("influence", "Influential poses",
+                    {">pose", ">leverage",
+                     ">Cook's distance|how far the fit moves without it, in "
+                     "its own uncertainty",
+                     ">residual [sigma]", ReportTable::TextOnly("where")});
   for (const Influence& pose : poses) {
     table.AddRow({CountCell(pose.pose + 1), NumberCell(pose.leverage, 3),
                   NumberCell(pose.cooks_distance, 3),
@@ -233,7 +220,7 @@ ReportTable InfluenceTable(const ResidualDiagnostics& residuals) {
 
 ReportTable CorrelationTable(const UncertaintyResult& uncertainty) {
   ReportTable table("correlated", "Strongly correlated parameters",
-                    {{"first"}, {"second"}, Right("correlation")});
+                    {"first", "second", ">correlation"});
   for (const CorrelatedPair& pair : uncertainty.correlated) {
     table.AddRow({pair.first, pair.second, FixedCell(pair.correlation, 3)});
   }
