@@ -34,20 +34,19 @@ fs::path NamedDirectory(const std::string& path) {
   return is_inside ? whole.parent_path() : whole;
 }
 
-std::string RenderPage(const CalibrationResult& result) {
-  return RenderResultPage(result, FormatResultJson(result), {});
-}
-
 }  // namespace
 
-ReportFile MakeResultPage(const CalibrationResult& result) {
-  return {"report.html", RenderPage(result)};
+ReportFile MakeResultPage(const CalibrationResult& result,
+                          const std::vector<PageSection>& further) {
+  return {"report.html",
+          RenderResultPage(result, FormatResultJson(result), further)};
 }
 
-std::string ResultPageOf(const std::string& path) {
+std::string ResultPageOf(const std::string& path,
+                         const std::vector<PageSection>& further) {
   CalibrationResult result = LoadResultJson(JsonPath(path));
   ReadResultTables(DirectoryOf(path).string(), &result);
-  return RenderPage(result);
+  return RenderResultPage(result, FormatResultJson(result), further);
 }
 
 void AddToComparison(const std::string& path, const std::string& label,

@@ -6,16 +6,19 @@
 
 #include "alidade/calibration_result.h"
 #include "src/report/comparison_page.h"
+#include "src/report/page.h"
 #include "src/report/report.h"
 
 namespace alidade::internal {
 
-/// report.html of a result that was just computed.
-ReportFile MakeResultPage(const CalibrationResult& result);
+/// report.html of a result that was just computed, with further sections.
+ReportFile MakeResultPage(const CalibrationResult& result,
+                          const std::vector<PageSection>& further = {});
 
 /// The page of a result directory, or of its result.json; further files of the
 /// directory are used where they are there. @throws InputError.
-std::string ResultPageOf(const std::string& path);
+std::string ResultPageOf(const std::string& path,
+                         const std::vector<PageSection>& further = {});
 
 /// Adds a result directory, or a result.json, to a comparison page that will
 /// be written to `page_path`; links to its report.html where there is one.

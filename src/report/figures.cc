@@ -28,6 +28,8 @@ constexpr Eigen::Index kMostDrawn = 100000;
 constexpr Eigen::Index kMostScattered = 4000;
 // Errors that fall by more than this factor are drawn on a logarithmic axis.
 constexpr double kLargeFall = 50.0;
+// The rounding floor is shown where errors come within this factor of it.
+constexpr double kNearFloor = 1e4;
 
 // Keeps a number and its unit on one line.
 constexpr const char* kNoBreak = "\u00a0";
@@ -269,12 +271,16 @@ Figure ConvergenceFigure(const std::vector<SolverRun>& runs) {
   chart.x.integer_ticks = true;
   chart.y.label = "largest position error [mm]";
   chart.y.logarithmic = true;
+  double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < runs.size(); ++i) {
     chart.series.push_back(
         ConvergenceCurve(runs[i].summary, kMarkers[i % std::size(kMarkers)]));
+    for (const double error : chart.series.back().y) {
+      smallest = std::min(smallest, error * kMillimetre);
+    }
   }
-  if (!runs.empty() && runs.front().summary.rounding_floor > 0.0) {
-    const double floor = runs.front().summary.rounding_floor;
+  const double floor = runs.empty() ? 0.0 : runs.front().summary.rounding_floor;
+  if (floor > 0.0 && smallest < kNearFloor * floor) {
     chart.references.push_back(
         {floor / kMillimetre, "rounding floor, " + LengthInWords(floor)});
   }
