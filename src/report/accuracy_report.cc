@@ -54,7 +54,7 @@ ReportTable MakeAccuracyTable(const std::string& id, const std::string& what,
                                               ReportTable::PageOnly("poses"),
                                               "calibration"};
   AddColumns("", "", &columns);
-  columns.push_back(">n");
+  columns.emplace_back(">n");
   return {id, caption, std::move(columns)};
 }
 

@@ -23,7 +23,7 @@ Eigen::Matrix3Xd Corners(const Arm& arm, const Eigen::VectorXd& joint_values) {
   ComputeChainAxes(arm, joint_values.data(), &axes);
   const Eigen::Index joints = arm.num_joints();
   Eigen::Matrix3Xd points(3, 2 * joints + 2);
-  for (int j = 0; j < arm.num_joints(); ++j) {
+  for (Eigen::Index j = 0; j < joints; ++j) {
     points.col(2 * j) = axes.origin_before.col(j);
     points.col(2 * j + 1) = axes.origin_on_axis.col(j);
   }

@@ -49,8 +49,9 @@ class Raster {
            static_cast<int>((point.x - left_) / side_);
   }
   SvgPoint Middle(int cell) const {
-    return {left_ + (cell % columns_ + 0.5) * side_,
-            top_ + (cell / columns_ + 0.5) * side_};
+    const int column = cell % columns_;
+    const int row = cell / columns_;
+    return {left_ + (column + 0.5) * side_, top_ + (row + 0.5) * side_};
   }
 
   // The nearest of `seeds` for each cell that is at most `reach` steps off; -1

@@ -157,8 +157,7 @@ ReportTable ParameterTable(const CalibrationResult& result) {
   ReportTable table("parameters-table", "All parameters",
                     {"name", "state", ">change|found less nominal",
                      ">std|standard deviation of what was found", "unit",
-                     ">change / std|change against nominal in units of its own "
-                     "standard deviation",
+                     ">change / std|change in units of its standard deviation",
                      ">" + confidence, ">nominal", ">found",
                      ">true|known, because the arm is simulated", "~remarks"});
   for (const bool is_free : {true, false}) {

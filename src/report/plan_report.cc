@@ -100,14 +100,14 @@ std::string CurveTable(const PlanResult& result) {
   const bool has_bound = result.curve.front().bound > 0.0;
   std::vector<ReportTable::Column> columns = {">poses", ">planned, worst",
                                               ">rms", ">random, worst", ">rms"};
-  if (has_bound) columns.push_back(">bound");
+  if (has_bound) columns.emplace_back(">bound");
   ReportTable table(columns);
   for (const PlanCurvePoint& point : result.curve) {
     std::vector<TableCell> row = {
         std::to_string(point.num_poses), Millimetres(point.planned.worst),
         Millimetres(point.planned.rms), Millimetres(point.random.worst),
         Millimetres(point.random.rms)};
-    if (has_bound) row.push_back(Millimetres(point.bound));
+    if (has_bound) row.emplace_back(Millimetres(point.bound));
     table.AddRow(row);
   }
   return table.ToText();
@@ -134,18 +134,18 @@ std::string PoseTable(const PlanResult& result) {
   std::vector<ReportTable::Column> columns = {">pose"};
   const Eigen::Index n = result.joint_values.rows();
   for (Eigen::Index j = 0; j < n; ++j) {
-    columns.push_back(">q" + std::to_string(j + 1) + " " +
-                      UnitForPeople(result.joint_dimensions[j]));
+    columns.emplace_back(">q" + std::to_string(j + 1) + " " +
+                         UnitForPeople(result.joint_dimensions[j]));
   }
-  columns.push_back(">std mm");
+  columns.emplace_back(">std mm");
   ReportTable table(columns);
   for (Eigen::Index k = 0; k < result.joint_values.cols(); ++k) {
     std::vector<TableCell> row = {std::to_string(k + 1)};
     for (Eigen::Index j = 0; j < n; ++j) {
-      row.push_back(FormatParameter(result.joint_values(j, k),
-                                    result.joint_dimensions[j], 4));
+      row.emplace_back(FormatParameter(result.joint_values(j, k),
+                                       result.joint_dimensions[j], 4));
     }
-    row.push_back(Millimetres(result.pose_std[k]));
+    row.emplace_back(Millimetres(result.pose_std[k]));
     table.AddRow(row);
   }
   return table.ToText();

@@ -149,7 +149,7 @@ ReportTable SolverTable(const std::vector<SolverRun>& runs) {
       {"time to set up"}, {"time to solve"}};
   for (const SolverRun& run : runs) {
     const SolverSummary& summary = run.summary;
-    columns.push_back(">" + ShortSolverTitle(summary.solver));
+    columns.emplace_back(">" + ShortSolverTitle(summary.solver));
     columns.back().width = kStatusWidth;
     const std::vector<TableCell> cells = {
         ToString(summary.status),

@@ -207,8 +207,7 @@ ReportTable InfluenceTable(const ResidualDiagnostics& residuals) {
   if (poses.size() > kMostPoses) poses.resize(kMostPoses);
   ReportTable table("influence", "Influential poses",
                     {">pose", ">leverage",
-                     ">Cook's distance|how far the fit moves without it, in "
-                     "its own uncertainty",
+                     ">Cook's distance|how far the fit moves without it",
                      ">residual [sigma]", ReportTable::TextOnly("where")});
   for (const Influence& pose : poses) {
     table.AddRow({CountCell(pose.pose + 1), NumberCell(pose.leverage, 3),
@@ -269,8 +268,9 @@ std::string UncertaintySection(const CalibrationResult& result) {
       FindingSentences(result, {"normality", "whiteness"});
   if (!tests.empty()) text += Paragraph(tests);
   text += Influences(uncertainty.residuals);
-  if (uncertainty.workspace)
+  if (uncertainty.workspace) {
     text += "\n" + Paragraph(DescribeMap(*uncertainty.workspace));
+  }
   const std::string prediction = FindingSentences(result, {"prediction"});
   if (!prediction.empty()) text += Paragraph(prediction);
   return text;
