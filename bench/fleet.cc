@@ -78,8 +78,7 @@ bool Run(const std::vector<std::string>& arguments) {
         page.AddFailure(label, outcome.message);
       } else {
         std::vector<ReportFile> files = RenderResult(outcome);
-        files.insert(files.end() - 1,
-                     MakeResultPage(outcome, files, directory));
+        files.insert(files.end() - 1, MakeResultPage(outcome));
         WriteResultDirectory(directory, files);
         AddToComparison(directory, label, page_path, &page);
       }

@@ -48,7 +48,9 @@ struct NamedFile {
 struct ReportTable {
   std::string id;       ///< of its element in report.html
   std::string caption;  ///< may be empty
-  /// Those of numbers, which stand to the right, begin with '>': ">d [mm]".
+  /// Those of numbers, which stand to the right, begin with '>', those of
+  /// sentences with '~'. What report.html says of a column follows after a
+  /// bar: ">d [mm]|of a joint".
   std::vector<std::string> titles;
   std::vector<std::vector<std::string>> rows;
   /// Characters that report.txt wraps the cells of a column to, 0 = it does
@@ -61,7 +63,7 @@ struct ReportFigure {
   std::string id;  ///< of its element
   std::string title;
   std::string svg;   ///< an <svg> element, which becomes a part of the page
-  std::string note;  ///< what is said of it
+  std::string note;  ///< sentences that stand below it
 };
 
 /// A section of the report besides those that every result has.
@@ -92,10 +94,11 @@ std::vector<std::string> Save(const CalibrationResult& result,
                               const std::string& directory,
                               const SaveOptions& options = {});
 
-/// The SVG figures of a result as Save writes them: error_before.svg,
-/// error_after.svg, convergence.svg, and, with validation poses,
-/// validation_before.svg and validation_after.svg.
-std::vector<NamedFile> Figures(const CalibrationResult& result);
+/// The figures of a result for a section, in the style of report.html. Their
+/// ids are "error_before", "error_after", "convergence", and, with validation
+/// poses, "validation_before" and "validation_after"; Save writes them as files
+/// of these names.
+std::vector<ReportFigure> Figures(const CalibrationResult& result);
 
 /// Errors before and after, at training and validation poses, as a table for a
 /// terminal.

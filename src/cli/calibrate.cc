@@ -77,8 +77,7 @@ ExitStatus Calibrate(const CommandLine& line, Communicator* communicator) {
   std::vector<ReportFile> files = RenderResult(result, outputs);
   if (line.report) {
     // Before result.json, which comes last.
-    files.insert(files.end() - 1,
-                 MakeResultPage(result, RenderResult(result), directory));
+    files.insert(files.end() - 1, MakeResultPage(result));
   }
   const std::vector<std::string> paths = WriteResultDirectory(directory, files);
   progress.Clear();

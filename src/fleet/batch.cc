@@ -22,7 +22,7 @@
 #include "src/fleet/result_store.h"
 #include "src/fleet/scheduler.h"
 #include "src/job/report_page.h"
-#include "src/report/html_report.h"
+#include "src/report/comparison_page.h"
 #include "src/serialization/batch_json.h"
 
 namespace alidade::internal {

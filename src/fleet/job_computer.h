@@ -13,7 +13,7 @@
 #include "src/fleet/batch_places.h"
 #include "src/fleet/batch_plan.h"
 #include "src/job/run_job.h"
-#include "src/report/html_report.h"
+#include "src/report/comparison_page.h"
 #include "src/report/report.h"
 
 namespace alidade::internal {

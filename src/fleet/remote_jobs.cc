@@ -97,6 +97,47 @@ ComparedResult GetCompared(ByteReader* reader) {
   return result;
 }
 
+void PutItem(const ComparisonItem& item, ByteWriter* writer) {
+  writer->PutTexts({item.version, item.data, item.link});
+  for (const std::int64_t count :
+       {item.num_free, item.num_limits, item.num_missed, item.num_warnings}) {
+    writer->Put(count);
+  }
+  writer->Put(static_cast<std::int64_t>(item.runs.size()));
+  for (const ComparedRun& run : item.runs) {
+    writer->PutText(run.solver);
+    writer->Put(run.status);
+    writer->Put(run.iterations);
+    for (const double value : {run.cost, run.train_mean, run.time_s}) {
+      writer->Put(value);
+    }
+  }
+  PutCompared(item.values, writer);
+}
+
+ComparisonItem GetItem(ByteReader* reader) {
+  ComparisonItem item;
+  std::vector<std::string> texts = reader->GetTexts();
+  item.version = std::move(texts.at(0));
+  item.data = std::move(texts.at(1));
+  item.link = std::move(texts.at(2));
+  for (std::int64_t* count : {&item.num_free, &item.num_limits,
+                              &item.num_missed, &item.num_warnings}) {
+    *count = reader->Get<std::int64_t>();
+  }
+  item.runs.resize(static_cast<std::size_t>(reader->Get<std::int64_t>()));
+  for (ComparedRun& run : item.runs) {
+    run.solver = reader->GetText();
+    run.status = reader->Get<SolverStatus>();
+    run.iterations = reader->Get<std::int64_t>();
+    for (double* value : {&run.cost, &run.train_mean, &run.time_s}) {
+      *value = reader->Get<double>();
+    }
+  }
+  item.values = GetCompared(reader);
+  return item;
+}
+
 std::string OutcomeMessage(std::int64_t number, const Computed& computed,
                            const std::string& staged) {
   ByteWriter writer;
@@ -106,9 +147,7 @@ std::string OutcomeMessage(std::int64_t number, const Computed& computed,
   writer.PutText(staged);
   writer.Put(computed.item.has_value());
   if (computed.item) {
-    writer.PutTexts(
-        {computed.item->version, computed.item->data, computed.item->json});
-    PutCompared(computed.item->values, &writer);
+    PutItem(*computed.item, &writer);
   }
   return writer.Take();
 }
@@ -138,12 +177,7 @@ RemoteOutcome ReadOutcome(ByteReader* reader) {
   outcome.record = *std::move(record);
   outcome.staged = reader->GetText();
   if (!reader->Get<bool>()) return outcome;
-  std::vector<std::string> texts = reader->GetTexts();
-  outcome.item = ComparisonItem{{},
-                                std::move(texts.at(0)),
-                                std::move(texts.at(1)),
-                                std::move(texts.at(2))};
-  outcome.item->values = GetCompared(reader);
+  outcome.item = GetItem(reader);
   return outcome;
 }
 

@@ -3,91 +3,63 @@
 #include <utility>
 #include <variant>
 
+#include "src/common/numbers.h"
 #include "src/common/text.h"
-#include "src/common/text_table.h"
 #include "src/job/report_page.h"
 #include "src/job/result_directory.h"
 #include "src/job/run_job.h"
+#include "src/report/figures.h"
+#include "src/report/page.h"
 #include "src/report/report.h"
-#include "src/report/svg_writer.h"
+#include "src/report/table.h"
 #include "src/serialization/job_file.h"
 
 namespace alidade {
 namespace {
 
-using internal::EscapeXml;
-using internal::TextTable;
-
-bool IsOfNumbers(const std::string& title) { return title[0] == '>'; }
-
-std::string Shown(const std::string& title) {
-  return IsOfNumbers(title) ? title.substr(1) : title;
-}
-
-std::string TableText(const ReportTable& table) {
-  std::vector<TextTable::Column> columns;
-  for (const std::string& title : table.titles) {
-    columns.push_back({Shown(title), IsOfNumbers(title)
-                                         ? TextTable::Align::kRight
-                                         : TextTable::Align::kLeft});
+internal::Table AsTable(const ReportTable& table) {
+  std::vector<internal::Table::Column> columns(table.titles.begin(),
+                                               table.titles.end());
+  for (std::size_t k = 0; k < table.widths.size(); ++k) {
+    columns[k].width = table.widths[k];
   }
-  std::vector<int> widths = table.widths;
-  widths.resize(columns.size());
-  TextTable text(std::move(columns));
+  internal::Table shown(table.id, table.caption, columns);
   for (const auto& row : table.rows) {
-    internal::AddWrappedRow(row, widths, &text);
+    std::vector<internal::TableCell> cells(row.begin(), row.end());
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+      // By which a page sorts.
+      const auto number = internal::ParseNumber(row[k]);
+      if (columns[k].is_number && number) cells[k].value = *number;
+    }
+    shown.AddRow(std::move(cells));
   }
-  return (table.caption.empty() ? "" : table.caption + "\n\n") +
-         text.ToString();
+  return shown;
 }
 
-std::string RowMarkup(const ReportTable& table,
-                      const std::vector<std::string>& cells,
-                      const std::string& first, const std::string& others) {
-  std::string markup = "<tr>";
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    const std::string& element = c == 0 ? first : others;
-    markup += "<" + element +
-              (IsOfNumbers(table.titles[c]) ? " class=\"right\">" : ">") +
-              EscapeXml(cells[c]) + "</" + element.substr(0, 2) + ">";
-  }
-  return markup + "</tr>\n";
+std::string FigureHtml(const ReportFigure& figure) {
+  internal::Figure drawn;
+  drawn.title = figure.title;
+  drawn.subtitle = figure.note;
+  drawn.render = [&figure](internal::FigureMedium) { return figure.svg; };
+  return internal::HtmlFigure(figure.id, drawn);
 }
 
-std::string Markup(const std::string& paragraph) {
-  return "<p>" + EscapeXml(paragraph) + "</p>\n";
-}
-
-std::string Markup(const ReportTable& table) {
-  std::vector<std::string> titles;
-  for (const std::string& title : table.titles) titles.push_back(Shown(title));
-  const std::string header = "th scope=\"col\"";
-  std::string markup =
-      "<div class=\"table\"><h3>" + EscapeXml(table.caption) +
-      "</h3><div class=\"scroll\" tabindex=\"0\"><table id=\"" +
-      EscapeXml(table.id) + "\">\n<thead>" +
-      RowMarkup(table, titles, header, header) + "</thead>\n<tbody>\n";
-  for (const auto& row : table.rows) {
-    markup += RowMarkup(table, row, "th scope=\"row\"", "td");
-  }
-  return markup + "</tbody></table></div></div>\n";
-}
-
-std::string Markup(const ReportFigure& figure) {
-  return "<figure class=\"static\" id=\"" + EscapeXml(figure.id) + "\"><h3>" +
-         EscapeXml(figure.title) + "</h3>\n" + figure.svg + "<figcaption>" +
-         EscapeXml(figure.note) + "</figcaption></figure>\n";
-}
-
-std::string SectionMarkup(const ReportSection& section) {
-  const std::string id = EscapeXml(section.id);
-  std::string markup = "<section id=\"" + id + "\" aria-labelledby=\"" + id +
-                       "-title\"><h2 id=\"" + id + "-title\">" +
-                       EscapeXml(section.title) + "</h2>\n";
+internal::PageSection AsPageSection(const ReportSection& section) {
+  std::string html;
+  std::vector<std::string> figures;  // that stand side by side
   for (const auto& part : section.content) {
-    markup += std::visit([](const auto& any) { return Markup(any); }, part);
+    if (const auto* figure = std::get_if<ReportFigure>(&part)) {
+      figures.push_back(FigureHtml(*figure));
+      continue;
+    }
+    html += internal::HtmlPair(std::exchange(figures, {}));
+    const auto* table = std::get_if<ReportTable>(&part);
+    html += table == nullptr
+                ? internal::HtmlParagraph(std::get<std::string>(part))
+                : AsTable(*table).ToHtml();
   }
-  return markup + "</section>\n";
+  html += internal::HtmlPair(figures);
+  return {section.id, section.title, html};
 }
 
 }  // namespace
@@ -118,7 +90,8 @@ std::string FormatSection(const ReportSection& section) {
     if (const auto* text = std::get_if<std::string>(&part)) {
       blocks.push_back(internal::Paragraph(*text));
     } else if (const auto* table = std::get_if<ReportTable>(&part)) {
-      blocks.push_back(TableText(*table));
+      blocks.push_back((table->caption.empty() ? "" : table->caption + "\n\n") +
+                       AsTable(*table).ToText());
     }
   }
   return internal::Join(blocks, "\n");
@@ -128,10 +101,10 @@ std::vector<std::string> Save(const CalibrationResult& result,
                               const std::string& directory,
                               const SaveOptions& options) {
   std::string text;
-  std::string markup;
+  std::vector<internal::PageSection> sections;
   for (const ReportSection& section : options.sections) {
     text += "\n" + internal::Heading(section.title) + FormatSection(section);
-    markup += SectionMarkup(section);
+    sections.push_back(AsPageSection(section));
   }
   std::vector<internal::ReportFile> files =
       internal::RenderResult(result, text);
@@ -140,16 +113,16 @@ std::vector<std::string> Save(const CalibrationResult& result,
     files.insert(files.end() - 1, std::move(file));
   };
   for (const NamedFile& file : options.files) add({file.name, file.content});
-  if (options.report_page) {
-    add(internal::MakeResultPage(result, files, directory, markup));
-  }
+  if (options.report_page) add(internal::MakeResultPage(result, sections));
   return internal::WriteResultDirectory(directory, files);
 }
 
-std::vector<NamedFile> Figures(const CalibrationResult& result) {
-  std::vector<NamedFile> figures;
-  for (const internal::ReportFile& file : internal::MakeFigures(result)) {
-    figures.push_back({file.name, file.Text()});
+std::vector<ReportFigure> Figures(const CalibrationResult& result) {
+  std::vector<ReportFigure> figures;
+  for (const auto& [id, figure] : internal::ResultFigures(result)) {
+    figures.push_back({id, figure.title,
+                       figure.render(internal::FigureMedium::kPage),
+                       internal::AsSentence(figure.subtitle)});
   }
   return figures;
 }

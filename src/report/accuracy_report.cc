@@ -1,5 +1,6 @@
 #include "src/report/accuracy_report.h"
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <utility>
@@ -7,62 +8,56 @@
 
 #include "src/common/format.h"
 #include "src/common/text.h"
-#include "src/common/text_table.h"
+#include "src/report/markup.h"
+#include "src/report/quantities.h"
 #include "src/report/report.h"
 
 namespace alidade::internal {
 namespace {
 
-using Align = TextTable::Align;
-
 constexpr std::size_t kMostRows = 30;
 
-double UnitOf(Dimension dimension) {
-  return dimension == Dimension::kLength ? kMillimetre : kDegree;
-}
-
 void AddCells(const Accuracy& accuracy, Dimension dimension,
-              std::vector<std::string>* row) {
+              std::vector<TableCell>* row) {
   for (const double value : {accuracy.mean, accuracy.rms, accuracy.stddev,
                              accuracy.median, accuracy.p95, accuracy.max}) {
-    row->push_back(FormatSignificant(value / UnitOf(dimension), 4));
+    row->push_back(QuantityCell(value, dimension, 4));
+    // Half of a page has no room for more.
+    const double shown = value / UnitOf(dimension);
+    row->back().markup = Words(FormatSignificant(shown, shown < 1e-3 ? 2 : 3));
   }
 }
 
+// The columns of AddCells.
+void AddColumns(const std::string& of, const std::string& unit,
+                std::vector<Table::Column>* columns) {
+  columns->insert(
+      columns->end(),
+      {">" + of + "mean", ">rms", Table::TextOnly(">std"),
+       Table::TextOnly(">median"), ">p95|95 of 100 are below", ">max" + unit});
+}
+
 void AddAccuracy(const std::string& poses, const std::string& when,
-                 const Accuracy& accuracy, Dimension dimension,
-                 TextTable* table) {
+                 const Accuracy& accuracy, Dimension dimension, Table* table) {
   if (accuracy.n == 0) return;
-  std::vector<std::string> row = {poses, when};
+  std::vector<TableCell> row = {poses, poses, when};
   AddCells(accuracy, dimension, &row);
-  row.push_back(std::to_string(accuracy.n));
+  row.push_back(CountCell(accuracy.n));
   table->AddRow(std::move(row));
 }
 
-TextTable MakeAccuracyTable(const std::string& title) {
-  return TextTable({{title},
-                    {"calibration"},
-                    {"mean", Align::kRight},
-                    {"rms", Align::kRight},
-                    {"std", Align::kRight},
-                    {"median", Align::kRight},
-                    {"p95", Align::kRight},
-                    {"max", Align::kRight},
-                    {"n", Align::kRight}});
-}
-
-void AddCrossValidation(const CalibrationResult& result,
-                        const Accuracy& accuracy, Dimension dimension,
-                        TextTable* table) {
-  if (!result.cross_validation) return;
-  AddAccuracy("held out once",
-              std::to_string(result.cross_validation->folds) + " folds",
-              accuracy, dimension, table);
+// `what` heads the text's first column, `caption` the page's table.
+Table MakeAccuracyTable(const std::string& id, const std::string& what,
+                        const std::string& caption = "") {
+  std::vector<Table::Column> columns = {
+      Table::TextOnly(what), Table::PageOnly("poses"), "calibration"};
+  AddColumns("", "", &columns);
+  columns.emplace_back(">n");
+  return {id, caption, std::move(columns)};
 }
 
 // Which kind and target the errors of a set belong to, where there are several.
-void AddKinds(const std::string& poses, const EvaluatedSet& set,
-              TextTable* table) {
+void AddKinds(const std::string& poses, const EvaluatedSet& set, Table* table) {
   std::map<std::pair<std::string, std::string>, std::vector<double>> norms;
   for (std::size_t i = 0; i < set.labels.size(); ++i) {
     const ObservationLabel& label = set.labels[i];
@@ -81,61 +76,18 @@ void AddKinds(const std::string& poses, const EvaluatedSet& set,
 }
 
 std::string KindTable(const CalibrationResult& result) {
-  TextTable table = MakeAccuracyTable("of which, after [mm]");
+  Table table = MakeAccuracyTable("kinds", "of which, after [mm]");
   AddKinds("training poses", result.train, &table);
   if (result.heldout) AddKinds("validation poses", *result.heldout, &table);
-  return table.empty() ? "" : "\n" + table.ToString();
+  return table.empty() ? "" : "\n" + table.ToText();
 }
 
-std::string RotationTable(const CalibrationResult& result) {
-  TextTable table = MakeAccuracyTable("orientation error [deg]");
-  const auto add_set = [&](const std::string& poses, const EvaluatedSet& set) {
-    AddAccuracy(poses, "before", set.rotation_before, Dimension::kAngle,
-                &table);
-    AddAccuracy(poses, "after", set.rotation_after, Dimension::kAngle, &table);
-  };
-  add_set("training poses", result.train);
-  if (result.heldout) add_set("validation poses", *result.heldout);
-  if (result.cross_validation) {
-    AddCrossValidation(result, result.cross_validation->rotation,
-                       Dimension::kAngle, &table);
-  }
-  return table.empty() ? "" : "\n" + table.ToString();
-}
-
-TextTable MakeStagesTable(const std::string& poses, const std::string& unit) {
-  return TextTable({{"calibrated"},
-                    {"free", Align::kRight},
-                    {poses + " mean", Align::kRight},
-                    {"rms", Align::kRight},
-                    {"std", Align::kRight},
-                    {"median", Align::kRight},
-                    {"p95", Align::kRight},
-                    {"max [" + unit + "]", Align::kRight}});
-}
-
-std::string StagesTable(const CalibrationResult& result) {
+std::string StagesText(const CalibrationResult& result) {
   if (result.stages.empty()) return "";
-  const bool heldout = result.heldout.has_value();
-  const std::string poses = heldout ? "validation" : "training";
-  TextTable lengths = MakeStagesTable(poses, "mm");
-  TextTable rotations = MakeStagesTable(poses + " orientation", "deg");
-  for (const StageResult& stage : result.stages) {
-    const std::vector<std::string> start = {stage.name,
-                                            std::to_string(stage.num_free)};
-    std::vector<std::string> row = start;
-    AddCells(heldout ? stage.heldout : stage.train, Dimension::kLength, &row);
-    lengths.AddRow(std::move(row));
-    const Accuracy& rotation =
-        heldout ? stage.heldout_rotation : stage.train_rotation;
-    if (rotation.n == 0) continue;
-    row = start;
-    AddCells(rotation, Dimension::kAngle, &row);
-    rotations.AddRow(std::move(row));
-  }
+  const Table rotations = StagesTable(result, Dimension::kAngle);
   return "\n" + Paragraph("What each part of the calibration brings:") +
-         lengths.ToString() +
-         (rotations.empty() ? "" : "\n" + rotations.ToString());
+         StagesTable(result, Dimension::kLength).ToText() +
+         (rotations.empty() ? "" : "\n" + rotations.ToText());
 }
 
 // What repeats say of the instrument and the arm, whatever its geometry.
@@ -166,19 +118,15 @@ std::string FitNotes(const CalibrationResult& result) {
 
 std::string AcceptanceTable(const CalibrationResult& result) {
   if (result.acceptance.empty()) return "";
-  TextTable table({{"acceptance limit"},
-                   {"unit"},
-                   {"at most", Align::kRight},
-                   {"obtained", Align::kRight},
-                   {"verdict"}});
+  Table table("acceptance", "",
+              {"acceptance limit", "unit", ">at most", ">obtained", "verdict"});
   for (const AcceptanceCheck& check : result.acceptance) {
-    const double unit = UnitOf(check.dimension);
     table.AddRow({check.quantity, UnitForPeople(check.dimension),
-                  FormatSignificant(check.limit / unit, 4),
-                  FormatSignificant(check.obtained / unit, 4),
+                  QuantityCell(check.limit, check.dimension, 4),
+                  QuantityCell(check.obtained, check.dimension, 4),
                   check.met() ? "met" : "MISSED"});
   }
-  return "\n" + table.ToString();
+  return "\n" + table.ToText();
 }
 
 std::string FirstRows(std::size_t count) {
@@ -188,67 +136,111 @@ std::string FirstRows(std::size_t count) {
 
 }  // namespace
 
+Table AccuracyTable(const CalibrationResult& result, Dimension dimension) {
+  const bool is_length = dimension == Dimension::kLength;
+  Table table = is_length ? MakeAccuracyTable("accuracy", "position error [mm]",
+                                              "Position error [mm]")
+                          : MakeAccuracyTable("rotation-accuracy",
+                                              "orientation error [deg]",
+                                              "Orientation error [deg]");
+  const auto add_set = [&](const std::string& poses, const EvaluatedSet& set) {
+    AddAccuracy(poses, "before", is_length ? set.before : set.rotation_before,
+                dimension, &table);
+    AddAccuracy(poses, "after", is_length ? set.after : set.rotation_after,
+                dimension, &table);
+  };
+  add_set("training poses", result.train);
+  if (result.heldout) add_set("validation poses", *result.heldout);
+  if (result.cross_validation) {
+    const CrossValidation& folds = *result.cross_validation;
+    AddAccuracy("held out once", std::to_string(folds.folds) + " folds",
+                is_length ? folds.position : folds.rotation, dimension, &table);
+  }
+  return table;
+}
+
+Table StagesTable(const CalibrationResult& result, Dimension dimension) {
+  const bool is_length = dimension == Dimension::kLength;
+  const bool heldout = result.heldout.has_value();
+  const std::string poses = heldout ? "validation" : "training";
+  std::vector<Table::Column> columns = {{"calibrated"}, ">free"};
+  AddColumns(poses + (is_length ? " " : " orientation "),
+             is_length ? " [mm]" : " [deg]", &columns);
+  Table table(
+      is_length ? "stages-table" : "rotation-stages",
+      std::string(is_length ? "Position" : "Orientation") + " error by stage",
+      std::move(columns));
+  for (const StageResult& stage : result.stages) {
+    const Accuracy& position = heldout ? stage.heldout : stage.train;
+    const Accuracy& rotation =
+        heldout ? stage.heldout_rotation : stage.train_rotation;
+    if (!is_length && rotation.n == 0) continue;
+    std::vector<TableCell> row = {stage.name, CountCell(stage.num_free)};
+    AddCells(is_length ? position : rotation, dimension, &row);
+    table.AddRow(std::move(row));
+  }
+  return table;
+}
+
+Table OutlierTable(const CalibrationResult& result) {
+  Table table("outliers",
+              "Outliers (" + std::to_string(result.outliers.size()) + ")",
+              {Table::TextOnly(">observation"), Table::PageOnly(">pose"),
+               "kind", "target", "read from", ">error [mm]",
+               ">in sigmas|the error in its standard deviations",
+               ">weight in the fit|what the robust loss left it"});
+  for (const Outlier& outlier : result.outliers) {
+    const int pose = outlier.label.pose + 1;
+    table.AddRow({CountCell(outlier.observation + 1),
+                  pose > 0 ? CountCell(pose) : TableCell("-"),
+                  outlier.label.kind, outlier.label.target, outlier.label.where,
+                  QuantityCell(outlier.error, Dimension::kLength, 4),
+                  NumberCell(outlier.standardised, 3),
+                  NumberCell(outlier.weight, 2)});
+  }
+  return table;
+}
+
+Table RejectedRowTable(const CalibrationResult& result) {
+  Table table("rejected", "Rows that measure nothing",
+              {"file", ">line", "~reason"});
+  for (const RejectedRow& row : result.rejected) {
+    table.AddRow({row.file, CountCell(row.line), row.reason});
+  }
+  return table;
+}
+
 std::string AccuracySection(const CalibrationResult& result) {
-  return FormatAccuracyTable(result) + StagesTable(result) + FitNotes(result) +
+  return FormatAccuracyTable(result) + StagesText(result) + FitNotes(result) +
          AcceptanceTable(result);
 }
 
-std::string OutlierTable(const CalibrationResult& result) {
+std::string OutlierSection(const CalibrationResult& result) {
   if (result.outliers.empty()) return "";
-  TextTable table({{"observation", Align::kRight},
-                   {"kind"},
-                   {"target"},
-                   {"read from"},
-                   {"error [mm]", Align::kRight},
-                   {"in sigmas", Align::kRight},
-                   {"weight in the fit", Align::kRight}});
-  std::size_t count = 0;
-  for (const Outlier& outlier : result.outliers) {
-    if (count++ == kMostRows) break;
-    table.AddRow({std::to_string(outlier.observation + 1), outlier.label.kind,
-                  outlier.label.target, outlier.label.where,
-                  FormatSignificant(outlier.error / kMillimetre, 4),
-                  FormatSignificant(outlier.standardised, 3),
-                  FormatSignificant(outlier.weight, 2)});
-  }
   return Paragraph(FindingSentences(result, {"outliers"}) +
                    " The limits of other kinds than positions are equally "
                    "improbable. No outlier was left out of the accuracy; the "
                    "weight is what the loss left it in the fit. Worst first; "
                    "residuals.csv has all of them.") +
-         FirstRows(result.outliers.size()) + table.ToString();
+         FirstRows(result.outliers.size()) +
+         OutlierTable(result).ToText(kMostRows);
 }
 
-std::string RejectedRowTable(const CalibrationResult& result) {
+std::string RejectedRowSection(const CalibrationResult& result) {
   if (result.rejected.empty()) return "";
-  TextTable table({{"file"}, {"line", Align::kRight}, {"reason"}});
-  std::size_t count = 0;
-  for (const RejectedRow& row : result.rejected) {
-    if (count++ == kMostRows) break;
-    table.AddRow({row.file, std::to_string(row.line), row.reason});
-  }
   return Paragraph(
              Count(static_cast<std::int64_t>(result.rejected.size()), "row") +
              " took no part. result.json lists all of them.") +
-         FirstRows(result.rejected.size()) + table.ToString();
+         FirstRows(result.rejected.size()) +
+         RejectedRowTable(result).ToText(kMostRows);
 }
 
 std::string FormatAccuracyTable(const CalibrationResult& result) {
-  TextTable table = MakeAccuracyTable("position error [mm]");
-  const auto add_set = [&](const std::string& poses, const EvaluatedSet& set) {
-    AddAccuracy(poses, "before", set.before, Dimension::kLength, &table);
-    AddAccuracy(poses, "after", set.after, Dimension::kLength, &table);
-  };
-  add_set("training poses", result.train);
-  if (result.heldout) add_set("validation poses", *result.heldout);
-  if (result.cross_validation) {
-    AddCrossValidation(result, result.cross_validation->position,
-                       Dimension::kLength, &table);
-  }
-  const std::string rotations = RotationTable(result);
-  if (table.empty() && rotations.empty()) return "No pose was evaluated.\n";
-  return (table.empty() ? "" : table.ToString() + KindTable(result)) +
-         rotations;
+  const Table lengths = AccuracyTable(result, Dimension::kLength);
+  const Table rotations = AccuracyTable(result, Dimension::kAngle);
+  if (lengths.empty() && rotations.empty()) return "No pose was evaluated.\n";
+  return (lengths.empty() ? "" : lengths.ToText() + KindTable(result)) +
+         (rotations.empty() ? "" : "\n" + rotations.ToText());
 }
 
 }  // namespace alidade::internal

@@ -7,6 +7,7 @@
 namespace alidade::internal {
 namespace {
 
+constexpr double kPageMargin = 6.0;
 constexpr double kTickLength = 5.0;
 constexpr double kMinorTickLength = 3.0;
 constexpr double kTickGap = 4.0;
@@ -20,75 +21,9 @@ constexpr double kHalfDigit = 0.36;
 // Pixel grids put a line of one pixel sharply on half a pixel.
 double Crisp(double pixel) { return static_cast<int>(pixel) + 0.5; }
 
-double DrawLines(SvgWriter* svg, const std::string& text, double top,
-                 const SvgText& style) {
-  if (text.empty()) return top;
-  for (const std::string& line :
-       FitText(text, style.bold ? kBold * style.size : style.size)) {
-    top += kLineSpacing * style.size;
-    svg->Text({kChartMargin, top}, line, style);
-  }
-  return top;
-}
-
-void DrawGridX(SvgWriter* svg, const PlotArea& plot) {
-  for (const AxisTick& tick : plot.x.ticks()) {
-    const double x = Crisp(plot.box.left + tick.fraction * plot.box.width);
-    const bool minor = tick.label.empty();
-    svg->Line({x, plot.box.top}, {x, plot.box.bottom()},
-              {minor ? kMinorGridColour : kGridColour});
-  }
-}
-
-void DrawGridY(SvgWriter* svg, const PlotArea& plot) {
-  for (const AxisTick& tick : plot.y.ticks()) {
-    const double y = Crisp(plot.box.bottom() - tick.fraction * plot.box.height);
-    const bool minor = tick.label.empty();
-    svg->Line({plot.box.left, y}, {plot.box.right(), y},
-              {minor ? kMinorGridColour : kGridColour});
-  }
-}
-
-void DrawTicksX(SvgWriter* svg, const PlotArea& plot) {
-  const double bottom = plot.box.bottom();
-  for (const AxisTick& tick : plot.x.ticks()) {
-    const double x = Crisp(plot.box.left + tick.fraction * plot.box.width);
-    const double length = tick.label.empty() ? kMinorTickLength : kTickLength;
-    svg->Line({x, bottom}, {x, bottom + length}, {kFrameColour});
-    if (tick.label.empty()) continue;
-    svg->Text({x, bottom + kTickLength + kTickGap + 0.8 * kTickSize},
-              tick.label, {kTickSize, SvgText::Anchor::kMiddle, kTextColour});
-  }
-}
-
-void DrawTicksY(SvgWriter* svg, const PlotArea& plot) {
-  const double left = plot.box.left;
-  for (const AxisTick& tick : plot.y.ticks()) {
-    const double y = Crisp(plot.box.bottom() - tick.fraction * plot.box.height);
-    const double length = tick.label.empty() ? kMinorTickLength : kTickLength;
-    svg->Line({left - length, y}, {left, y}, {kFrameColour});
-    if (tick.label.empty()) continue;
-    svg->Text({left - kTickLength - kTickGap, y + kHalfDigit * kTickSize},
-              tick.label, {kTickSize, SvgText::Anchor::kEnd, kTextColour});
-  }
-}
-
-void DrawAxisLabels(SvgWriter* svg, const PlotArea& plot) {
-  SvgText style{kLabelSize, SvgText::Anchor::kMiddle, kInkColour};
-  svg->Text({plot.box.left + plot.box.width / 2.0,
-             plot.box.bottom() + kTickLength + kTickGap + 2.6 * kTickSize},
-            plot.x.label(), style);
-  style.upwards = true;
-  svg->Text(
-      {plot.box.left - kTickLength - 2.5 * kTickGap - TickLabelWidth(plot.y),
-       plot.box.top + plot.box.height / 2.0},
-      plot.y.label(), style);
-}
-
-}  // namespace
-
-std::vector<std::string> FitText(std::string_view text, double size) {
-  const double room = kChartWidth - 2.0 * kChartMargin;
+// Lines of `text` that are at most `room` wide at a font size.
+std::vector<std::string> FitText(std::string_view text, double size,
+                                 double room) {
   std::vector<std::string> lines(1);
   for (const std::string& word : WrapText(text, 1)) {
     const std::string longer =
@@ -102,15 +37,52 @@ std::vector<std::string> FitText(std::string_view text, double size) {
   return lines;
 }
 
-double DrawHeader(SvgWriter* svg, const std::string& title,
-                  const std::string& subtitle) {
-  SvgText title_style{kTitleSize, SvgText::Anchor::kStart, kInkColour};
-  title_style.bold = true;
-  const double below_title = DrawLines(svg, title, 8.0, title_style);
-  const double below =
-      DrawLines(svg, subtitle, below_title + 3.0,
-                {kSubtitleSize, SvgText::Anchor::kStart, kTextColour});
-  return below + 8.0;
+double DrawLines(SvgWriter* svg, const ChartLayout& layout,
+                 const std::string& text, double top, double size,
+                 std::string_view look) {
+  if (text.empty()) return top;
+  const double bold = look == "title" ? kBold : 1.0;
+  for (const std::string& line :
+       FitText(text, bold * size, layout.width - 2.0 * layout.margin)) {
+    top += kLineSpacing * size;
+    svg->Text({layout.margin, top}, line, look);
+  }
+  return top;
+}
+
+void DrawAxisY(SvgWriter* svg, const SvgBox& box, const AxisScale& y) {
+  for (const AxisTick& tick : y.ticks()) {
+    const double at = Crisp(box.bottom() - tick.fraction * box.height);
+    const bool minor = tick.label.empty();
+    svg->Line({box.left, at}, {box.right(), at}, minor ? "minor" : "grid");
+    svg->Line({box.left - (minor ? kMinorTickLength : kTickLength), at},
+              {box.left, at}, "axis");
+    if (minor) continue;
+    svg->Text({box.left - kTickLength - kTickGap, at + kHalfDigit * kTickSize},
+              tick.label, "tick end");
+  }
+  svg->Line({Crisp(box.left), box.top}, {Crisp(box.left), Crisp(box.bottom())},
+            "axis");
+  svg->Text({box.left - kTickLength - 2.5 * kTickGap - TickLabelWidth(y),
+             box.top + box.height / 2.0},
+            y.label(), "label middle", -90.0);
+}
+
+}  // namespace
+
+ChartLayout LayoutOf(FigureMedium medium, double page_width) {
+  return medium == FigureMedium::kFile
+             ? ChartLayout{}
+             : ChartLayout{medium, page_width, kPageMargin};
+}
+
+double DrawHeader(SvgWriter* svg, const ChartLayout& layout,
+                  const std::string& title, const std::string& subtitle) {
+  if (layout.medium == FigureMedium::kPage) return 4.0;
+  const double below = DrawLines(svg, layout, title, 8.0, kTitleSize, "title");
+  return DrawLines(svg, layout, subtitle, below + 3.0, kSubtitleSize,
+                   "subtitle") +
+         8.0;
 }
 
 double TickLabelWidth(const AxisScale& scale) {
@@ -121,8 +93,8 @@ double TickLabelWidth(const AxisScale& scale) {
   return width;
 }
 
-double LeftMargin(const AxisScale& y) {
-  return kChartMargin + 0.6 * kLabelSize + kTickLength + kTickGap +
+double LeftMargin(const ChartLayout& layout, const AxisScale& y) {
+  return layout.margin + 0.6 * kLabelSize + kTickLength + kTickGap +
          kAxisLabelGap + TickLabelWidth(y);
 }
 
@@ -131,22 +103,34 @@ SvgPoint PlotArea::At(double x_value, double y_value) const {
           box.bottom() - y.Fraction(y_value) * box.height};
 }
 
+void DrawAxisX(SvgWriter* svg, const SvgBox& box, const AxisScale& x) {
+  for (const AxisTick& tick : x.ticks()) {
+    const double at = Crisp(box.left + tick.fraction * box.width);
+    const bool minor = tick.label.empty();
+    svg->Line({at, box.top}, {at, box.bottom()}, minor ? "minor" : "grid");
+    svg->Line({at, box.bottom()},
+              {at, box.bottom() + (minor ? kMinorTickLength : kTickLength)},
+              "axis");
+    if (minor) continue;
+    svg->Text({at, box.bottom() + kTickLength + kTickGap + 0.8 * kTickSize},
+              tick.label, "tick middle");
+  }
+  const double bottom = Crisp(box.bottom());
+  svg->Line({Crisp(box.left), bottom}, {box.right(), bottom}, "axis");
+  svg->Text({box.left + box.width / 2.0,
+             box.bottom() + kTickLength + kTickGap + 2.6 * kTickSize},
+            x.label(), "label middle");
+}
+
 void DrawAxes(SvgWriter* svg, const PlotArea& plot) {
-  DrawGridX(svg, plot);
-  DrawGridY(svg, plot);
-  DrawTicksX(svg, plot);
-  DrawTicksY(svg, plot);
-  const double left = Crisp(plot.box.left);
-  const double bottom = Crisp(plot.box.bottom());
-  svg->Line({left, plot.box.top}, {left, bottom}, {kFrameColour});
-  svg->Line({left, bottom}, {plot.box.right(), bottom}, {kFrameColour});
-  DrawAxisLabels(svg, plot);
+  DrawAxisX(svg, plot.box, plot.x);
+  DrawAxisY(svg, plot.box, plot.y);
 }
 
 void DrawNoData(SvgWriter* svg, const SvgBox& box) {
-  svg->Box(box, "#f5f5f5");
+  svg->Box(box, "empty");
   svg->Text({box.left + box.width / 2.0, box.top + box.height / 2.0}, "no data",
-            {kTitleSize, SvgText::Anchor::kMiddle, kTextColour});
+            "label middle");
 }
 
 }  // namespace alidade::internal

@@ -10,35 +10,34 @@
 
 namespace alidade::internal {
 
-/// What line charts and maps share: the look of text and grid, the header,
-/// and the axes about the plot.
+/// What all charts share: their size, the header, and the axes about the plot.
 
-inline constexpr double kChartWidth = 720.0;
-inline constexpr double kChartMargin = 24.0;
-
-inline constexpr std::string_view kInkColour = "#1a1a1a";
-inline constexpr std::string_view kTextColour = "#4d4d4d";
-inline constexpr std::string_view kFrameColour = "#8c8c8c";
-inline constexpr std::string_view kGridColour = "#dedede";
-inline constexpr std::string_view kMinorGridColour = "#f2f2f2";
-
+/// The sizes of text in figures.css.
 inline constexpr double kTitleSize = 18.0;
 inline constexpr double kSubtitleSize = 14.0;
 inline constexpr double kLabelSize = 14.0;
 inline constexpr double kTickSize = 13.0;
 
-/// Lines of `text` that fit the chart at a font size.
-std::vector<std::string> FitText(std::string_view text, double size);
+/// Half the width of a page, on a phone its whole width: narrower than a file,
+/// so that letters stay readable.
+inline constexpr double kPageWidth = 480.0;
 
-/// Draws title and subtitle; returns the y below them.
-double DrawHeader(SvgWriter* svg, const std::string& title,
-                  const std::string& subtitle);
+struct ChartLayout {
+  FigureMedium medium = FigureMedium::kFile;
+  double width = 720.0;
+  double margin = 24.0;
+};
+ChartLayout LayoutOf(FigureMedium medium, double page_width = kPageWidth);
+
+/// Draws title and subtitle of a file; returns the y below them.
+double DrawHeader(SvgWriter* svg, const ChartLayout& layout,
+                  const std::string& title, const std::string& subtitle);
 
 /// Widest label of a vertical axis.
 double TickLabelWidth(const AxisScale& scale);
 
 /// The y axis's part left of the plot: tick labels and turned axis label.
-double LeftMargin(const AxisScale& y);
+double LeftMargin(const ChartLayout& layout, const AxisScale& y);
 
 /// The two scales over the plot's box.
 struct PlotArea {
@@ -48,6 +47,10 @@ struct PlotArea {
 
   SvgPoint At(double x_value, double y_value) const;
 };
+
+/// A grid line, tick and label for each tick of a horizontal axis, and its
+/// label.
+void DrawAxisX(SvgWriter* svg, const SvgBox& box, const AxisScale& x);
 
 /// Grid lines, ticks, labels and axis labels; the data go on top.
 void DrawAxes(SvgWriter* svg, const PlotArea& plot);

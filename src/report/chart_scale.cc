@@ -37,14 +37,6 @@ double Largest(double a, double b) {
   return std::max(std::abs(a), std::abs(b));
 }
 
-double StepAbove(double smallest) {
-  const double power = std::pow(10.0, std::floor(std::log10(smallest)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= smallest * (1.0 - kEqual)) return factor * power;
-  }
-  return 10.0 * power;
-}
-
 double LinearStep(double span, int max_labels, bool integer) {
   const double step = StepAbove(span / max_labels);
   return integer ? std::max(step, 1.0) : step;
@@ -89,6 +81,14 @@ std::string ScaledLabel(const std::string& label, int exponent) {
 }
 
 }  // namespace
+
+double StepAbove(double smallest) {
+  const double power = std::pow(10.0, std::floor(std::log10(smallest)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= smallest * (1.0 - kEqual)) return factor * power;
+  }
+  return 10.0 * power;
+}
 
 bool IsDrawable(const ChartAxis& axis, double value) {
   if (!std::isfinite(value) || std::abs(value) > kLargestDrawable) return false;

@@ -19,6 +19,10 @@ struct ChartAxis {
   bool integer_ticks = false;
 };
 
+/// The smallest of 1, 2 or 5 times a power of ten that is not below `smallest`,
+/// which is positive.
+double StepAbove(double smallest);
+
 /// True for a value that has a place on the axis: finite, positive where the
 /// axis is logarithmic, inside the range where one is given.
 bool IsDrawable(const ChartAxis& axis, double value);

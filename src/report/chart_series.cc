@@ -3,33 +3,30 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <set>
 #include <string>
 #include <utility>
 
 namespace alidade::internal {
 namespace {
 
-// Black last: it is the colour of text.
-constexpr std::array<std::string_view, 7> kColours = {
-    "#0072b2", "#d55e00", "#009e73", "#cc79a7",
-    "#e69f00", "#56b4e9", "#000000"};
-constexpr std::array<std::string_view, 3> kDashes = {"", "7 4", "2 3"};
-
-constexpr double kLineWidth = 2.0;
-constexpr double kRimWidth = 1.6;
+constexpr std::size_t kNumColours = 7;
 constexpr double kMarkerRadius = 4.0;
 constexpr double kOpenMarkerRadius = 5.5;
-constexpr double kSmallMarkerRadius = 1.5;
+constexpr double kLegendRow = 24.0;
+constexpr double kLegendKeyRoom = 38.0;
 constexpr double kLegendKeyLength = 28.0;
+constexpr double kLegendGap = 24.0;
 // More points than this along a line are thinned, more markers are drawn
 // small, more stems lose their heads.
 constexpr std::size_t kManyLinePoints = 2000;
 constexpr std::size_t kManyMarkers = 300;
 constexpr std::size_t kManyStems = 120;
-// Where markers are many, one is kept in each cell of this many pixels.
+constexpr double kStemWidth = 2.0;
+// Where markers and tips are many, one is kept in each square of so many
+// pixels.
 constexpr double kMarkerCell = 2.0;
-constexpr int kSamplesPerSegment = 8;
+constexpr std::size_t kManyTips = 150;
+constexpr double kTipCell = 20.0;
 
 std::string At(char command, SvgPoint point) {
   return command + SvgNumber(point.x) + " " + SvgNumber(point.y);
@@ -54,21 +51,6 @@ std::string TrianglePath(SvgPoint centre, double radius) {
   return At('M', {centre.x, centre.y - radius}) +
          At('L', {centre.x + half, centre.y + 0.5 * radius}) + "H" +
          SvgNumber(centre.x - half) + "z";
-}
-
-std::string MarkerPath(MarkerStyle style, SvgPoint centre, double radius) {
-  switch (style) {
-    case MarkerStyle::kNone:
-      return "";
-    case MarkerStyle::kSquare:
-      return SquarePath(centre, 0.85 * radius);
-    case MarkerStyle::kTriangle:
-      return TrianglePath(centre, 1.3 * radius);
-    case MarkerStyle::kDot:
-    case MarkerStyle::kStem:
-      return CirclePath(centre, radius);
-  }
-  return "";
 }
 
 std::size_t NumPoints(const std::vector<PixelRun>& runs) {
@@ -102,16 +84,13 @@ PixelRun ThinLine(const PixelRun& run) {
   return thin;
 }
 
-std::vector<SvgPoint> MarkerPoints(const std::vector<PixelRun>& runs) {
-  const bool many = NumPoints(runs) > kManyLinePoints;
+std::vector<SvgPoint> MarkerPoints(const std::vector<PixelRun>& runs,
+                                   bool many) {
   std::vector<SvgPoint> points;
-  std::set<std::pair<int, int>> taken;
+  Neighbourhoods taken(kMarkerCell);
   for (const PixelRun& run : runs) {
     for (const SvgPoint point : run) {
-      const std::pair<int, int> cell = {
-          static_cast<int>(point.x / kMarkerCell),
-          static_cast<int>(point.y / kMarkerCell)};
-      if (!many || taken.insert(cell).second) points.push_back(point);
+      if (!many || taken.IsNew(point)) points.push_back(point);
     }
   }
   return points;
@@ -133,24 +112,21 @@ void DrawLines(SvgWriter* svg, const SeriesLook& look,
     if (thin.size() == 1) path += "h0";
     for (std::size_t i = 1; i < thin.size(); ++i) path += At('L', thin[i]);
   }
-  svg->Outline(path, {look.colour, kLineWidth, look.dashes});
+  svg->Path(path, "line " + look.colour);
 }
 
 void DrawMarkers(SvgWriter* svg, MarkerStyle style, const SeriesLook& look,
-                 const std::vector<SvgPoint>& points) {
-  const bool many = points.size() > kManyMarkers;
-  const bool open = look.marker_fill == "none";
+                 const std::vector<SvgPoint>& points, bool many) {
   std::string path;
   for (const SvgPoint point : points) {
-    path += many ? SquarePath(point, kSmallMarkerRadius)
+    path += many ? At('M', point) + "h0"
                  : MarkerPath(style, point,
-                              open ? kOpenMarkerRadius : kMarkerRadius);
+                              look.is_open ? kOpenMarkerRadius : kMarkerRadius);
   }
-  if (many) {
-    svg->Fill(path, look.colour);
-  } else {
-    svg->Marker(path, look.marker_fill, {look.colour, kRimWidth});
-  }
+  svg->Path(path, (many           ? "dots "
+                   : look.is_open ? "mark "
+                                  : "mark full ") +
+                      look.colour);
 }
 
 void DrawStems(SvgWriter* svg, const SeriesLook& look, const PlotArea& plot,
@@ -158,8 +134,6 @@ void DrawStems(SvgWriter* svg, const SeriesLook& look, const PlotArea& plot,
   const double base = BaseLine(plot);
   const auto count = static_cast<double>(NumPoints(runs));
   const bool heads = NumPoints(runs) <= kManyStems;
-  const double width =
-      heads ? kLineWidth : std::max(1.0, 0.6 * plot.box.width / count);
   std::string path;
   std::vector<SvgPoint> points;
   for (const PixelRun& run : runs) {
@@ -168,24 +142,74 @@ void DrawStems(SvgWriter* svg, const SeriesLook& look, const PlotArea& plot,
       points.push_back(point);
     }
   }
-  svg->Outline(path, {look.colour, width});
-  if (heads) DrawMarkers(svg, MarkerStyle::kStem, look, points);
+  svg->Path(path, "stem " + look.colour,
+            heads ? kStemWidth : std::max(1.0, 0.6 * plot.box.width / count));
+  if (heads) DrawMarkers(svg, MarkerStyle::kStem, look, points, false);
 }
 
-void AddSegment(SvgPoint from, SvgPoint to, std::vector<SvgPoint>* samples) {
-  for (int i = 0; i <= kSamplesPerSegment; ++i) {
-    const double t = static_cast<double>(i) / kSamplesPerSegment;
-    samples->push_back(
-        {from.x + t * (to.x - from.x), from.y + t * (to.y - from.y)});
+// Neighbours keep a pixel between them.
+void DrawBars(SvgWriter* svg, const ChartSeries& series, const SeriesLook& look,
+              const PlotArea& plot, const std::vector<PixelRun>& runs) {
+  const double base = BaseLine(plot);
+  const double width =
+      plot.At(plot.x.lower() + series.bar_width, 0.0).x - plot.box.left - 1.0;
+  std::string path;
+  for (const PixelRun& run : runs) {
+    for (const SvgPoint point : run) {
+      path += At('M', {point.x - width / 2.0, base}) + "V" +
+              SvgNumber(point.y) + "h" + SvgNumber(width) + "V" +
+              SvgNumber(base) + "z";
+    }
+  }
+  svg->Path(path, "bar " + look.colour);
+}
+
+void DrawLegendKey(SvgWriter* svg, const ChartSeries& series,
+                   const SeriesLook& look, SvgPoint centre) {
+  const double half = kLegendKeyLength / 2.0;
+  if (series.line && series.marker != MarkerStyle::kStem &&
+      series.marker != MarkerStyle::kBar) {
+    DrawLines(svg, look,
+              {{{centre.x - half, centre.y}, {centre.x + half, centre.y}}});
+  }
+  if (series.marker != MarkerStyle::kNone) {
+    DrawMarkers(svg, series.marker, look, {centre}, false);
   }
 }
 
 }  // namespace
 
-SeriesLook LookOf(std::size_t index) {
-  const std::string_view colour = kColours[index % kColours.size()];
-  return {colour, index == 0 ? colour : "none",
-          kDashes[index % kDashes.size()]};
+ChartSeries Markers(const std::string& label, MarkerStyle marker,
+                    const std::string& colour) {
+  ChartSeries series;
+  series.label = label;
+  series.line = false;
+  series.marker = marker;
+  series.colour = colour;
+  return series;
+}
+
+SeriesLook LookOf(const ChartSeries& series, std::size_t index) {
+  const std::string colour = series.colour.empty()
+                                 ? "s" + std::to_string(index % kNumColours + 1)
+                                 : series.colour;
+  return {colour, colour != "s1"};
+}
+
+std::string MarkerPath(MarkerStyle style, SvgPoint centre, double radius) {
+  switch (style) {
+    case MarkerStyle::kNone:
+      return "";
+    case MarkerStyle::kSquare:
+    case MarkerStyle::kBar:
+      return SquarePath(centre, 0.85 * radius);
+    case MarkerStyle::kTriangle:
+      return TrianglePath(centre, 1.3 * radius);
+    case MarkerStyle::kDot:
+    case MarkerStyle::kStem:
+      return CirclePath(centre, radius);
+  }
+  return "";
 }
 
 std::vector<PixelRun> PixelRuns(const ChartAxis& x, const ChartAxis& y,
@@ -214,41 +238,68 @@ void DrawSeries(SvgWriter* svg, const ChartSeries& series,
     DrawStems(svg, look, plot, runs);
     return;
   }
+  if (series.marker == MarkerStyle::kBar) {
+    DrawBars(svg, series, look, plot, runs);
+    return;
+  }
   if (series.line) DrawLines(svg, look, runs);
   if (series.marker != MarkerStyle::kNone) {
-    DrawMarkers(svg, series.marker, look, MarkerPoints(runs));
+    const bool many = NumPoints(runs) > kManyMarkers;
+    DrawMarkers(svg, series.marker, look, MarkerPoints(runs, many), many);
   }
 }
 
-void DrawLegendKey(SvgWriter* svg, const ChartSeries& series,
-                   const SeriesLook& look, SvgPoint centre) {
-  const double half = kLegendKeyLength / 2.0;
-  if (series.line && series.marker != MarkerStyle::kStem) {
-    DrawLines(svg, look,
-              {{{centre.x - half, centre.y}, {centre.x + half, centre.y}}});
-  }
-  if (series.marker != MarkerStyle::kNone) {
-    DrawMarkers(svg, series.marker, look, {centre});
-  }
-}
-
-std::vector<SvgPoint> InkSamples(const ChartSeries& series,
-                                 const PlotArea& plot,
-                                 const std::vector<PixelRun>& runs) {
-  std::vector<SvgPoint> samples;
-  const double base = BaseLine(plot);
-  for (const PixelRun& run : runs) {
-    const PixelRun thin = ThinLine(run);
-    for (std::size_t i = 0; i < thin.size(); ++i) {
-      samples.push_back(thin[i]);
-      if (series.marker == MarkerStyle::kStem) {
-        AddSegment({thin[i].x, base}, thin[i], &samples);
-      } else if (series.line && i > 0) {
-        AddSegment(thin[i - 1], thin[i], &samples);
-      }
+void DrawTips(SvgWriter* svg, const ChartAxis& x, const ChartAxis& y,
+              const ChartSeries& series, const PlotArea& plot) {
+  if (!series.tip) return;
+  std::vector<std::size_t> points;
+  for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i) {
+    if (IsDrawable(x, series.x[i]) && IsDrawable(y, series.y[i])) {
+      points.push_back(i);
     }
   }
-  return samples;
+  const bool many = points.size() > kManyTips;
+  if (many) {
+    std::stable_sort(points.begin(), points.end(),
+                     [&series](std::size_t a, std::size_t b) {
+                       return series.y[a] > series.y[b];
+                     });
+  }
+  Neighbourhoods taken(kTipCell);
+  for (const std::size_t i : points) {
+    const SvgPoint at = plot.At(series.x[i], series.y[i]);
+    if (!many || taken.IsNew(at)) svg->Tip(at, series.tip(i));
+  }
+}
+
+double DrawLegend(SvgWriter* svg, const ChartLayout& layout,
+                  const std::vector<ChartSeries>& series, double top) {
+  double x = layout.margin;
+  double bottom = top;
+  for (std::size_t i = 0; i < series.size(); ++i) {
+    if (series[i].label.empty()) continue;
+    const double width =
+        kLegendKeyRoom + SvgTextWidth(series[i].label, kTickSize);
+    if (bottom == top || x + width > layout.width - layout.margin) {
+      x = layout.margin;
+      bottom += kLegendRow;
+    }
+    const double y = bottom - kLegendRow / 2.0;
+    DrawLegendKey(svg, series[i], LookOf(series[i], i), {x + 14.0, y});
+    svg->Text({x + kLegendKeyRoom, y + 0.36 * kTickSize}, series[i].label, "");
+    x += width + kLegendGap;
+  }
+  return bottom;
+}
+
+bool Neighbourhoods::IsNew(SvgPoint at) {
+  const auto column = static_cast<std::size_t>(std::max(0.0, at.x) / side_);
+  const auto row = static_cast<std::size_t>(std::max(0.0, at.y) / side_);
+  if (row >= taken_.size()) taken_.resize(row + 1);
+  if (column >= taken_[row].size()) taken_[row].resize(column + 1);
+  const bool is_new = !taken_[row][column];
+  taken_[row][column] = true;
+  return is_new;
 }
 
 }  // namespace alidade::internal

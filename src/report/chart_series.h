@@ -2,6 +2,7 @@
 #define ALIDADE_SRC_REPORT_CHART_SERIES_H_
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,29 +12,39 @@
 
 namespace alidade::internal {
 
-enum class MarkerStyle { kNone, kDot, kSquare, kTriangle, kStem };
+enum class MarkerStyle { kNone, kDot, kSquare, kTriangle, kStem, kBar };
 
 /// One curve or cloud. Points that are not finite, not positive on a
 /// logarithmic axis, or outside a given range are left out, and the line is
-/// broken there. kStem stands on zero (or on the bottom of the chart) and draws
-/// no line between points.
+/// broken there. kStem and kBar stand on zero (or on the bottom of the chart)
+/// and draw no line between points.
 struct ChartSeries {
   std::string label;  ///< legend; empty = not listed
   std::vector<double> x;
   std::vector<double> y;
   bool line = true;
   MarkerStyle marker = MarkerStyle::kNone;
+  double bar_width = 1.0;  ///< of kBar, in units of x
+  /// "s1" to "s7"; empty = by its place among the series.
+  std::string colour;
+  /// What is said of a point under the pointer; nothing where it is empty.
+  std::function<std::string(std::size_t)> tip;
 };
 
-/// How the series with this index is drawn: colours that colour-blind readers
-/// tell apart (Okabe, Ito 2008), repeated when they run out. The first series
-/// has full markers, the others open ones, so that those below show through.
+/// One without points yet, of markers alone.
+ChartSeries Markers(const std::string& label, MarkerStyle marker,
+                    const std::string& colour = "");
+
+/// How a series is drawn: its colour, and full markers for the first colour,
+/// open ones for others, so that those below show through.
 struct SeriesLook {
-  std::string_view colour;
-  std::string_view marker_fill;
-  std::string_view dashes;
+  std::string colour;
+  bool is_open = false;
 };
-SeriesLook LookOf(std::size_t index);
+SeriesLook LookOf(const ChartSeries& series, std::size_t index);
+
+/// A path that draws one marker.
+std::string MarkerPath(MarkerStyle style, SvgPoint centre, double radius);
 
 /// Points of a series in pixels, without those that have no place on the axes;
 /// a new run begins behind each of those.
@@ -48,14 +59,27 @@ void DrawSeries(SvgWriter* svg, const ChartSeries& series,
                 const SeriesLook& look, const PlotArea& plot,
                 const std::vector<PixelRun>& runs);
 
-/// The sample of a series in a legend, centred.
-void DrawLegendKey(SvgWriter* svg, const ChartSeries& series,
-                   const SeriesLook& look, SvgPoint centre);
+/// The tips of a series; where points are many, that of the largest value in
+/// each neighbourhood.
+void DrawTips(SvgWriter* svg, const ChartAxis& x, const ChartAxis& y,
+              const ChartSeries& series, const PlotArea& plot);
 
-/// Some points along what DrawSeries draws, to keep labels off it.
-std::vector<SvgPoint> InkSamples(const ChartSeries& series,
-                                 const PlotArea& plot,
-                                 const std::vector<PixelRun>& runs);
+/// A legend from `top` downwards, above the plot, so that it never covers data.
+/// Returns the y below it.
+double DrawLegend(SvgWriter* svg, const ChartLayout& layout,
+                  const std::vector<ChartSeries>& series, double top);
+
+/// One thing for each neighbourhood of the plot, of several the first:
+/// whether `at` is in a square of `side` pixels that no call has seen.
+class Neighbourhoods {
+ public:
+  explicit Neighbourhoods(double side) : side_(side) {}
+  bool IsNew(SvgPoint at);
+
+ private:
+  double side_;
+  std::vector<std::vector<bool>> taken_;
+};
 
 }  // namespace alidade::internal
 

@@ -1,5 +1,9 @@
+#include "src/report/figures.h"
+
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -7,7 +11,6 @@
 #include "src/common/format.h"
 #include "src/common/text.h"
 #include "src/report/report.h"
-#include "src/report/svg_chart.h"
 #include "src/solve/solver_names.h"
 
 namespace alidade::internal {
@@ -18,72 +21,123 @@ constexpr std::size_t kMostMarkedIterations = 40;
 // Poses lie in one plane when their height varies by less than this share of
 // their extent.
 constexpr double kFlat = 0.05;
-// Of more poses than so many only the worst of neighbours are drawn: the others
-// would lie behind them.
+constexpr Eigen::Index kFewestOfPlane = 3;
+// Of more observations than so many only the worst of neighbours are drawn: the
+// others would lie behind them.
 constexpr Eigen::Index kMostDrawn = 100000;
+constexpr Eigen::Index kMostScattered = 4000;
+// Errors that fall by more than this factor are drawn on a logarithmic axis.
+constexpr double kLargeFall = 50.0;
+// The rounding floor is shown where errors come within this factor of it.
+constexpr double kNearFloor = 1e4;
 
 // Keeps a number and its unit on one line.
 constexpr const char* kNoBreak = "\u00a0";
-
-// "2.13 × 10^-13", which the chart sets with a superscript.
-std::string NumberInWords(double value) {
-  std::string text = FormatSignificant(value, 3);
-  const std::size_t e = text.find('e');
-  if (e == std::string::npos) return text;
-  return text.substr(0, e) + kNoBreak + "×" + kNoBreak + "10^" +
-         std::to_string(std::stoi(text.substr(e + 1)));
-}
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 std::string LengthInWords(double metres) {
-  return NumberInWords(metres / kMillimetre) + kNoBreak + "mm";
+  return FormatSignificant(metres / kMillimetre, 3) + kNoBreak + "mm";
 }
 
-// "1.94 to 5.21 mm, mean 3.29 mm"; one number where all print the same.
-std::string Headline(const Accuracy& accuracy) {
-  if (accuracy.n == 0) return "nothing was evaluated";
-  const std::string largest = LengthInWords(accuracy.max);
-  if (LengthInWords(accuracy.min) == largest) return largest + " at every pose";
-  return NumberInWords(accuracy.min / kMillimetre) + " to " + largest +
-         ", mean " + LengthInWords(accuracy.mean);
-}
+// The errors of a set as people read them: of positions in mm, or of
+// orientations in degrees where no length was measured.
+class ShownErrors {
+ public:
+  ShownErrors(const EvaluatedSet& set, CalibrationState state)
+      : set_(set),
+        is_rotation_(set.after.n == 0 && set.rotation_after.n > 0),
+        is_after_(state == CalibrationState::kAfter) {}
 
-std::vector<double> InMillimetres(
-    const Eigen::Ref<const Eigen::VectorXd, 0, Eigen::InnerStride<>>& metres) {
-  std::vector<double> values;
-  values.reserve(static_cast<std::size_t>(metres.size()));
-  for (const double value : metres) values.push_back(value / kMillimetre);
-  return values;
-}
-
-ChartSeries ErrorByPose(const SharedVector& errors) {
-  ChartSeries series;
-  series.marker = MarkerStyle::kStem;
-  const Eigen::Index n = errors.size();
-  const Eigen::Index step = std::max<Eigen::Index>(1, n / kMostDrawn);
-  for (Eigen::Index first = 0; first < n; first += step) {
-    Eigen::Index worst = 0;
-    errors.map().segment(first, std::min(step, n - first)).maxCoeff(&worst);
-    series.x.push_back(static_cast<double>(first + worst + 1));
-    series.y.push_back(errors[first + worst] / kMillimetre);
+  Eigen::Index size() const { return set_.residual_after.cols(); }
+  const char* unit() const { return is_rotation_ ? "deg" : "mm"; }
+  std::string label() const {
+    return std::string(is_rotation_ ? "orientation" : "position") + " error [" +
+           unit() + "]";
   }
-  return series;
-}
 
-LineChart PoseChart(const std::string& title, const Accuracy& accuracy,
-                    const SharedVector& errors, const std::string& poses) {
-  LineChart chart;
-  chart.title = title;
-  chart.subtitle = Headline(accuracy) + " (" + Count(accuracy.n, poses) + ")";
-  chart.x.label = poses;
-  chart.x.integer_ticks = true;
-  chart.y.label = "position error [mm]";
-  chart.series.push_back(ErrorByPose(errors));
-  return chart;
+  // NaN where the observation has none.
+  double operator[](Eigen::Index i) const {
+    const bool has_label = !set_.labels.empty();
+    if (is_rotation_) {
+      if (has_label && !set_.labels[i].has_rotation) return kNan;
+      return Column(set_.rotation_residual_before, set_.rotation_residual_after,
+                    i) /
+             kDegree;
+    }
+    if (has_label && !set_.labels[i].has_length) return kNan;
+    return Column(set_.residual_before, set_.residual_after, i) / kMillimetre;
+  }
+
+  std::string title() const {
+    return std::string(is_rotation_ ? "Orientation" : "Position") + " error " +
+           (is_after_ ? "after" : "before") + " calibration, ";
+  }
+
+  const Accuracy& accuracy() const {
+    if (is_rotation_) {
+      return is_after_ ? set_.rotation_after : set_.rotation_before;
+    }
+    return is_after_ ? set_.after : set_.before;
+  }
+
+  // "1.94 to 5.21 mm, mean 3.29 mm"; one number where all print the same.
+  std::string Headline() const {
+    const Accuracy& all = accuracy();
+    if (all.n == 0) return "nothing was evaluated";
+    const std::string end = std::string(kNoBreak) + unit();
+    const std::string largest = Shown(all.max);
+    if (Shown(all.min) == largest) return largest + end + " at every pose";
+    return Shown(all.min) + " to " + largest + end + ", mean " +
+           Shown(all.mean) + end;
+  }
+
+  // "pose 7, smr2: 0.123 mm", and where it was read.
+  std::string Describe(Eigen::Index i) const {
+    const std::string end =
+        ": " + FormatSignificant((*this)[i], 3) + " " + unit();
+    if (set_.labels.empty()) return "pose " + std::to_string(i + 1) + end;
+    const ObservationLabel& label = set_.labels[i];
+    std::string text =
+        label.pose < 0 ? label.kind : "pose " + std::to_string(label.pose + 1);
+    if (!label.target.empty()) text += ", " + label.target;
+    const std::string where =
+        label.where.substr(label.where.find_last_of('/') + 1);
+    return text + end + (where.empty() ? "" : "\n" + where);
+  }
+
+ private:
+  std::string Shown(double value) const {
+    return FormatSignificant(value / (is_rotation_ ? kDegree : kMillimetre), 3);
+  }
+  double Column(const SharedMatrix& before, const SharedMatrix& after,
+                Eigen::Index i) const {
+    return (is_after_ ? after : before).col(i).norm();
+  }
+
+  const EvaluatedSet& set_;
+  bool is_rotation_;
+  bool is_after_;
+};
+
+// The worst of neighbours, no more than `most`.
+std::vector<Eigen::Index> DrawnObservations(const ShownErrors& errors,
+                                            Eigen::Index most) {
+  std::vector<Eigen::Index> drawn;
+  const Eigen::Index step = (errors.size() + most - 1) / most;
+  for (Eigen::Index first = 0; first < errors.size(); first += step) {
+    Eigen::Index worst = first;
+    const Eigen::Index end = std::min(first + step, errors.size());
+    for (Eigen::Index i = first + 1; i < end; ++i) {
+      if (!(errors[i] <= errors[worst])) worst = i;
+    }
+    drawn.push_back(worst);
+  }
+  return drawn;
 }
 
 bool LiesInHorizontalPlane(const EvaluatedSet& set) {
-  if (set.positions.cols() < 3 || set.positions.cols() > kMostDrawn ||
-      !set.positions.map().allFinite()) {
+  if (set.positions.cols() < kFewestOfPlane ||
+      set.positions.cols() > kMostDrawn || !set.positions.map().allFinite()) {
     return false;
   }
   const Eigen::Vector3d extent = set.positions.map().rowwise().maxCoeff() -
@@ -91,31 +145,27 @@ bool LiesInHorizontalPlane(const EvaluatedSet& set) {
   return extent.z() < kFlat * extent.head<2>().maxCoeff();
 }
 
-MapChart PlaneChart(const std::string& title, const Accuracy& accuracy,
-                    const EvaluatedSet& set, const SharedVector& errors) {
+MapChart PlaneChart(const EvaluatedSet& set, CalibrationState state) {
+  const ShownErrors errors(set, state);
   MapChart chart;
-  chart.title = title;
+  chart.title = errors.title() + "validation poses";
   const double height = set.positions.row(2).mean() / kMillimetre;
-  chart.subtitle = Headline(accuracy) + " (" + Count(accuracy.n, "pose") +
-                   " at z" + kNoBreak + "=" + kNoBreak +
-                   FormatSignificant(height, 3) + kNoBreak + "mm)";
+  chart.subtitle = errors.Headline() + " (" +
+                   Count(errors.accuracy().n, "pose") + " at z" + kNoBreak +
+                   "=" + kNoBreak + FormatSignificant(height, 3) + kNoBreak +
+                   "mm)";
   chart.x.label = "x [mm]";
   chart.y.label = "y [mm]";
-  chart.colour.label = "position error [mm]";
-  chart.px = InMillimetres(set.positions.row(0).transpose());
-  chart.py = InMillimetres(set.positions.row(1).transpose());
-  chart.value = InMillimetres(errors.map());
-  return chart;
-}
-
-std::string ValidationFigure(const std::string& when, const Accuracy& accuracy,
-                             const EvaluatedSet& set,
-                             const SharedVector& errors) {
-  const std::string title = "Position error " + when + ", validation poses";
-  if (LiesInHorizontalPlane(set)) {
-    return RenderSvg(PlaneChart(title, accuracy, set, errors));
+  chart.colour.label = errors.label();
+  for (Eigen::Index i = 0; i < errors.size(); ++i) {
+    chart.px.push_back(set.positions(0, i) / kMillimetre);
+    chart.py.push_back(set.positions(1, i) / kMillimetre);
+    chart.value.push_back(errors[i]);
   }
-  return RenderSvg(PoseChart(title, accuracy, errors, "validation pose"));
+  chart.tip = [errors](std::size_t i) {
+    return errors.Describe(static_cast<Eigen::Index>(i));
+  };
+  return chart;
 }
 
 ChartSeries ConvergenceCurve(const SolverSummary& summary, MarkerStyle marker) {
@@ -126,6 +176,11 @@ ChartSeries ConvergenceCurve(const SolverSummary& summary, MarkerStyle marker) {
     series.y.push_back(record.max_error / kMillimetre);
   }
   if (series.x.size() <= kMostMarkedIterations) series.marker = marker;
+  series.tip = [&summary, title = series.label](std::size_t i) {
+    const IterationRecord& record = summary.iterations[i];
+    return title + ", iteration " + std::to_string(record.iteration) + ":\n" +
+           LengthInWords(record.max_error);
+  };
   return series;
 }
 
@@ -141,7 +196,72 @@ std::string ConvergenceHeadline(const std::vector<SolverRun>& runs) {
   return Join(parts, "; ");
 }
 
-std::string ConvergenceFigure(const std::vector<SolverRun>& runs) {
+}  // namespace
+
+Figure ErrorFigure(const EvaluatedSet& set, CalibrationState state,
+                   const std::string& pose) {
+  const ShownErrors errors(set, state);
+  LineChart chart;
+  chart.title = errors.title() + pose + "s";
+  chart.subtitle =
+      errors.Headline() + " (" + Count(errors.accuracy().n, pose) + ")";
+  chart.x.label = pose;
+  chart.x.integer_ticks = true;
+  chart.y.label = errors.label();
+  ChartSeries series;
+  series.marker = MarkerStyle::kStem;
+  series.colour = state == CalibrationState::kAfter ? "s1" : "s2";
+  std::vector<Eigen::Index> drawn = DrawnObservations(errors, kMostDrawn);
+  for (const Eigen::Index i : drawn) {
+    series.x.push_back(static_cast<double>(i + 1));
+    series.y.push_back(errors[i]);
+  }
+  series.tip = [errors, drawn = std::move(drawn)](std::size_t i) {
+    return errors.Describe(drawn[i]);
+  };
+  chart.series.push_back(std::move(series));
+  return chart;
+}
+
+Figure ValidationFigure(const EvaluatedSet& set, CalibrationState state) {
+  if (LiesInHorizontalPlane(set)) return PlaneChart(set, state);
+  return ErrorFigure(set, state, "validation pose");
+}
+
+Figure JointFigure(const EvaluatedSet& set, Eigen::Index joint) {
+  const bool is_angle = set.joint_dimensions[joint] == Dimension::kAngle;
+  const ShownErrors before(set, CalibrationState::kBefore);
+  const ShownErrors after(set, CalibrationState::kAfter);
+  LineChart chart;
+  chart.title = "Error by the value of joint " + std::to_string(joint + 1);
+  chart.x.label =
+      "joint " + std::to_string(joint + 1) + (is_angle ? " [deg]" : " [mm]");
+  chart.y.label = after.label();
+  chart.y.logarithmic =
+      before.accuracy().max > kLargeFall * after.accuracy().max &&
+      after.accuracy().max > 0.0;
+  const std::vector<Eigen::Index> drawn =
+      DrawnObservations(after, kMostScattered);
+  for (const ShownErrors& errors : {before, after}) {
+    ChartSeries series = chart.series.empty()
+                             ? Markers("before", MarkerStyle::kSquare, "s2")
+                             : Markers("after", MarkerStyle::kDot, "s1");
+    for (const Eigen::Index i : drawn) {
+      const Eigen::Index pose = set.labels.empty() ? i : set.labels[i].pose;
+      series.x.push_back(pose < 0 ? kNan
+                                  : set.joint_values(joint, pose) /
+                                        (is_angle ? kDegree : kMillimetre));
+      series.y.push_back(errors[i]);
+    }
+    series.tip = [errors, drawn](std::size_t i) {
+      return errors.Describe(drawn[i]);
+    };
+    chart.series.push_back(std::move(series));
+  }
+  return chart;
+}
+
+Figure ConvergenceFigure(const std::vector<SolverRun>& runs) {
   constexpr MarkerStyle kMarkers[] = {MarkerStyle::kDot, MarkerStyle::kSquare,
                                       MarkerStyle::kTriangle};
   LineChart chart;
@@ -151,40 +271,45 @@ std::string ConvergenceFigure(const std::vector<SolverRun>& runs) {
   chart.x.integer_ticks = true;
   chart.y.label = "largest position error [mm]";
   chart.y.logarithmic = true;
+  double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < runs.size(); ++i) {
     chart.series.push_back(
         ConvergenceCurve(runs[i].summary, kMarkers[i % std::size(kMarkers)]));
+    for (const double error : chart.series.back().y) {
+      smallest = std::min(smallest, error * kMillimetre);
+    }
   }
-  if (!runs.empty() && runs.front().summary.rounding_floor > 0.0) {
-    const double floor = runs.front().summary.rounding_floor;
+  const double floor = runs.empty() ? 0.0 : runs.front().summary.rounding_floor;
+  if (floor > 0.0 && smallest < kNearFloor * floor) {
     chart.references.push_back(
         {floor / kMillimetre, "rounding floor, " + LengthInWords(floor)});
   }
-  return RenderSvg(chart);
+  return chart;
 }
 
-}  // namespace
+std::vector<std::pair<std::string, Figure>> ResultFigures(
+    const CalibrationResult& result) {
+  std::vector<std::pair<std::string, Figure>> figures;
+  constexpr auto kBefore = CalibrationState::kBefore;
+  constexpr auto kAfter = CalibrationState::kAfter;
+  figures.emplace_back("error_before",
+                       ErrorFigure(result.train, kBefore, "training pose"));
+  figures.emplace_back("error_after",
+                       ErrorFigure(result.train, kAfter, "training pose"));
+  figures.emplace_back("convergence", ConvergenceFigure(result.runs));
+  if (result.heldout) {
+    figures.emplace_back("validation_before",
+                         ValidationFigure(*result.heldout, kBefore));
+    figures.emplace_back("validation_after",
+                         ValidationFigure(*result.heldout, kAfter));
+  }
+  return figures;
+}
 
 std::vector<ReportFile> MakeFigures(const CalibrationResult& result) {
-  const EvaluatedSet& train = result.train;
   std::vector<ReportFile> files;
-  files.emplace_back(
-      "error_before.svg",
-      RenderSvg(PoseChart("Position error before calibration, training poses",
-                          train.before, train.ErrorBefore(), "training pose")));
-  files.emplace_back(
-      "error_after.svg",
-      RenderSvg(PoseChart("Position error after calibration, training poses",
-                          train.after, train.ErrorAfter(), "training pose")));
-  files.emplace_back("convergence.svg", ConvergenceFigure(result.runs));
-  if (result.heldout) {
-    const EvaluatedSet& heldout = *result.heldout;
-    files.emplace_back("validation_before.svg",
-                       ValidationFigure("before calibration", heldout.before,
-                                        heldout, heldout.ErrorBefore()));
-    files.emplace_back("validation_after.svg",
-                       ValidationFigure("after calibration", heldout.after,
-                                        heldout, heldout.ErrorAfter()));
+  for (const auto& [name, figure] : ResultFigures(result)) {
+    files.emplace_back(name + ".svg", figure.render(FigureMedium::kFile));
   }
   return files;
 }

@@ -1,3 +1,5 @@
+#include "src/report/identifiability_report.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -92,25 +94,6 @@ std::string FormatGap(const RankReport& report) {
   return FormatSignificant(report.gap, 2);
 }
 
-std::string RankTable(const IdentifiabilityResult& result) {
-  TextTable table({{"rank of what, where, at which geometry"},
-                   {"rank", Align::kRight},
-                   {"gap", Align::kRight}});
-  const auto add = [&table](const char* geometry, const RankReport& report) {
-    table.AddRow({geometry,
-                  std::to_string(report.rank) + " of " +
-                      std::to_string(report.singular_values.size()),
-                  FormatGap(report)});
-  };
-  if (result.structural_rank.rank > 0) {
-    add("all candidates, generic poses, perturbed", result.structural_rank);
-    add("all candidates, generic poses, nominal", result.generic_rank);
-  }
-  add("free ones, these poses, perturbed", result.perturbed_rank);
-  add("free ones, these poses, nominal", result.nominal_rank);
-  return table.ToString();
-}
-
 std::string Remarks(const IdentifiabilityResult& result) {
   std::string text;
   if (!result.weak.empty()) {
@@ -125,30 +108,47 @@ std::string Remarks(const IdentifiabilityResult& result) {
   return text;
 }
 
-std::string IndexTable(const IdentifiabilityResult& result) {
-  if (result.num_free == 0 || result.scaled.condition == 0.0) return "";
-  TextTable table({{"observability"},
-                   {"O1", Align::kRight},
-                   {"O2", Align::kRight},
-                   {"O3", Align::kRight},
-                   {"O4", Align::kRight},
-                   {"O5", Align::kRight},
-                   {"condition", Align::kRight}});
+}  // namespace
+
+Table RankTable(const IdentifiabilityResult& result) {
+  Table table("ranks", "Numerical rank",
+              {"rank of what, where, at which geometry", ">rank",
+               ">gap|smallest singular value that counts over the "
+               "largest that does not"});
+  const auto add = [&table](const char* geometry, const RankReport& report) {
+    table.AddRow({geometry,
+                  {std::to_string(report.rank) + " of " +
+                       std::to_string(report.singular_values.size()),
+                   static_cast<double>(report.rank)},
+                  {FormatGap(report), report.gap}});
+  };
+  if (result.structural_rank.rank > 0) {
+    add("all candidates, generic poses, perturbed", result.structural_rank);
+    add("all candidates, generic poses, nominal", result.generic_rank);
+  }
+  add("free ones, these poses, perturbed", result.perturbed_rank);
+  add("free ones, these poses, nominal", result.nominal_rank);
+  return table;
+}
+
+Table ObservabilityTable(const IdentifiabilityResult& result) {
+  Table table(
+      "observability", "Observability indices",
+      {"observability", ">O1", ">O2", ">O3", ">O4", ">O5", ">condition"});
+  if (result.num_free == 0 || result.scaled.condition == 0.0) return table;
   const auto add = [&table](const char* name,
                             const ObservabilityIndices& indices) {
-    std::vector<std::string> row = {name};
+    std::vector<TableCell> row = {name};
     for (const double value : {indices.o1, indices.o2, indices.o3, indices.o4,
                                indices.o5, indices.condition}) {
-      row.push_back(FormatSignificant(value, 3));
+      row.push_back(NumberCell(value, 3));
     }
-    table.AddRow(row);
+    table.AddRow(std::move(row));
   };
   add("columns as they are (m, m/rad)", result.unscaled);
   add("angles scaled by the reach", result.scaled);
-  return "\n" + table.ToString();
+  return table;
 }
-
-}  // namespace
 
 std::string FormatIdentifiability(const IdentifiabilityResult& result) {
   const std::int64_t free = CountState(result, ParameterState::kFree);
@@ -166,7 +166,9 @@ std::string FormatIdentifiability(const IdentifiabilityResult& result) {
       "What can be told apart (gap: the smallest singular value that counts "
       "over the largest that does not; perturbed: small changes of the "
       "geometry, at which second-order effects count too):");
-  text += RankTable(result) + IndexTable(result);
+  text += RankTable(result).ToText();
+  const Table indices = ObservabilityTable(result);
+  if (!indices.empty()) text += "\n" + indices.ToText();
   const std::string remarks = Remarks(result);
   if (!remarks.empty()) text += "\n" + remarks;
   return text;

@@ -20,11 +20,10 @@ struct MapCells {
 };
 
 /// What to paint for samples in `box`. Some hundred samples or more become a
-/// raster, row by row, over the area that they cover: every cell has the value
-/// of its nearest sample. A cell belongs to that area where it holds a sample,
-/// or where samples within a few mean spacings lie all around it; so rows of
-/// samples with gaps between them become one area that does not reach beyond
-/// them. Fewer samples stay squares of their own, in their own order.
+/// raster, row by row, over the area that they cover: a cell has the largest of
+/// the values in it, or that of the nearest cell with a sample. Gaps between
+/// rows of samples are closed, a few mean spacings wide. Fewer samples stay
+/// squares of their own, in their own order.
 /// @pre `box` holds every sample; samples is not empty.
 MapCells MakeMapCells(const std::vector<MapSample>& samples, const SvgBox& box);
 

@@ -5,19 +5,13 @@
 
 #include "src/common/format.h"
 #include "src/common/text.h"
-#include "src/common/text_table.h"
+#include "src/report/quantities.h"
 #include "src/report/report.h"
 #include "src/report/svg_chart.h"
+#include "src/report/table.h"
 
 namespace alidade::internal {
 namespace {
-
-using Align = TextTable::Align;
-
-std::string InUnit(double value, Dimension dimension) {
-  const double unit = dimension == Dimension::kLength ? kMillimetre : kDegree;
-  return FormatSignificant(value / unit, 3);
-}
 
 std::string Percent(double rate) { return FixedNumber(100.0 * rate, 1); }
 
@@ -55,23 +49,16 @@ std::string Introduction(const MonteCarloResult& result) {
   return Paragraph(text);
 }
 
-TextTable ParameterTable(const MonteCarloResult& result) {
-  TextTable table({{"name"},
-                   {"unit"},
-                   {"bias", Align::kRight},
-                   {"+-", Align::kRight},
-                   {"spread", Align::kRight},
-                   {"told std", Align::kRight},
-                   {"least std", Align::kRight},
-                   {"holds truth %", Align::kRight},
-                   {"interval"}});
+Table ParameterTable(const MonteCarloResult& result) {
+  Table table({"name", "unit", ">bias", ">+-", ">spread", ">told std",
+               ">least std", ">holds truth %", "interval"});
   for (const SimulatedParameter& one : result.parameters) {
     table.AddRow({one.name, UnitForPeople(one.dimension),
-                  InUnit(one.bias, one.dimension),
-                  InUnit(one.bias_error, one.dimension),
-                  InUnit(one.spread, one.dimension),
-                  InUnit(one.predicted_std, one.dimension),
-                  InUnit(one.bound, one.dimension), Rate(one.coverage),
+                  InUnit(one.bias, one.dimension, 3),
+                  InUnit(one.bias_error, one.dimension, 3),
+                  InUnit(one.spread, one.dimension, 3),
+                  InUnit(one.predicted_std, one.dimension, 3),
+                  InUnit(one.bound, one.dimension, 3), Rate(one.coverage),
                   one.is_profile ? "profile" : "linear"});
   }
   return table;
@@ -204,7 +191,7 @@ std::string TrialCsv(const MonteCarloResult& result) {
 std::string FormatMonteCarlo(const MonteCarloResult& result) {
   std::string text = Introduction(result);
   if (result.parameters.empty()) return text;
-  text += "\n" + ParameterTable(result).ToString() + "\n";
+  text += "\n" + ParameterTable(result).ToText() + "\n";
   text += Paragraph(
       "The spread is " + FormatSignificant(result.inefficiency, 4) +
       " times the least one that sigmas and priors allow (root mean square "

@@ -4,21 +4,16 @@
 
 #include "src/common/format.h"
 #include "src/common/text.h"
-#include "src/common/text_table.h"
+#include "src/report/quantities.h"
 #include "src/report/report.h"
 #include "src/report/svg_chart.h"
+#include "src/report/table.h"
 
 namespace alidade::internal {
 namespace {
 
-using Align = TextTable::Align;
-
-std::string Millimetres(double metres) {
-  return FormatSignificant(metres / kMillimetre, 3);
-}
-
-void AddMethod(const NoiseStudyMethod& method, TextTable* table) {
-  std::vector<std::string> row = {method.name};
+void AddMethod(const NoiseStudyMethod& method, Table* table) {
+  std::vector<TableCell> row = {method.name};
   row.push_back(
       Millimetres(NoiseStudyMethod::Percentile(method.data_rms, 0.5)));
   for (const double fraction : {0.05, 0.5, 0.95}) {
@@ -74,19 +69,15 @@ std::string FormatNoiseStudy(const NoiseStudyResult& study) {
       "poses of the data set and at " +
       std::to_string(study.workspace_poses) +
       " poses over the whole workspace.");
-  TextTable table({{"error against the true arm [mm]"},
-                   {"at the poses", Align::kRight},
-                   {"workspace p5", Align::kRight},
-                   {"median", Align::kRight},
-                   {"p95", Align::kRight},
-                   {"failed", Align::kRight}});
+  Table table({"error against the true arm [mm]", ">at the poses",
+               ">workspace p5", ">median", ">p95", ">failed"});
   const std::string before = Millimetres(study.workspace_rms_before);
   table.AddRow({"not calibrated", Millimetres(study.data_rms_before), before,
                 before, before, ""});
   for (const NoiseStudyMethod& method : study.methods) {
     AddMethod(method, &table);
   }
-  return text + "\n" + table.ToString() + "\n" + Verdict(study);
+  return text + "\n" + table.ToText() + "\n" + Verdict(study);
 }
 
 std::vector<ReportFile> MakeNoiseFiles(const NoiseStudyResult& study) {

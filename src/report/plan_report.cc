@@ -6,17 +6,12 @@
 
 #include "src/common/format.h"
 #include "src/common/text.h"
-#include "src/common/text_table.h"
+#include "src/report/quantities.h"
 #include "src/report/svg_chart.h"
+#include "src/report/table.h"
 
 namespace alidade::internal {
 namespace {
-
-using Align = TextTable::Align;
-
-std::string Millimetres(double metres) {
-  return FormatSignificant(metres / kMillimetre, 3);
-}
 
 int NumPoses(const PlanResult& result) {
   return static_cast<int>(result.joint_values.cols());
@@ -53,13 +48,8 @@ std::string Opening(const PlanResult& result) {
 }
 
 std::string EvaluationTable(const PlanResult& result) {
-  TextTable table({{"predicted std of a position [mm]"},
-                   {"candidates, worst", Align::kRight},
-                   {"rms", Align::kRight},
-                   {"region, worst", Align::kRight},
-                   {"rms", Align::kRight},
-                   {"O1", Align::kRight},
-                   {"condition", Align::kRight}});
+  Table table({"predicted std of a position [mm]", ">candidates, worst", ">rms",
+               ">region, worst", ">rms", ">O1", ">condition"});
   for (const PlanEvaluation& evaluation : result.evaluations) {
     const ObservabilityIndices& indices = evaluation.observability;
     table.AddRow({evaluation.name, Millimetres(evaluation.candidates.worst),
@@ -69,7 +59,7 @@ std::string EvaluationTable(const PlanResult& result) {
                   FormatSignificant(indices.o1, 3),
                   FormatSignificant(indices.condition, 3)});
   }
-  return table.ToString();
+  return table.ToText();
 }
 
 // Of the information of the best plan. The bound is far below what a plan
@@ -108,31 +98,24 @@ std::string Verdict(const PlanResult& result) {
 
 std::string CurveTable(const PlanResult& result) {
   const bool has_bound = result.curve.front().bound > 0.0;
-  std::vector<TextTable::Column> columns = {{"poses", Align::kRight},
-                                            {"planned, worst", Align::kRight},
-                                            {"rms", Align::kRight},
-                                            {"random, worst", Align::kRight},
-                                            {"rms", Align::kRight}};
-  if (has_bound) columns.push_back({"bound", Align::kRight});
-  TextTable table(columns);
+  std::vector<Table::Column> columns = {">poses", ">planned, worst", ">rms",
+                                        ">random, worst", ">rms"};
+  if (has_bound) columns.emplace_back(">bound");
+  Table table(columns);
   for (const PlanCurvePoint& point : result.curve) {
-    std::vector<std::string> row = {
+    std::vector<TableCell> row = {
         std::to_string(point.num_poses), Millimetres(point.planned.worst),
         Millimetres(point.planned.rms), Millimetres(point.random.worst),
         Millimetres(point.random.rms)};
-    if (has_bound) row.push_back(Millimetres(point.bound));
+    if (has_bound) row.emplace_back(Millimetres(point.bound));
     table.AddRow(row);
   }
-  return table.ToString();
+  return table.ToText();
 }
 
 std::string ParameterTable(const PlanResult& result) {
-  TextTable table({{"parameter"},
-                   {"unit"},
-                   {"known before", Align::kRight},
-                   {"planned std", Align::kRight},
-                   {"random std", Align::kRight},
-                   {"stands for"}});
+  Table table({"parameter", "unit", ">known before", ">planned std",
+               ">random std", "stands for"});
   for (const PlannedParameter& parameter : result.parameters) {
     const double unit =
         parameter.dimension == Dimension::kAngle ? kDegree : kMillimetre;
@@ -144,29 +127,28 @@ std::string ParameterTable(const PlanResult& result) {
                   FormatSignificant(parameter.random_std / unit, 3),
                   parameter.stands_for});
   }
-  return table.ToString();
+  return table.ToText();
 }
 
 std::string PoseTable(const PlanResult& result) {
-  std::vector<TextTable::Column> columns = {{"pose", Align::kRight}};
+  std::vector<Table::Column> columns = {">pose"};
   const Eigen::Index n = result.joint_values.rows();
   for (Eigen::Index j = 0; j < n; ++j) {
-    columns.push_back({"q" + std::to_string(j + 1) + " " +
-                           UnitForPeople(result.joint_dimensions[j]),
-                       Align::kRight});
+    columns.emplace_back(">q" + std::to_string(j + 1) + " " +
+                         UnitForPeople(result.joint_dimensions[j]));
   }
-  columns.push_back({"std mm", Align::kRight});
-  TextTable table(columns);
+  columns.emplace_back(">std mm");
+  Table table(columns);
   for (Eigen::Index k = 0; k < result.joint_values.cols(); ++k) {
-    std::vector<std::string> row = {std::to_string(k + 1)};
+    std::vector<TableCell> row = {std::to_string(k + 1)};
     for (Eigen::Index j = 0; j < n; ++j) {
-      row.push_back(FormatParameter(result.joint_values(j, k),
-                                    result.joint_dimensions[j], 4));
+      row.emplace_back(FormatParameter(result.joint_values(j, k),
+                                       result.joint_dimensions[j], 4));
     }
-    row.push_back(Millimetres(result.pose_std[k]));
+    row.emplace_back(Millimetres(result.pose_std[k]));
     table.AddRow(row);
   }
-  return table.ToString();
+  return table.ToText();
 }
 
 ChartSeries CurveSeries(const std::string& label, const PlanResult& result,

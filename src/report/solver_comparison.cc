@@ -1,3 +1,5 @@
+#include "src/report/solver_comparison.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -26,35 +28,6 @@ constexpr std::size_t kMostDifferences = 3;
 
 std::string CostText(double cost) {
   return cost < 0.0 ? "-" : FormatSignificant(cost, 4);
-}
-
-std::string OutcomeTable(const std::vector<SolverRun>& runs) {
-  std::vector<TextTable::Column> columns = {{"solver"}};
-  std::vector<std::vector<std::string>> rows = {
-      {"outcome"},        {"iterations"},        {"steps accepted"},
-      {"steps rejected"}, {"chi-square before"}, {"chi-square after"},
-      {"rms error [mm]"}, {"max error [mm]"},    {"time to set up"},
-      {"time to solve"}};
-  for (const SolverRun& run : runs) {
-    const SolverSummary& summary = run.summary;
-    columns.push_back({ShortSolverTitle(summary.solver), Align::kRight});
-    const std::vector<std::string> cells = {
-        ToString(summary.status),
-        std::to_string(summary.accepted_steps + summary.rejected_steps),
-        std::to_string(summary.accepted_steps),
-        std::to_string(summary.rejected_steps),
-        CostText(summary.initial_cost),
-        CostText(summary.final_cost),
-        FormatSignificant(run.train.rms / kMillimetre, 4),
-        FormatSignificant(run.train.max / kMillimetre, 4),
-        FormatDuration(summary.setup_time_s),
-        FormatDuration(summary.solve_time_s)};
-    for (std::size_t i = 0; i < rows.size(); ++i) rows[i].push_back(cells[i]);
-  }
-  TextTable table(columns);
-  std::vector<int> widths(columns.size(), kStatusWidth);
-  for (const auto& row : rows) AddWrappedRow(row, widths, &table);
-  return table.ToString();
 }
 
 std::size_t LongestHistory(const std::vector<SolverRun>& runs) {
@@ -146,6 +119,8 @@ std::string DifferenceText(const Difference& difference) {
          (length ? " mm" : " rad");
 }
 
+}  // namespace
+
 std::string DifferenceSentence(const CalibrationResult& result,
                                const SolverRun& other) {
   const SolverRun& first = result.runs.front();
@@ -165,21 +140,47 @@ std::string DifferenceSentence(const CalibrationResult& result,
   return names + ", largest differences: " + Join(parts, ", ");
 }
 
-std::string Differences(const CalibrationResult& result) {
-  std::string text;
+Table SolverTable(const std::vector<SolverRun>& runs) {
+  std::vector<Table::Column> columns = {{"solver"}};
+  std::vector<std::vector<TableCell>> rows = {
+      {"outcome"},        {"iterations"},        {"steps accepted"},
+      {"steps rejected"}, {"chi-square before"}, {"chi-square after"},
+      {"rms error [mm]"}, {"max error [mm]"},    {"evaluation"},
+      {"time to set up"}, {"time to solve"}};
+  for (const SolverRun& run : runs) {
+    const SolverSummary& summary = run.summary;
+    columns.emplace_back(">" + ShortSolverTitle(summary.solver));
+    columns.back().width = kStatusWidth;
+    const std::vector<TableCell> cells = {
+        ToString(summary.status),
+        CountCell(summary.accepted_steps + summary.rejected_steps),
+        CountCell(summary.accepted_steps),
+        CountCell(summary.rejected_steps),
+        {CostText(summary.initial_cost), summary.initial_cost},
+        {CostText(summary.final_cost), summary.final_cost},
+        QuantityCell(run.train.rms, Dimension::kLength, 4),
+        QuantityCell(run.train.max, Dimension::kLength, 4),
+        summary.evaluation.empty() ? "Jacobian" : summary.evaluation,
+        {FormatDuration(summary.setup_time_s), summary.setup_time_s},
+        {FormatDuration(summary.solve_time_s), summary.solve_time_s}};
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i].push_back(cells[i]);
+  }
+  Table table("solvers",
+              runs.size() > 1 ? "The solvers, on the same data" : "The solver",
+              std::move(columns));
+  for (std::vector<TableCell>& row : rows) table.AddRow(std::move(row));
+  return table;
+}
+
+std::string FormatComparison(const CalibrationResult& result) {
+  if (result.runs.empty()) return "No solver has run.\n";
+  std::string text =
+      SolverTable(result.runs).ToText() + IterationTable(result.runs);
   for (std::size_t i = 1; i < result.runs.size(); ++i) {
     const std::string sentence = DifferenceSentence(result, result.runs[i]);
     if (!sentence.empty()) text += "\n" + Paragraph(sentence);
   }
   return text;
-}
-
-}  // namespace
-
-std::string FormatComparison(const CalibrationResult& result) {
-  if (result.runs.empty()) return "No solver has run.\n";
-  return OutcomeTable(result.runs) + IterationTable(result.runs) +
-         Differences(result);
 }
 
 }  // namespace alidade::internal

@@ -1,6 +1,7 @@
 #include "src/report/svg_chart.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
@@ -18,15 +19,13 @@ namespace alidade::internal {
 namespace {
 
 constexpr double kHeight = 420.0;
+constexpr double kPageHeight = 300.0;
 constexpr double kBottomMargin = 56.0;
 constexpr int kMaxLabelsX = 10;
+constexpr int kMaxLabelsOfPage = 6;
 constexpr int kMaxLabelsY = 8;
-constexpr double kLegendRow = 24.0;
-constexpr double kLegendKeyRoom = 38.0;
-constexpr double kLegendGap = 24.0;
 constexpr double kReferenceSize = 13.0;
 constexpr double kReferenceGap = 6.0;
-constexpr double kDescentShare = 0.25;
 
 struct DataExtent {
   ValueRange x;
@@ -50,7 +49,8 @@ DataExtent ExtentOf(const LineChart& chart) {
 bool HasStems(const LineChart& chart) {
   return std::any_of(chart.series.begin(), chart.series.end(),
                      [](const ChartSeries& series) {
-                       return series.marker == MarkerStyle::kStem;
+                       return series.marker == MarkerStyle::kStem ||
+                              series.marker == MarkerStyle::kBar;
                      });
 }
 
@@ -95,125 +95,78 @@ std::string Describe(const LineChart& chart) {
   return text;
 }
 
-// Above the plot, so that it never covers data. Returns the y below it.
-double DrawLegend(SvgWriter* svg, const LineChart& chart, double top) {
-  double x = kChartMargin;
-  double bottom = top;
-  for (std::size_t i = 0; i < chart.series.size(); ++i) {
-    const ChartSeries& series = chart.series[i];
-    if (series.label.empty()) continue;
-    const double width = kLegendKeyRoom + SvgTextWidth(series.label, kTickSize);
-    const bool full = x + width > kChartWidth - kChartMargin;
-    if (bottom == top || full) {
-      x = kChartMargin;
-      bottom += kLegendRow;
-    }
-    const double y = bottom - kLegendRow / 2.0;
-    DrawLegendKey(svg, series, LookOf(i), {x + 14.0, y});
-    svg->Text({x + kLegendKeyRoom, y + 0.36 * kTickSize}, series.label,
-              {kTickSize, SvgText::Anchor::kStart, kInkColour});
-    x += width + kLegendGap;
-  }
-  return bottom;
-}
-
-bool Covers(const SvgBox& box, SvgPoint point) {
-  constexpr double kClearance = 5.0;
-  return point.x > box.left - kClearance &&
-         point.x < box.right() + kClearance && point.y > box.top - kClearance &&
-         point.y < box.bottom() + kClearance;
-}
-
-struct LabelPlace {
-  SvgBox box;
-  bool at_right = true;
-};
-
-// The emptiest of the four places at the ends of the line, above or below it.
-LabelPlace PlaceLabel(const SvgBox& plot, double line_y, double width,
-                      const std::vector<SvgPoint>& ink) {
-  const double above = line_y - kReferenceSize - kReferenceGap;
-  const double below = line_y + kReferenceGap;
-  LabelPlace best;
-  std::int64_t fewest = -1;
-  for (const bool at_right : {true, false}) {
-    for (const double top : {above, below}) {
-      const double left = at_right ? plot.right() - width - kReferenceGap
-                                   : plot.left + kReferenceGap;
-      const SvgBox box{left, top, width, kReferenceSize};
-      const bool inside = top >= plot.top && box.bottom() <= plot.bottom();
-      const std::int64_t covered =
-          std::count_if(ink.begin(), ink.end(),
-                        [&](SvgPoint point) { return Covers(box, point); }) +
-          (inside ? 0 : static_cast<std::int64_t>(ink.size()) + 1);
-      if (fewest >= 0 && covered >= fewest) continue;
-      best = {box, at_right};
-      fewest = covered;
-    }
-  }
-  return best;
-}
-
 void DrawReferenceLines(SvgWriter* svg, const LineChart& chart,
                         const PlotArea& plot) {
   for (const ChartReference& reference : chart.references) {
     if (!IsDrawable(chart.y, reference.y)) continue;
     const double y = plot.At(plot.x.lower(), reference.y).y;
-    svg->Line({plot.box.left, y}, {plot.box.right(), y},
-              {kInkColour, 1.2, "5 4"});
+    svg->Line({plot.box.left, y}, {plot.box.right(), y}, "reference");
   }
 }
 
+// Above the line, at the end that fewer points are near.
 void DrawReferenceLabels(SvgWriter* svg, const LineChart& chart,
                          const PlotArea& plot,
-                         const std::vector<SvgPoint>& ink) {
+                         const std::vector<PixelRun>& points) {
   for (const ChartReference& reference : chart.references) {
     if (!IsDrawable(chart.y, reference.y)) continue;
     const double y = plot.At(plot.x.lower(), reference.y).y;
     const double width = SvgTextWidth(reference.label, kReferenceSize);
-    const LabelPlace place = PlaceLabel(plot.box, y, width, ink);
-    SvgText style{kReferenceSize, SvgText::Anchor::kStart, kInkColour};
-    style.halo = true;
-    if (place.at_right) style.anchor = SvgText::Anchor::kEnd;
-    svg->Text({place.at_right ? place.box.right() : place.box.left,
-               place.box.bottom() - kDescentShare * kReferenceSize},
-              reference.label, style);
+    std::int64_t at_right = 0;
+    for (const PixelRun& run : points) {
+      for (const SvgPoint point : run) {
+        if (std::abs(point.y - y) > 2.0 * kReferenceSize) continue;
+        at_right += point.x > plot.box.right() - width ? 1 : 0;
+        at_right -= point.x < plot.box.left + width ? 1 : 0;
+      }
+    }
+    const bool is_right = at_right <= 0;
+    svg->Text({is_right ? plot.box.right() - kReferenceGap
+                        : plot.box.left + kReferenceGap,
+               y - kReferenceGap},
+              reference.label, is_right ? "halo end" : "halo");
   }
 }
 
 void DrawData(SvgWriter* svg, const LineChart& chart, const PlotArea& plot) {
   DrawReferenceLines(svg, chart, plot);
-  std::vector<SvgPoint> ink;
+  std::vector<PixelRun> points;
   for (std::size_t i = 0; i < chart.series.size(); ++i) {
     const ChartSeries& series = chart.series[i];
     const std::vector<PixelRun> runs =
         PixelRuns(chart.x, chart.y, series, plot);
-    DrawSeries(svg, series, LookOf(i), plot, runs);
-    const std::vector<SvgPoint> samples = InkSamples(series, plot, runs);
-    ink.insert(ink.end(), samples.begin(), samples.end());
+    DrawSeries(svg, series, LookOf(series, i), plot, runs);
+    DrawTips(svg, chart.x, chart.y, series, plot);
+    points.insert(points.end(), runs.begin(), runs.end());
   }
-  DrawReferenceLabels(svg, chart, plot, ink);
+  DrawReferenceLabels(svg, chart, plot, points);
 }
 
 }  // namespace
 
-std::string RenderSvg(const LineChart& chart) {
-  SvgWriter svg({kChartWidth, kHeight}, chart.title, Describe(chart));
-  const double below_header = DrawHeader(&svg, chart.title, chart.subtitle);
-  const double top = DrawLegend(&svg, chart, below_header) + 8.0;
+std::string RenderSvg(const LineChart& chart, FigureMedium medium) {
+  const ChartLayout layout = LayoutOf(medium);
+  const bool is_file = medium == FigureMedium::kFile;
+  const double total = is_file ? kHeight : kPageHeight;
+  SvgWriter svg({layout.width, total}, chart.title, Describe(chart), medium);
+  const double below_header =
+      DrawHeader(&svg, layout, chart.title, chart.subtitle);
+  const double top = DrawLegend(&svg, layout, chart.series, below_header) + 8.0;
   const DataExtent extent = ExtentOf(chart);
-  const double height = kHeight - kBottomMargin - top;
+  const double height = total - kBottomMargin - top;
+  const double margin = layout.margin;
   if (extent.x.empty()) {
-    DrawNoData(&svg, {kChartMargin, top, kChartWidth - 2.0 * kChartMargin,
-                      kHeight - kChartMargin - top});
+    DrawNoData(
+        &svg, {margin, top, layout.width - 2.0 * margin, total - margin - top});
     return svg.Finish();
   }
   const AxisScale y(chart.y, ShownRange(chart, extent.y),
                     AxisScale::Fit::kMagnitude, kMaxLabelsY);
-  const AxisScale x(chart.x, extent.x, AxisScale::Fit::kPlace, kMaxLabelsX);
-  const double left = LeftMargin(y);
+  const AxisScale x(chart.x, extent.x, AxisScale::Fit::kPlace,
+                    is_file ? kMaxLabelsX : kMaxLabelsOfPage);
+  const double left = LeftMargin(layout, y);
   const PlotArea plot{
-      {left, top, kChartWidth - kChartMargin - left, height}, x, y};
+      {left, top, layout.width - std::max(margin, 16.0) - left, height}, x, y};
   DrawAxes(&svg, plot);
   DrawData(&svg, chart, plot);
   return svg.Finish();

@@ -18,6 +18,7 @@ namespace alidade::internal {
 namespace {
 
 constexpr double kHeight = 500.0;
+constexpr double kPageHeight = 340.0;
 constexpr double kBottomMargin = 56.0;
 constexpr int kMaxLabels = 7;
 constexpr double kBarGap = 24.0;
@@ -25,8 +26,10 @@ constexpr double kBarWidth = 18.0;
 constexpr double kTickGap = 8.0;
 // Odd, so that equal values, which lie in the middle, have one colour.
 constexpr int kNumColours = 63;
+// Tips are so far apart, in pixels.
+constexpr double kTipCell = 20.0;
 // Cells reach under their neighbours, so that no seam shows.
-constexpr double kCellOverlap = 0.3;
+constexpr double kCellOverlap = 0.6;
 
 // Viridis (van der Walt, Smith 2015), every ninth part of it: readable by
 // colour-blind people and in grey.
@@ -76,6 +79,7 @@ struct MapPoint {
   double x;
   double y;
   double value;
+  std::size_t index;
 };
 
 std::vector<MapPoint> DrawablePoints(const MapChart& chart) {
@@ -85,7 +89,7 @@ std::vector<MapPoint> DrawablePoints(const MapChart& chart) {
   for (std::size_t i = 0; i < size; ++i) {
     if (IsDrawable(chart.x, chart.px[i]) && IsDrawable(chart.y, chart.py[i]) &&
         IsDrawable(chart.colour, chart.value[i])) {
-      points.push_back({chart.px[i], chart.py[i], chart.value[i]});
+      points.push_back({chart.px[i], chart.py[i], chart.value[i], i});
     }
   }
   return points;
@@ -139,18 +143,19 @@ ChartAxis Ranged(ChartAxis axis, ValueRange data) {
   return axis;
 }
 
-PlotArea MakePlot(const MapChart& chart, const MapExtent& extent, double top,
-                  double right_margin) {
+PlotArea MakePlot(const MapChart& chart, const MapExtent& extent,
+                  const SvgBox& room, const ChartLayout& layout) {
   ChartAxis x = Ranged(chart.x, extent.x);
   ChartAxis y = Ranged(chart.y, extent.y);
-  const double left =
-      LeftMargin(AxisScale(y, extent.y, AxisScale::Fit::kPlace, kMaxLabels));
-  const SvgBox box{left, top, kChartWidth - right_margin - left,
-                   kHeight - kBottomMargin - top};
+  const double left = LeftMargin(
+      layout, AxisScale(y, extent.y, AxisScale::Fit::kPlace, kMaxLabels));
+  const SvgBox box{left, room.top, room.right() - left, room.height};
   if (chart.equal_scale && !x.logarithmic && !y.logarithmic) {
     Equalize(box, &x, &y);
   }
-  return {box, AxisScale(x, extent.x, AxisScale::Fit::kPlace, kMaxLabels + 3),
+  const int more = layout.medium == FigureMedium::kFile ? 3 : -2;
+  return {box,
+          AxisScale(x, extent.x, AxisScale::Fit::kPlace, kMaxLabels + more),
           AxisScale(y, extent.y, AxisScale::Fit::kPlace, kMaxLabels)};
 }
 
@@ -186,7 +191,20 @@ void DrawCells(SvgWriter* svg, const MapCells& map, const AxisScale& colour) {
   for (int level = 0; level < kNumColours; ++level) {
     const std::string& path = paths[static_cast<std::size_t>(level)];
     if (path.empty()) continue;
-    svg->Strokes(path, {LevelColour(level), map.side + kCellOverlap});
+    svg->Strokes(path, LevelColour(level), map.side + kCellOverlap);
+  }
+}
+
+// The largest value of each neighbourhood.
+void DrawTips(SvgWriter* svg, const MapChart& chart, const PlotArea& plot,
+              std::vector<MapPoint> points) {
+  std::stable_sort(
+      points.begin(), points.end(),
+      [](const MapPoint& a, const MapPoint& b) { return a.value > b.value; });
+  Neighbourhoods taken(kTipCell);
+  for (const MapPoint& point : points) {
+    const SvgPoint at = plot.At(point.x, point.y);
+    if (taken.IsNew(at)) svg->Tip(at, chart.tip(point.index));
   }
 }
 
@@ -199,50 +217,69 @@ void DrawBar(SvgWriter* svg, const AxisScale& colour, const SvgBox& bar) {
   const double height = bar.height / kNumColours;
   for (int level = 0; level < kNumColours; ++level) {
     // Each overlaps the one above it, so that no seam shows.
-    const double top = bar.bottom() - (level + 1) * height;
-    const double overlap = level == 0 ? 0.0 : 1.0;
-    svg->Box({bar.left, top, bar.width, height + overlap}, LevelColour(level));
+    const double overlap = level == kNumColours - 1 ? 0.0 : 1.0;
+    const double y = bar.bottom() - (level + 0.5) * height - overlap / 2.0;
+    svg->Strokes("M" + SvgNumber(bar.left) + " " + SvgNumber(y) + "h" +
+                     SvgNumber(bar.width),
+                 LevelColour(level), height + overlap);
   }
   for (const AxisTick& tick : colour.ticks()) {
     const double y = bar.bottom() - tick.fraction * bar.height;
-    svg->Line({bar.right(), y}, {bar.right() + 4.0, y}, {kFrameColour});
+    svg->Line({bar.right(), y}, {bar.right() + 4.0, y}, "axis");
     if (tick.label.empty()) continue;
     svg->Text({bar.right() + kTickGap, y + 0.36 * kTickSize}, tick.label,
-              {kTickSize, SvgText::Anchor::kStart, kTextColour});
+              "tick");
   }
-  SvgText style{kLabelSize, SvgText::Anchor::kMiddle, kInkColour};
-  style.upwards = true;
   svg->Text(
       {bar.right() + 2.0 * kTickGap + TickLabelWidth(colour) + 0.9 * kLabelSize,
        bar.top + bar.height / 2.0},
-      colour.label(), style);
+      colour.label(), "label middle", -90.0);
+}
+
+// Squares of the samples' own cells, or what MakeMapCells makes of them.
+MapCells CellsOf(const MapChart& chart, const std::vector<MapPoint>& points,
+                 const PlotArea& plot) {
+  std::vector<MapSample> samples = Samples(points, plot);
+  if (chart.cell_size == 0.0) return MakeMapCells(samples, plot.box);
+  const double side =
+      plot.At(plot.x.lower() + chart.cell_size, plot.y.lower()).x -
+      plot.box.left;
+  return {std::move(samples), side};
 }
 
 void DrawMap(SvgWriter* svg, const MapChart& chart,
-             const std::vector<MapPoint>& points, double top) {
+             const std::vector<MapPoint>& points, const ChartLayout& layout,
+             const SvgBox& room) {
   const MapExtent extent = ExtentOf(points);
   const AxisScale colour(chart.colour, extent.value, AxisScale::Fit::kColour,
                          kMaxLabels);
-  const PlotArea plot =
-      MakePlot(chart, extent, top, kChartMargin + BarRoom(colour));
+  SvgBox plot_room = room;
+  plot_room.width -= BarRoom(colour);
+  const PlotArea plot = MakePlot(chart, extent, plot_room, layout);
   DrawAxes(svg, plot);
-  DrawCells(svg, MakeMapCells(Samples(points, plot), plot.box), colour);
+  DrawCells(svg, CellsOf(chart, points, plot), colour);
+  if (chart.tip) DrawTips(svg, chart, plot, points);
   DrawBar(svg, colour,
-          {plot.box.right() + kBarGap, top, kBarWidth, plot.box.height});
+          {plot.box.right() + kBarGap, room.top, kBarWidth, plot.box.height});
 }
 
 }  // namespace
 
-std::string RenderSvg(const MapChart& chart) {
+std::string RenderSvg(const MapChart& chart, FigureMedium medium) {
   const std::vector<MapPoint> points = DrawablePoints(chart);
-  SvgWriter svg({kChartWidth, kHeight}, chart.title,
-                Describe(chart, ExtentOf(points), points.size()));
-  const double top = DrawHeader(&svg, chart.title, chart.subtitle) + 8.0;
+  const ChartLayout layout = LayoutOf(medium);
+  const double height = medium == FigureMedium::kFile ? kHeight : kPageHeight;
+  SvgWriter svg({layout.width, height}, chart.title,
+                Describe(chart, ExtentOf(points), points.size()), medium);
+  const double top =
+      DrawHeader(&svg, layout, chart.title, chart.subtitle) + 8.0;
+  const SvgBox room{layout.margin, top, layout.width - 2.0 * layout.margin,
+                    height - kBottomMargin - top};
   if (points.empty()) {
-    DrawNoData(&svg, {kChartMargin, top, kChartWidth - 2.0 * kChartMargin,
-                      kHeight - kChartMargin - top});
+    DrawNoData(&svg,
+               {room.left, top, room.width, height - layout.margin - top});
   } else {
-    DrawMap(&svg, chart, points, top);
+    DrawMap(&svg, chart, points, layout, room);
   }
   return svg.Finish();
 }

@@ -6,6 +6,10 @@
 
 namespace alidade::internal {
 
+/// Where a figure is shown: as a file of its own, with its title and style, or
+/// in a page, which has them.
+enum class FigureMedium { kFile, kPage };
+
 struct SvgPoint {
   double x = 0.0;
   double y = 0.0;
@@ -21,61 +25,41 @@ struct SvgBox {
   double bottom() const { return top + height; }
 };
 
-struct SvgStroke {
-  std::string_view colour = "#333333";
-  double width = 1.0;
-  std::string_view dashes = "";  ///< "6 4"; empty = solid
-};
-
-struct SvgText {
-  enum class Anchor { kStart, kMiddle, kEnd };
-  double size = 13.0;
-  Anchor anchor = Anchor::kStart;
-  std::string_view colour = "#333333";
-  bool bold = false;
-  bool upwards = false;  ///< turned by -90 degrees about its anchor
-  bool halo = false;     ///< a white rim that keeps it readable on lines
-};
-
-/// `text` for character data and attributes of XML: markup characters
-/// escaped, what is not valid in a document replaced.
-std::string EscapeXml(std::string_view text);
-
-/// A coordinate in pixels with at most two decimals and no trailing zeros.
+/// A coordinate in pixels with at most one decimal.
 std::string SvgNumber(double value);
 
 /// About how wide `text` is drawn, on the large side, since the font is the
 /// reader's.
 double SvgTextWidth(std::string_view text, double size);
 
-/// Collects the elements of one SVG document. Coordinates are pixels, y
-/// downwards. Uses no identifiers, so that documents can be pasted together
-/// into one page.
+/// Collects the elements of one figure. Coordinates are pixels, y downwards.
+/// What an element looks like is said by classes of figures.css, so that the
+/// same figure serves light, dark, paper and file. No identifiers are used, so
+/// that figures can be pasted together into one page.
 class SvgWriter {
  public:
-  /// White background; `title` and `description` are for screen readers.
-  SvgWriter(SvgPoint size, std::string_view title,
-            std::string_view description);
+  /// `title` and `description` are for screen readers.
+  SvgWriter(SvgPoint size, std::string_view title, std::string_view description,
+            FigureMedium medium);
 
-  void Box(const SvgBox& box, std::string_view fill);
-  void Line(SvgPoint from, SvgPoint to, const SvgStroke& stroke);
-  /// `data` is a path's d attribute. Lines end and meet round.
-  void Outline(std::string_view data, const SvgStroke& stroke);
-  /// The same with straight ends.
-  void Strokes(std::string_view data, const SvgStroke& stroke);
-  void Fill(std::string_view data, std::string_view colour);
-  /// A filled path with a rim.
-  void Marker(std::string_view data, std::string_view fill,
-              const SvgStroke& rim);
-  /// Powers of ten written 10^-13 are set with a superscript. `position` is
-  /// the anchor on the base line.
-  void Text(SvgPoint position, std::string_view text, const SvgText& style);
+  void Box(const SvgBox& box, std::string_view look, double opacity = 1.0);
+  void Line(SvgPoint from, SvgPoint to, std::string_view look);
+  /// `data` is a path's d attribute; a width of 0 is that of the look.
+  void Path(std::string_view data, std::string_view look, double width = 0.0);
+  /// A path stroked in a colour of its own, whatever the theme.
+  void Strokes(std::string_view data, std::string_view colour, double width);
+  /// Typeset. `position` is the anchor on the base line; `turned` in degrees.
+  void Text(SvgPoint position, std::string_view text, std::string_view look,
+            double turned = 0.0);
+  /// What is said under the pointer.
+  void Tip(SvgPoint position, std::string_view text);
 
-  /// The document. The writer is done after that.
+  /// The figure. The writer is done after that.
   std::string Finish();
 
  private:
   std::string document_;
+  std::string tips_;
 };
 
 }  // namespace alidade::internal

@@ -7,6 +7,7 @@
 #include "src/common/text.h"
 #include "src/common/text_table.h"
 #include "src/report/accuracy_report.h"
+#include "src/report/quantities.h"
 #include "src/report/report.h"
 #include "src/report/uncertainty_report.h"
 #include "src/solve/solver_names.h"
@@ -31,8 +32,7 @@ struct ParameterColumns {
 
 std::string SignificantParameter(double value, Dimension dimension) {
   if (std::isnan(value)) return "-";
-  const double unit = dimension == Dimension::kLength ? kMillimetre : kDegree;
-  return FormatSignificant(value / unit, 2);
+  return InUnit(value, dimension, 2);
 }
 
 std::vector<std::string> ParameterRow(const ParameterResult& parameter,
@@ -191,8 +191,8 @@ std::string FormatReport(const CalibrationResult& result,
     if (IsWarning(finding)) text += Paragraph("Warning: " + finding.sentence);
   }
   text += Section("Accuracy", AccuracySection(result));
-  text += Section("Outliers", OutlierTable(result));
-  text += Section("Rejected rows", RejectedRowTable(result));
+  text += Section("Outliers", OutlierSection(result));
+  text += Section("Rejected rows", RejectedRowSection(result));
   text += Section("What can be identified",
                   FormatIdentifiability(result.identifiability));
   text += Section("Parameters", FormatParameters(result) + Aliases(result));

@@ -8,17 +8,17 @@
 #include "src/calibration/verdict.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
-#include "src/common/text_table.h"
+#include "src/report/figures.h"
+#include "src/report/quantities.h"
 #include "src/report/report.h"
 #include "src/report/rows.h"
-#include "src/report/svg_chart.h"
+#include "src/report/table.h"
 
 namespace alidade::internal {
 namespace {
 
-using Align = TextTable::Align;
-
 constexpr std::size_t kPosesListed = 5;
+constexpr std::size_t kMostPoses = 8;  // of a page
 
 // A pose that moves the estimate by as much as its own spread: Cook's usual
 // bound.
@@ -34,22 +34,9 @@ const ParameterResult* Find(const CalibrationResult& result,
   return nullptr;
 }
 
-std::string InUnit(double value, Dimension dimension, int digits) {
-  const double unit = dimension == Dimension::kLength ? kMillimetre : kDegree;
-  return FormatSignificant(value / unit, digits);
-}
-
 std::string IntervalTable(const CalibrationResult& result) {
-  TextTable table({{"name"},
-                   {"unit"},
-                   {"deviation", Align::kRight},
-                   {"std", Align::kRight},
-                   {"from", Align::kRight},
-                   {"to", Align::kRight},
-                   {"in std", Align::kRight},
-                   {"bends", Align::kRight},
-                   {"prior %", Align::kRight},
-                   {"interval"}});
+  Table table({"name", "unit", ">deviation", ">std", ">from", ">to", ">in std",
+               ">bends", ">prior %", "interval"});
   for (const ParameterUncertainty& one : result.uncertainty->parameters) {
     const ParameterResult* parameter = Find(result, one.name);
     if (parameter == nullptr) continue;
@@ -65,7 +52,7 @@ std::string IntervalTable(const CalibrationResult& result) {
                   FixedNumber(100.0 * one.prior_share, 0),
                   one.interval.is_profile ? "profile" : "linear"});
   }
-  return table.ToString();
+  return table.ToText();
 }
 
 std::string Correlations(const UncertaintyResult& uncertainty) {
@@ -80,102 +67,19 @@ std::string Correlations(const UncertaintyResult& uncertainty) {
 }
 
 std::string Influences(const ResidualDiagnostics& residuals) {
-  std::vector<Influence> poses = residuals.poses;
-  std::stable_sort(poses.begin(), poses.end(),
-                   [](const Influence& a, const Influence& b) {
-                     return a.cooks_distance > b.cooks_distance;
-                   });
-  if (poses.size() > kPosesListed) poses.resize(kPosesListed);
-  if (poses.empty()) return "";
-  TextTable table({{"pose", Align::kRight},
-                   {"leverage", Align::kRight},
-                   {"Cook's distance", Align::kRight},
-                   {"residual [sigma]", Align::kRight},
-                   {"where"}});
-  for (const Influence& pose : poses) {
-    table.AddRow({std::to_string(pose.pose + 1),
-                  FormatSignificant(pose.leverage, 3),
-                  FormatSignificant(pose.cooks_distance, 3),
-                  FormatSignificant(pose.standardised, 3), pose.where});
-  }
+  const Table table = InfluenceTable(residuals);
+  if (table.empty()) return "";
   std::string text = "\nPoses that the result depends on most:\n";
-  text += table.ToString();
-  if (poses.front().cooks_distance > kDominates) {
+  text += table.ToText(kPosesListed);
+  const auto dominates = [](const Influence& pose) {
+    return pose.cooks_distance > kDominates;
+  };
+  if (std::any_of(residuals.poses.begin(), residuals.poses.end(), dominates)) {
     text += Paragraph(
         "The first moves the result by more than its own uncertainty: measure "
         "it again, or others like it.");
   }
   return text;
-}
-
-std::string Map(const PredictedMap& map) {
-  std::string text =
-      "Predicted standard deviation of the target's position over " +
-      Count(map.summary.n, "configuration") +
-      " drawn within the joint limits: median " +
-      FormatLength(map.summary.median, 3) + ", 95 % below " +
-      FormatLength(map.summary.p95, 3) + ", largest " +
-      FormatLength(map.summary.max, 3);
-  if (map.rotation_summary.n > 0) {
-    text += "; of its orientation: median " +
-            FormatSignificant(map.rotation_summary.median / kDegree, 3) +
-            " deg";
-  }
-  if (map.true_summary.n > 0) {
-    text += ". The true error there, of the arm that is known: median " +
-            FormatLength(map.true_summary.median, 3) + ", 95 % below " +
-            FormatLength(map.true_summary.p95, 3) + ", largest " +
-            FormatLength(map.true_summary.max, 3);
-  }
-  return Paragraph(text + ".");
-}
-
-LineChart HistogramChart(const std::string& title, const Histogram& histogram) {
-  LineChart chart;
-  chart.title = title;
-  chart.x.label = "standard deviations";
-  chart.y.label = "share per bin [%]";
-  std::int64_t total = 0;
-  for (const std::int64_t count : histogram.counts) total += count;
-  chart.subtitle = Count(total, "value") + "; line: the normal distribution";
-  ChartSeries bars;
-  bars.line = false;
-  bars.marker = MarkerStyle::kStem;
-  bars.label = "observed";
-  ChartSeries normal;
-  normal.label = "expected";
-  for (std::size_t k = 0; k < histogram.counts.size(); ++k) {
-    const double left =
-        histogram.lower + histogram.width * static_cast<double>(k);
-    const double middle = left + 0.5 * histogram.width;
-    bars.x.push_back(middle);
-    bars.y.push_back(100.0 * static_cast<double>(histogram.counts[k]) /
-                     static_cast<double>(std::max<std::int64_t>(1, total)));
-    normal.x.push_back(middle);
-    normal.y.push_back(100.0 * 0.5 *
-                       (std::erf((left + histogram.width) / std::sqrt(2.0)) -
-                        std::erf(left / std::sqrt(2.0))));
-  }
-  chart.series = {bars, normal};
-  return chart;
-}
-
-MapChart SideView(const PredictedMap& map) {
-  MapChart chart;
-  chart.title = "Predicted standard deviation of the position";
-  chart.subtitle = Count(map.summary.n, "configuration") + ", median " +
-                   FormatLength(map.summary.median, 3) + ", 95 % below " +
-                   FormatLength(map.summary.p95, 3);
-  chart.x.label = "horizontal distance from the instrument's z axis [mm]";
-  chart.y.label = "height [mm]";
-  chart.colour.label = "standard deviation [mm]";
-  for (Eigen::Index i = 0; i < map.position_std.size(); ++i) {
-    if (!std::isfinite(map.position_std[i])) continue;
-    chart.px.push_back(map.positions.col(i).head<2>().norm() / kMillimetre);
-    chart.py.push_back(map.positions(2, i) / kMillimetre);
-    chart.value.push_back(map.position_std[i] / kMillimetre);
-  }
-  return chart;
 }
 
 // Refers to `poses`.
@@ -228,7 +132,121 @@ std::string MapCsv(const PredictedMap& map,
   return csv;
 }
 
+// As the histogram's title says; the normal curve of as many values.
+ChartSeries NormalCurve(const Histogram& histogram, double total) {
+  constexpr int kSteps = 120;
+  ChartSeries normal;
+  normal.label = "standard normal";
+  const double width =
+      histogram.width * static_cast<double>(histogram.counts.size());
+  for (int i = 0; i <= kSteps; ++i) {
+    const double x = histogram.lower + width * i / kSteps;
+    normal.x.push_back(x);
+    normal.y.push_back(total * histogram.width / std::sqrt(2.0 * kPi) *
+                       std::exp(-0.5 * x * x));
+  }
+  return normal;
+}
+
 }  // namespace
+
+Figure HistogramFigure(const std::string& title, const Histogram& histogram) {
+  LineChart chart;
+  chart.title = title;
+  chart.x.label = "standard deviations";
+  chart.y.label = "number";
+  ChartSeries bars;
+  bars.marker = MarkerStyle::kBar;
+  bars.bar_width = histogram.width;
+  bars.label = "observed";
+  std::int64_t total = 0;
+  for (std::size_t k = 0; k < histogram.counts.size(); ++k) {
+    total += histogram.counts[k];
+    bars.x.push_back(histogram.lower +
+                     histogram.width * (static_cast<double>(k) + 0.5));
+    bars.y.push_back(static_cast<double>(histogram.counts[k]));
+  }
+  bars.tip = [x = bars.x, y = bars.y,
+              half = 0.5 * histogram.width](std::size_t k) {
+    return FixedNumber(x[k] - half, 2) + " to " + FixedNumber(x[k] + half, 2) +
+           ": " + FixedNumber(y[k], 0);
+  };
+  chart.subtitle =
+      Count(total, "value") + "; the outermost bars hold all beyond them";
+  chart.series = {bars, NormalCurve(histogram, static_cast<double>(total))};
+  return chart;
+}
+
+Figure PredictedMapFigure(const PredictedMap& map) {
+  MapChart chart;
+  chart.title = "Predicted standard deviation of the position";
+  chart.subtitle = Count(map.summary.n, "configuration") + ", median " +
+                   FormatLength(map.summary.median, 3) + ", 95 % below " +
+                   FormatLength(map.summary.p95, 3);
+  chart.x.label = "horizontal distance from the instrument's z axis [mm]";
+  chart.y.label = "height [mm]";
+  chart.colour.label = "standard deviation [mm]";
+  for (Eigen::Index i = 0; i < map.position_std.size(); ++i) {
+    if (!std::isfinite(map.position_std[i])) continue;
+    chart.px.push_back(map.positions.col(i).head<2>().norm() / kMillimetre);
+    chart.py.push_back(map.positions(2, i) / kMillimetre);
+    chart.value.push_back(map.position_std[i] / kMillimetre);
+  }
+  chart.tip = [values = chart.value](std::size_t i) {
+    return FormatSignificant(values[i], 3) + " mm";
+  };
+  return chart;
+}
+
+Table InfluenceTable(const ResidualDiagnostics& residuals) {
+  std::vector<Influence> poses = residuals.poses;
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const Influence& a, const Influence& b) {
+                     return a.cooks_distance > b.cooks_distance;
+                   });
+  if (poses.size() > kMostPoses) poses.resize(kMostPoses);
+  Table table("influence", "Influential poses",
+              {">pose", ">leverage",
+               ">Cook's distance|how far the fit moves without it",
+               ">residual [sigma]", Table::TextOnly("where")});
+  for (const Influence& pose : poses) {
+    table.AddRow({CountCell(pose.pose + 1), NumberCell(pose.leverage, 3),
+                  NumberCell(pose.cooks_distance, 3),
+                  NumberCell(pose.standardised, 3), pose.where});
+  }
+  return table;
+}
+
+Table CorrelationTable(const UncertaintyResult& uncertainty) {
+  Table table("correlated", "Strongly correlated parameters",
+              {"first", "second", ">correlation"});
+  for (const CorrelatedPair& pair : uncertainty.correlated) {
+    table.AddRow({pair.first, pair.second, FixedCell(pair.correlation, 3)});
+  }
+  return table;
+}
+
+std::string DescribeMap(const PredictedMap& map) {
+  std::string text =
+      "Predicted standard deviation of the target's position over " +
+      Count(map.summary.n, "configuration") +
+      " drawn within the joint limits: median " +
+      FormatLength(map.summary.median, 3) + ", 95 % below " +
+      FormatLength(map.summary.p95, 3) + ", largest " +
+      FormatLength(map.summary.max, 3);
+  if (map.rotation_summary.n > 0) {
+    text += "; of its orientation: median " +
+            FormatSignificant(map.rotation_summary.median / kDegree, 3) +
+            " deg";
+  }
+  if (map.true_summary.n > 0) {
+    text += ". The true error there, of the arm that is known: median " +
+            FormatLength(map.true_summary.median, 3) + ", 95 % below " +
+            FormatLength(map.true_summary.p95, 3) + ", largest " +
+            FormatLength(map.true_summary.max, 3);
+  }
+  return text + ".";
+}
 
 std::string UncertaintySection(const CalibrationResult& result) {
   if (!result.uncertainty) return "";
@@ -250,7 +268,9 @@ std::string UncertaintySection(const CalibrationResult& result) {
       FindingSentences(result, {"normality", "whiteness"});
   if (!tests.empty()) text += Paragraph(tests);
   text += Influences(uncertainty.residuals);
-  if (uncertainty.workspace) text += "\n" + Map(*uncertainty.workspace);
+  if (uncertainty.workspace) {
+    text += "\n" + Paragraph(DescribeMap(*uncertainty.workspace));
+  }
   const std::string prediction = FindingSentences(result, {"prediction"});
   if (!prediction.empty()) text += Paragraph(prediction);
   return text;
@@ -262,19 +282,23 @@ std::string FormatPredictionCheck(const std::string& where,
   return text.empty() ? "" : Paragraph(text);
 }
 
-std::string FormatPredictedMap(const PredictedMap& map) { return Map(map); }
+std::string FormatPredictedMap(const PredictedMap& map) {
+  return Paragraph(DescribeMap(map));
+}
 
 std::vector<ReportFile> MakePredictionFiles(
     const std::vector<Dimension>& joints, const PredictedMap& map,
     const std::optional<PredictionCheck>& check) {
   std::vector<ReportFile> files = {
       {"predicted_map.csv", MapCsv(map, joints)},
-      {"predicted_map.svg", RenderSvg(SideView(map))}};
+      {"predicted_map.svg",
+       PredictedMapFigure(map).render(FigureMedium::kFile)}};
   if (!check) return files;
-  files.emplace_back("z_scores.svg", RenderSvg(HistogramChart(
-                                         "Errors over their predicted standard "
-                                         "deviations",
-                                         check->histogram)));
+  files.emplace_back("z_scores.svg",
+                     HistogramFigure("Errors over their predicted standard "
+                                     "deviations",
+                                     check->histogram)
+                         .render(FigureMedium::kFile));
   return files;
 }
 
@@ -286,23 +310,25 @@ std::vector<ReportFile> MakeUncertaintyFiles(const CalibrationResult& result) {
     files.emplace_back("influence.csv",
                        InfluenceCsv(uncertainty.residuals.poses));
   }
-  files.emplace_back(
-      "residual_histogram.svg",
-      RenderSvg(HistogramChart("Residuals over their own sigmas",
-                               uncertainty.residuals.histogram)));
+  files.emplace_back("residual_histogram.svg",
+                     HistogramFigure("Residuals over their own sigmas",
+                                     uncertainty.residuals.histogram)
+                         .render(FigureMedium::kFile));
   if (uncertainty.workspace) {
     files.emplace_back(
         "predicted_map.csv",
         MapCsv(*uncertainty.workspace, result.train.joint_dimensions));
-    files.emplace_back("predicted_map.svg",
-                       RenderSvg(SideView(*uncertainty.workspace)));
+    files.emplace_back(
+        "predicted_map.svg",
+        PredictedMapFigure(*uncertainty.workspace).render(FigureMedium::kFile));
   }
   if (uncertainty.heldout) {
     files.emplace_back(
         "heldout_z_scores.svg",
-        RenderSvg(HistogramChart(
+        HistogramFigure(
             "Held-out errors over their predicted standard deviations",
-            uncertainty.heldout->histogram)));
+            uncertainty.heldout->histogram)
+            .render(FigureMedium::kFile));
   }
   return files;
 }

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "alidade/calibration_result.h"
+#include "src/report/table.h"
 
 namespace alidade::internal {
 
@@ -11,6 +12,13 @@ namespace alidade::internal {
 /// residuals, what is predicted over the workspace and at held-out poses.
 /// Empty where it was not assessed.
 std::string UncertaintySection(const CalibrationResult& result);
+
+/// In one paragraph.
+std::string DescribeMap(const PredictedMap& map);
+
+/// The poses that the result depends on most; empty where none is known.
+Table InfluenceTable(const ResidualDiagnostics& residuals);
+Table CorrelationTable(const UncertaintyResult& uncertainty);
 
 }  // namespace alidade::internal
 

@@ -207,27 +207,28 @@ std::string ExplainTime(const StudyResult& study) {
          (ratio >= 1000.0 ? Fixed(ratio, 0) : Significant(ratio, 3)) + ".";
 }
 
-// A figure of the study: its file, and what it shows.
+// A figure of the study: which of ours it is, and what it shows.
 struct StudyFigure {
-  const char* file;
+  const char* id;
   const char* title;
   std::vector<std::string> quantities;
 };
 
-void AddFigures(const StudyResult& study, const std::vector<NamedFile>& files,
+void AddFigures(const StudyResult& study,
+                const std::vector<ReportFigure>& figures,
                 ReportSection* section) {
   const StudyFigure kFigures[] = {
-      {"error_before.svg", "error before, training poses", {"before_range"}},
-      {"error_after.svg", "error after, training poses", {"after_max"}},
-      {"convergence.svg",
+      {"error_before", "error before, training poses", {"before_range"}},
+      {"error_after", "error after, training poses", {"after_max"}},
+      {"convergence",
        "largest error by iteration",
        {"error_at_iteration_4", "error_at_iteration_100"}},
-      {"validation_before.svg", "error before, validation poses", {}},
-      {"validation_after.svg",
+      {"validation_before", "error before, validation poses", {}},
+      {"validation_after",
        "error after, validation poses",
        {"validation_after", "as_printed"}}};
   int number = 0;
-  for (const auto& [name, title, quantities] : kFigures) {
+  for (const auto& [id, title, quantities] : kFigures) {
     const std::string count = std::to_string(++number);
     std::vector<std::string> notes;
     for (const StudyRow& row : study.rows) {
@@ -237,11 +238,12 @@ void AddFigures(const StudyResult& study, const std::vector<NamedFile>& files,
       notes.push_back("Published, " + row.quantity + ": " + row.published +
                       ". Here: " + row.obtained + ".");
     }
-    for (const NamedFile& file : files) {
-      if (file.name != name) continue;
+    for (const ReportFigure& figure : figures) {
+      if (figure.id != id) continue;
+      notes.insert(notes.begin(), figure.note);
       section->content.emplace_back(
           ReportFigure{"study-" + count, "Figure " + count + ": " + title,
-                       file.content, Join(notes, " ")});
+                       figure.svg, Join(notes, " ")});
     }
   }
 }
@@ -263,7 +265,7 @@ void PutAccuracy(const char* key, const Accuracy& accuracy,
 }  // namespace
 
 ReportSection MakeStudySection(const StudyResult& study,
-                               const std::vector<NamedFile>& figures) {
+                               const std::vector<ReportFigure>& figures) {
   ReportSection section{"study",
                         "Published study",
                         {"Published: " + study.source, RowTable(study),

@@ -13,7 +13,7 @@ namespace alidade::rv2aj {
 /// five figures, of those of a result. Its tables and what compares with them
 /// are in mm and rad, as it prints them.
 ReportSection MakeStudySection(const StudyResult& study,
-                               const std::vector<NamedFile>& figures);
+                               const std::vector<ReportFigure>& figures);
 
 /// study.json (docs/files.md).
 std::string FormatStudyJson(const StudyResult& study);

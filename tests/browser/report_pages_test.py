@@ -3,8 +3,8 @@
 
 Expected values come from the result files, not from the page's own data: pages
 must load without a word on the console, ask no network, hold the right numbers
-and figures, stay text where names look like markup, fit a phone, follow the
-reader's choice of light and dark, and print.
+and figures, read without scripts, stay text where names look like markup, fit a
+phone, follow the reader's choice of light and dark, and print.
 
 Usage: report_pages_test.py ALIDADE RV2AJ_STUDY SOURCE_DIR WORK_DIR
 """
@@ -25,7 +25,8 @@ from selenium import webdriver
 from selenium.webdriver.chrome.options import Options
 from selenium.webdriver.chrome.service import Service
 
-HOSTILE = "<script>document.title='owned'</script></script><b>arm"
+from made_results import HOSTILE, MAP_ROWS, add_uncertainty, free_parameters
+
 # The page shows three significant digits.
 SHOWN = 0.006
 
@@ -82,50 +83,6 @@ def copy_result(source, target, change):
     return target
 
 
-def free_parameters(result):
-    return [p for p in result["parameters"] if p["state"] == "free"]
-
-
-def add_uncertainty(result):
-    """What a calibration with uncertainties has; made up, but for names."""
-    result["arm"] = HOSTILE
-    result["title"] = HOSTILE
-    parameters = [{
-        "name": p["name"], "std": 1e-5 * (i + 1), "nonlinearity": 0.0,
-        "prior_share": 0.9 if i == 0 else 0.1,
-        "interval": {"lower": p["value"] - 2e-5 * (i + 1),
-                     "upper": p["value"] + 2e-5 * (i + 1), "profile": False},
-    } for i, p in enumerate(free_parameters(result))]
-    histogram = {"lower": -4.0, "width": 0.25, "counts": [
-        round(100 * math.exp(-0.5 * (-3.875 + 0.25 * i) ** 2)) for i in range(32)]}
-    summary = dict(result["accuracy"]["train"]["before"], median=1.25e-4)
-    result["uncertainty"] = {
-        "confidence": 0.95, "degrees_of_freedom": None,
-        "estimator": "inverse information", "parameters": parameters,
-        "covariance": [[0.0] * len(parameters)] * len(parameters),
-        "correlated": [{"first": "d1", "second": "r2", "correlation": -0.97}],
-        "residuals": {
-            "chi_square": 150.0, "degrees_of_freedom": 151.0,
-            "reduced_chi_square": 0.993, "chi_square_p_value": 0.51,
-            "normality": {"statistic": 0.4, "p_value": 0.35},
-            "whiteness": {"statistic": 9.0, "p_value": 0.5}, "lags": 10,
-            "studentised_histogram": histogram},
-        "workspace": {"position_std": summary, "rotation_std": summary},
-        "heldout": {
-            "confidence": 0.95, "rms_z": 1.0, "verdict": "agree",
-            "z_histogram": histogram,
-            "axes": {"held": 95, "n": 100, "lower": 0.89, "upper": 0.98},
-            "ellipsoids": {"held": 94, "n": 100, "lower": 0.87,
-                           "upper": 0.97}},
-        "warnings": ["a warning of uncertainty"],
-    }
-
-
-MAP_ROWS = ["q1_deg,x_mm,y_mm,z_mm,position_std_mm,true_error_mm"] + [
-    f"0,{20 * i},{20 * j},{50 * k},{0.01 * (i + j + 1)},{0.02 * (k + 1)}"
-    for i in range(10) for j in range(10) for k in range(5)]
-
-
 class Pages(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -153,13 +110,15 @@ class Pages(unittest.TestCase):
     def js(self, script, *arguments):
         return self.browser.execute_script("return " + script, *arguments)
 
-    def open(self, path, width=1280, scheme="light"):
+    def open(self, path, width=1280, scheme="light", scripts=True):
         self.cdp("Emulation.setDeviceMetricsOverride", width=width, height=900,
                  deviceScaleFactor=1, mobile=width < 600)
         self.cdp("Emulation.setEmulatedMedia", features=[
             {"name": "prefers-color-scheme", "value": scheme}])
+        self.cdp("Emulation.setScriptExecutionDisabled", value=not scripts)
         self.browser.get(path.resolve().as_uri())
-        self.assertEqual("true", self.js("document.documentElement.dataset.ready"))
+        self.assertEqual("true" if scripts else None,
+                         self.js("document.documentElement.dataset.ready"))
         self.assertEqual([], self.browser.get_log("browser"))
         self.assertEqual({path.resolve().as_uri()}, self.requests())
 
@@ -181,12 +140,18 @@ class Pages(unittest.TestCase):
     def column(self, name, title):
         """Where a table has the column of a title, from 0."""
         return self.js("""[...document.querySelectorAll('#' + arguments[0] +
-            ' thead button')].findIndex((b) => b.textContent === arguments[1])""",
+            ' thead th')].findIndex((h) => h.textContent === arguments[1])""",
             name, title)
 
     def text(self, selector):
-        return self.js("document.querySelector(arguments[0]).textContent",
-                       selector)
+        """Of the first such element that is shown."""
+        return self.js("""[...document.querySelectorAll(arguments[0])].find(
+            (element) => element.checkVisibility()).textContent""", selector)
+
+    def marks(self, selector):
+        """How many marks or lines such paths draw."""
+        return self.js("""[...document.querySelectorAll(arguments[0])].map(
+            (path) => path.getAttribute('d')).join()""", selector).count("M")
 
     def assert_near(self, expected, obtained, relative):
         self.assertLessEqual(abs(obtained - expected), relative * abs(expected),
@@ -195,22 +160,23 @@ class Pages(unittest.TestCase):
     def test_study_shows_the_numbers_of_its_result(self):
         result = load(self.study / "result.json")
         self.open(self.study / "report.html")
-        rows = {row[0][0]: row for row in self.table("accuracy")}
-        for name, key, state in (("validation, before", "heldout", "before"),
-                                 ("validation, after", "heldout", "after"),
-                                 ("training, before", "train", "before"),
-                                 ("training, after", "train", "after")):
-            expected = result["accuracy"][key][state]
-            for column, quantity in enumerate(("mean", "rms", "p95", "max"), 1):
-                shown, exact = rows[name][column]
-                self.assert_near(1e3 * expected[quantity], exact, 1e-12)
-                # Two digits below a micrometre.
-                self.assert_near(exact, shown_number(shown),
-                                 SHOWN if exact > 1e-3 else 0.06)
-            self.assertEqual(expected["n"], rows[name][5][1])
+        rows = {(row[0][0], row[1][0]): row for row in self.table("accuracy")}
+        for name, key in (("validation poses", "heldout"),
+                          ("training poses", "train")):
+            for state in ("before", "after"):
+                expected = result["accuracy"][key][state]
+                row = rows[name, state]
+                for column, quantity in enumerate(("mean", "rms", "p95", "max"),
+                                                  2):
+                    shown, exact = row[column]
+                    self.assert_near(1e3 * expected[quantity], exact, 1e-12)
+                    # Two digits below a micrometre.
+                    self.assert_near(exact, shown_number(shown),
+                                     SHOWN if exact > 1e-3 else 0.06)
+                self.assertEqual(expected["n"], row[6][1])
         before, after = result["verdict"]["sentence"].split("e-14")
         self.assertIn("from 3.08 mm to", before)
-        self.assertEqual(before + "×10⁻¹⁴" + after, self.text("#verdict"))
+        self.assertEqual(before + "×10⁻¹⁴" + after, self.text(".verdict"))
         self.assertEqual(2, self.text("#acceptance").count("met"))
         self.assertLess((self.study / "report.html").stat().st_size, 1.5e6)
 
@@ -221,15 +187,14 @@ class Pages(unittest.TestCase):
         self.assertEqual("#study", self.js("document.querySelector('nav a')"
                                            ".getAttribute('href')"))
         for i in range(1, 6):
-            self.assertGreater(self.js(
-                "document.querySelectorAll('#study-' + arguments[0] +"
-                " ' svg path').length", i), 0)
+            self.assertGreater(self.marks(f"#study-{i} path"), 2)
+        self.assertEqual(56, self.marks("#study-1 .stem"))
         rows = {row[0][0]: row for row in self.table("study-deviations")}
         for parameter in study["parameters"]:
             if parameter["name"] in rows:
                 unit = 1 if parameter["unit"] == "rad" else 1e3
                 self.assertAlmostEqual(unit * parameter["obtained"],
-                                       float(rows[parameter["name"]][4][0]), 6)
+                                       rows[parameter["name"]][4][1], 6)
         self.assertEqual("0.100400", rows["d4"][4][0])
         nominal = self.table("study-nominal")
         self.assertEqual(["3", "0.0000", "0.0000", "250.0000", "0.0000", "0.0000"],
@@ -238,9 +203,44 @@ class Pages(unittest.TestCase):
         self.assertEqual([[row["quantity"], row["published"], row["obtained"]]
                           for row in study["rows"]], published)
         self.assertLess((self.published / "report.html").stat().st_size, 1.5e6)
-        self.assertEqual(2, self.js("document.scripts.length"))
+        self.assertEqual(3, self.js("document.scripts.length"))
         self.open(self.published / "report.html", width=400)
         self.assertLessEqual(self.js("document.documentElement.scrollWidth"), 400)
+
+    def test_figures_show_every_pose_and_iteration(self):
+        result = load(self.study / "result.json")
+        self.open(self.study / "report.html")
+        for state in ("-before", ""):
+            self.assertEqual(56, self.marks(f"#by-pose{state} .stem"))
+        for state in ("before", "after"):  # a map of squares
+            self.assertGreater(self.marks(f"#validation-{state} path"), 500)
+        # Each has a curve, its legend one more.
+        runs = result["runs"]
+        self.assertEqual(2 * len(runs), self.marks("#convergence .line"))
+        self.assertEqual(
+            sum(len(run["history"]) + 1 for run in runs
+                if len(run["history"]) <= 40),
+            self.marks("#convergence .mark"))
+        self.js("""document.querySelector('#by-pose-before svg').dispatchEvent(
+            new KeyboardEvent('keydown', {key: 'ArrowRight', bubbles: true}))""")
+        self.assertRegex(self.text("#by-pose-before .tip"), "pose 1: 3.2[0-9] mm")
+
+    def test_page_reads_without_scripts(self):
+        result = load(self.study / "result.json")
+        self.open(self.study / "report.html", scripts=False)
+        self.assertEqual({p["name"] for p in result["parameters"]},
+                         {row[0][0] for row in self.table("parameters-table")})
+        self.assertEqual(0, self.js("document.querySelectorAll('button').length"))
+        self.assertEqual(56, self.marks("#by-pose .stem"))
+        self.assertIn("needs scripts", self.text("#arm"))
+        # Browsers show the titles of tips.
+        self.assertIn("pose 1: ", self.js("document.querySelector("
+                      "'#by-pose .tips title').textContent"))
+        # One choice at a time, by radio buttons.
+        self.assertIn("joint 1", self.text("#by-joint h3"))
+        self.js("document.querySelector('[for=by-joint-3]').click()")
+        self.assertIn("joint 3", self.text("#by-joint h3"))
+        self.open(self.study / "report.html")
 
     def test_parameters_and_figures_have_every_value(self):
         result = load(self.study / "result.json")
@@ -260,17 +260,11 @@ class Pages(unittest.TestCase):
             if known["name"] == "d3":
                 self.assertAlmostEqual(1e3 * known["interval"]["lower"],
                                        rows["d3"][interval][1], delta=1e-9)
-        marks = self.js("""document.querySelector('#singular-values .mark.c2')
-            .getAttribute('d')""")
         # One mark a singular value that counts, and the one of the legend.
-        counted = result["identifiability"]["nominal_rank"]["rank"]
-        self.assertEqual(1, marks.count("M"))
-        all_marks = self.js("""[...document.querySelectorAll(
-            '#singular-values .mark.c2')].map((m) => m.getAttribute('d')).join()""")
-        self.assertEqual(counted + 1, all_marks.count("M"))
-        stems = self.js("document.querySelector('#by-pose .stem')"
-                        ".getAttribute('d')")
-        self.assertEqual(56, stems.count("M"))
+        rank = result["identifiability"]["nominal_rank"]
+        self.assertEqual(rank["rank"] + 1, self.marks("#singular-values .s1.mark"))
+        self.assertEqual(len(rank["singular_values"]) - rank["rank"] + 1,
+                         self.marks("#singular-values .s7.mark"))
         arms = self.js("document.querySelectorAll('#arm .link').length")
         self.assertEqual(2, arms)  # the floor and the arm
 
@@ -279,7 +273,6 @@ class Pages(unittest.TestCase):
                             lambda result: result.pop("uncertainty"))
         (older / "predicted_map.csv").unlink()
         (older / "influence.csv").unlink()
-        (older / "heldout.csv").unlink()  # maps of validation errors
         run_alidade("report", older)
         self.open(older / "report.html")
         for part in ("predicted-map", "correlated", "influence", "workspace"):
@@ -290,7 +283,7 @@ class Pages(unittest.TestCase):
         rows = self.table("parameters-table")
         self.assertIn("prior-dominated", rows[0][1][0])
         self.assertIn("estimated", rows[1][1][0])
-        self.assertIn("0.125\u00a0mm in the median", self.text("#workspace"))
+        self.assertIn("median 0.125 mm", self.text("#workspace"))
         self.assertIn("95.0 % of 100 coordinates", self.text("#workspace"))
         self.assertGreater(self.js(
             "document.querySelectorAll('#predicted-map svg path').length"), 5)
@@ -327,8 +320,8 @@ class Pages(unittest.TestCase):
         self.assertEqual(HOSTILE, self.text("h1"))
         self.assertEqual(0, self.js("document.querySelectorAll('main script, "
                                     "main b').length"))
-        # The page's data and script, and no more.
-        self.assertEqual(2, self.js("document.scripts.length"))
+        # The page's data (result and arm) and script, and no more.
+        self.assertEqual(3, self.js("document.scripts.length"))
 
     def test_tables_sort_and_copy(self):
         result = load(self.study / "result.json")
@@ -374,23 +367,25 @@ class Pages(unittest.TestCase):
         self.js("""(URL.createObjectURL = (blob) =>
             { window.saved = blob; return 'about:blank'; })""")
         self.js("""(HTMLAnchorElement.prototype.click = () => 0)""")
-        self.js("document.querySelector('#by-pose button.tool').click()")
+        self.js("document.querySelector('#by-pose-before button.tool').click()")
         svg = self.browser.execute_async_script(
             "window.saved.text().then(arguments[0])")
         root = xml.etree.ElementTree.fromstring(svg)
         self.assertEqual("{http://www.w3.org/2000/svg}svg", root.tag)
-        self.assertIn("Error after", root[0].text)
-        self.assertIn("--c2, #0072b2", root[1].text)
+        self.assertIn("Position error before", root[0].text)
+        self.assertIn("--c1, #0072b2", root[1].text)
 
     def test_phone_width_and_dark(self):
         self.open(self.hostile / "report.html", width=400, scheme="dark")
         self.assertLessEqual(self.js("document.documentElement.scrollWidth"), 400)
         self.assertEqual("rgb(20, 23, 27)",
                          self.js("getComputedStyle(document.body).backgroundColor"))
-        # Figures are drawn anew for the width, so letters keep their size.
-        widths = self.js("""[...document.querySelectorAll('svg.chart')].map((svg) =>
-            svg.viewBox.baseVal.width / svg.getBoundingClientRect().width)""")
-        self.assertLess(max(abs(ratio - 1) for ratio in widths), 0.05)
+        # Letters of 13 pixels stay readable.
+        sizes = self.js("""[...document.querySelectorAll('svg.chart')]
+            .filter((svg) => svg.checkVisibility()).map((svg) =>
+            13 * svg.getBoundingClientRect().width / svg.viewBox.baseVal.width)""")
+        self.assertGreater(min(sizes), 9.0)
+        self.assertLess(max(sizes), 16.0)
         self.open(self.study / "report.html")
         self.assertEqual("rgb(255, 255, 255)",
                          self.js("getComputedStyle(document.body).backgroundColor"))
@@ -440,7 +435,7 @@ class Pages(unittest.TestCase):
         run_alidade("report", *paths, f"--out={page}")
         self.open(page)
         self.assertIn("arm_4 is an outlier among 7 arms: mean error before "
-                      "calibration 8.00 mm, typically 3.", self.text("#verdict"))
+                      "calibration 8.00 mm, typically 3.", self.text(".verdict"))
         rows = self.table("fleet")
         self.assertEqual(7, len(rows))
         self.assertEqual("arm_4", rows[0][0][0])
@@ -460,7 +455,7 @@ class Pages(unittest.TestCase):
         self.assertEqual("d3", first[0][0])
         # 5 mm over the root of two variances of 0.01 mm, and the wobble.
         self.assert_near(5.0 / (0.01 * math.sqrt(2.0)), first[8][1], 0.01)
-        self.assertIn("d3 by", self.text("#verdict"))
+        self.assertIn("d3 by", self.text(".verdict"))
 
     def test_same_data_are_methods(self):
         page = WORK / "methods.html"
@@ -471,7 +466,8 @@ class Pages(unittest.TestCase):
         rows = self.table("methods")
         self.assertEqual(["Levenberg-Marquardt", "iterated pseudo-inverse"],
                          [row[1][0] for row in rows[:2]])
-        self.js("document.querySelector('[data-kind=fleet]').click()")
+        self.assertEqual("Methods on the same data", self.text("h1"))
+        self.js("document.querySelector('[for=read-as-1]').click()")
         self.assertEqual("A fleet of arms", self.text("h1"))
         self.assertEqual([], self.browser.get_log("browser"))
 

@@ -73,7 +73,7 @@ TEST_F(ReportTest, SeveralResultsMakeOnePage) {
   EXPECT_EQ(Alidade("report a b --out=a").out, "a/comparison.html\n");
   EXPECT_EQ(ReadWhole(directory_ / "a/report.html"), "its own");
   EXPECT_THAT(ReadWhole(directory_ / "comparison.html"),
-              HasSubstr("\"kind\":\"time\""));
+              HasSubstr("id=\"read-as-2\" checked>"));
 }
 
 TEST_F(ReportTest, WrongInputIsToldAndNothingWritten) {

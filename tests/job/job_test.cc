@@ -41,7 +41,7 @@ TEST(PublicJobTest, IsAValueThatCalibratesAndIsSaved) {
        "More & better",
        {"In <words>",
         ReportTable{"t", "A table", {"a", ">b"}, {{"x y", "1"}}, {1, 0}},
-        ReportFigure{"f", "A figure", "<svg></svg>", "A & B"}}}};
+        ReportFigure{"f", "A figure", "<svg></svg>", "A & B."}}}};
   options.files = {{"more.csv", "a,b\n"}};
   options.report_page = true;
   const auto paths = Save(result, directory / "r", options);
@@ -58,10 +58,15 @@ TEST(PublicJobTest, IsAValueThatCalibratesAndIsSaved) {
   EXPECT_EQ(WhatIsMalformed(markup), "");
   EXPECT_THAT(markup, AllOf(HasSubstr("More &amp; better</h2>"),
                             HasSubstr("<p>In &lt;words&gt;</p>"),
-                            HasSubstr("<td class=\"right\">1</td>"),
-                            HasSubstr("<svg></svg><figcaption>A &amp; B<")));
-  for (const NamedFile& figure : Figures(result)) {
-    EXPECT_EQ(figure.content, ReadWhole(directory / ("r/" + figure.name)));
+                            HasSubstr("<td class=\"right\" "
+                                      "data-value=\"1\">1</td>"),
+                            HasSubstr("<svg></svg></div>"
+                                      "<figcaption>A &amp; B.<")));
+  for (const ReportFigure& figure : Figures(result)) {
+    EXPECT_EQ(WhatIsMalformed(figure.svg), "");
+    const std::string file = ReadWhole(directory / ("r/" + figure.id + ".svg"));
+    EXPECT_THAT(file, HasSubstr("<title>" + figure.title + "</title>"));
+    EXPECT_THAT(page, HasSubstr(figure.svg));  // among those of every page
   }
   EXPECT_EQ(Figures(result).size(), 5u);
 

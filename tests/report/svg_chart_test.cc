@@ -16,6 +16,9 @@ namespace {
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
+// Of the bar beside a map.
+constexpr int kBarColours = 63;
+
 bool Contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
@@ -87,7 +90,7 @@ TEST(SvgLineChartTest, IsWellFormedAndAccessible) {
   EXPECT_TRUE(Contains(svg, "<title>title</title>"));
   EXPECT_TRUE(Contains(svg, "<desc>subtitle. "));
   EXPECT_TRUE(Contains(svg, "curve: 3 points from 4.000 to 6.000."));
-  EXPECT_TRUE(Contains(svg, "fill=\"#ffffff\""));
+  EXPECT_TRUE(Contains(svg, "class=\"paper\""));
   EXPECT_TRUE(Contains(svg, ">error [mm]</text>"));
   EXPECT_TRUE(Contains(svg, ">pose</text>"));
 }
@@ -126,10 +129,8 @@ TEST(SvgLineChartTest, SetsPowersOfTenWithSuperscripts) {
   const std::string svg = RenderSvg(chart);
   EXPECT_EQ(WhatIsMalformed(svg), "");
   // The subtitle's power, and at least every other decade's.
-  EXPECT_GE(CountOf(svg, ">10<tspan dy="), 6);
-  EXPECT_TRUE(Contains(svg,
-                       ">\u2212"
-                       "13</tspan>"));
+  EXPECT_GE(CountOf(svg, ">10⁻"), 5);
+  EXPECT_TRUE(Contains(svg, "down to 10⁻¹³ mm"));
   EXPECT_TRUE(Contains(svg, "2^3"));
 }
 
@@ -147,7 +148,7 @@ TEST(SvgLineChartTest, LeavesOutWhatIsNotFiniteAndBreaksTheLine) {
   const std::string svg =
       RenderSvg(ChartOf({1, 2, 3, 4, 5}, {1, 2, kNan, 4, kInf}));
   EXPECT_TRUE(Contains(svg, "3 points from 1.000 to 4.000"));
-  const std::size_t line = svg.find("stroke-linecap=\"round\" d=\"M");
+  const std::size_t line = svg.find("class=\"line s1\" d=\"M");
   const std::size_t second = svg.rfind("h0\"");
   EXPECT_NE(line, std::string::npos);
   EXPECT_NE(second, std::string::npos) << "a lone point is a dot of its own";
@@ -183,7 +184,7 @@ TEST(SvgLineChartTest, SaysNoData) {
 
 TEST(SvgLineChartTest, WritesThePowerOfTenIntoTheUnit) {
   const std::string svg = RenderSvg(ChartOf({1, 2, 3}, {1e-13, 2e-13, 0.0}));
-  EXPECT_TRUE(Contains(svg, "error [10<tspan"));
+  EXPECT_TRUE(Contains(svg, "error [10⁻"));
   EXPECT_TRUE(Contains(svg, ">0.5</text>"));
   EXPECT_TRUE(Contains(svg, ">2.0</text>"));
 }
@@ -266,9 +267,7 @@ TEST(SvgLineChartTest, ReferenceLinesWidenTheRangeAndAreLabelled) {
   const std::string svg = RenderSvg(chart);
   EXPECT_TRUE(Contains(svg, ">rounding</text>"));
   EXPECT_FALSE(Contains(svg, ">has no place</text>"));
-  EXPECT_TRUE(Contains(svg,
-                       ">\u2212"
-                       "12</tspan>"));
+  EXPECT_TRUE(Contains(svg, ">10⁻¹²</text>"));
 }
 
 TEST(SvgLineChartTest, LegendListsLabelledSeriesOnly) {
@@ -282,6 +281,144 @@ TEST(SvgLineChartTest, LegendListsLabelledSeriesOnly) {
 TEST(SvgLineChartTest, SameInputGivesSameBytes) {
   const LineChart chart = ChartOf({1, 2, 3}, {0.1, 0.2, 0.3});
   EXPECT_EQ(RenderSvg(chart), RenderSvg(chart));
+}
+
+TEST(SvgLineChartTest, FilesHaveTheirStyleAndPagesHaveNone) {
+  const LineChart chart = ChartOf({1, 2, 3}, {4, 5, 6});
+  const std::string file = RenderSvg(chart);
+  EXPECT_TRUE(Contains(file, ".chart .s1 { color: #0072b2; }"));
+  EXPECT_FALSE(Contains(file, "var("));
+  const std::string figure = RenderSvg(chart, FigureMedium::kPage);
+  EXPECT_EQ(WhatIsMalformed(figure), "");
+  EXPECT_FALSE(Contains(figure, "<style>"));
+  EXPECT_FALSE(Contains(figure, "#"));  // colours are the theme's
+  EXPECT_FALSE(Contains(figure, ">title</text>"));
+  EXPECT_TRUE(Contains(figure, "aria-label=\"title. subtitle. Chart"));
+}
+
+TEST(SvgLineChartTest, TipsTellEveryPointOrTheLargestOfMany) {
+  LineChart chart = ChartOf({1, 2, 3}, {4, kNan, 6});
+  chart.series[0].tip = [](std::size_t i) {
+    return "<" + std::to_string(i) + ">\nsecond";
+  };
+  const std::string svg = RenderSvg(chart);
+  EXPECT_EQ(WhatIsMalformed(svg), "");
+  EXPECT_EQ(CountOf(svg, "</title></circle>"), 2);
+  EXPECT_TRUE(Contains(svg, "<title>&lt;2&gt;\nsecond</title></circle>"));
+  for (int i = 4; i < 20000; ++i) {
+    chart.series[0].x.push_back(i);
+    chart.series[0].y.push_back(i == 7777 ? 9.0 : 5.0 + 1e-6 * (i % 7));
+  }
+  const std::string many = RenderSvg(chart);
+  EXPECT_LT(CountOf(many, "</title></circle>"), 800);
+  EXPECT_TRUE(Contains(many, "<title>&lt;7776&gt;"));
+}
+
+TEST(SvgLineChartTest, BarsStandOnZero) {
+  LineChart chart = ChartOf({0, 1, 2}, {3, 5, 4});
+  chart.series[0].marker = MarkerStyle::kBar;
+  const std::string svg = RenderSvg(chart);
+  EXPECT_EQ(WhatIsMalformed(svg), "");
+  EXPECT_TRUE(Contains(svg, "class=\"bar s1\""));
+  EXPECT_TRUE(Contains(svg, ">0</text>"));
+}
+
+RowChart RowsOf(std::vector<RowMark> marks) {
+  RowChart chart;
+  chart.title = "rows";
+  chart.x.label = "change [mm]";
+  ChartSeries look;
+  look.marker = MarkerStyle::kDot;
+  look.line = false;
+  chart.looks = {look};
+  for (RowMark& mark : marks) {
+    chart.rows.push_back({"row <" + std::to_string(chart.rows.size()) + ">",
+                          {std::move(mark)},
+                          false});
+  }
+  return chart;
+}
+
+TEST(SvgRowChartTest, HasARowForEachAndItsReference) {
+  RowMark first;
+  first.at = 0.25;
+  first.lower = 0.1;
+  first.upper = 0.4;
+  first.tip = "d1: +0.25 mm";
+  RowMark second;
+  second.at = -0.5;
+  RowChart chart = RowsOf({first, second});
+  chart.references = {0.0, 7.0};
+  chart.rows[1].is_emphasised = true;
+  for (const FigureMedium medium : {FigureMedium::kFile, FigureMedium::kPage}) {
+    const std::string svg = RenderSvg(chart, medium);
+    EXPECT_EQ(WhatIsMalformed(svg), "");
+    EXPECT_TRUE(Contains(svg, ">row &lt;0&gt;</text>"));
+    EXPECT_TRUE(Contains(svg, "class=\"strong end\""));
+    EXPECT_EQ(CountOf(svg, "class=\"mark full s1\""), 2);
+    EXPECT_EQ(CountOf(svg, "class=\"stem s1\""), 1);
+    EXPECT_EQ(CountOf(svg, "class=\"reference\""), 1);  // 7 is outside
+    EXPECT_TRUE(Contains(svg, "<title>d1: +0.25 mm</title>"));
+  }
+}
+
+TEST(SvgRowChartTest, BarsBeyondTheRangeEndInArrows) {
+  RowMark mark;
+  mark.at = 0.0;
+  mark.lower = -kInf;
+  mark.upper = kInf;
+  RowChart chart = RowsOf({mark});
+  chart.range.Include(-1.0);
+  chart.range.Include(1.0);
+  const std::string svg = RenderSvg(chart);
+  EXPECT_EQ(WhatIsMalformed(svg), "");
+  EXPECT_EQ(CountOf(svg, "class=\"mark full s1\""), 2);  // arrows, marker
+  EXPECT_FALSE(Contains(svg, "inf"));
+}
+
+TEST(SvgRowChartTest, ShortensLongNamesAndSurvivesNothing) {
+  RowChart chart = RowsOf({RowMark()});
+  chart.rows[0].label = std::string(200, 'w') + "ä";
+  const std::string svg = RenderSvg(chart);
+  EXPECT_EQ(WhatIsMalformed(svg), "");
+  EXPECT_TRUE(Contains(svg, "w…</text>"));
+  EXPECT_EQ(WhatIsMalformed(RenderSvg(RowsOf({}))), "");
+  RowMark none;
+  none.at = kNan;
+  RowChart logarithmic = RowsOf({none});
+  logarithmic.x.logarithmic = true;
+  EXPECT_EQ(WhatIsMalformed(RenderSvg(logarithmic)), "");
+}
+
+TEST(SvgMatrixChartTest, DrawsCellsWithTheirTexts) {
+  MatrixChart chart;
+  chart.title = "matrix";
+  chart.columns = {"d1", "r2"};
+  chart.rows = {{"<row>", {{"-72 mm", "s1", 0.25, "tip"}, {}}, "note", true}};
+  for (const double width : {88.0, 20.0}) {
+    chart.cell_width = width;
+    const std::string svg = RenderSvg(chart);
+    EXPECT_EQ(WhatIsMalformed(svg), "");
+    EXPECT_EQ(CountOf(svg, "class=\"cell s1\""), 1);
+    EXPECT_TRUE(Contains(svg, "fill-opacity=\"0.25\""));
+    EXPECT_TRUE(Contains(svg, ">\u221272 mm</text>"));
+    EXPECT_TRUE(Contains(svg, ">&lt;row&gt;</text>"));
+    EXPECT_TRUE(Contains(svg, ">note</text>"));
+    EXPECT_EQ(Contains(svg, "rotate(-60"), width < 60.0);
+  }
+}
+
+TEST(SvgMapChartTest, CellsOfAGivenSizeAreSquares) {
+  MapChart chart;
+  chart.cell_size = 10.0;
+  chart.px = {5.0, 15.0, 45.0};
+  chart.py = {5.0, 5.0, 35.0};
+  chart.value = {1.0, 1.0, 1.0};
+  chart.tip = [](std::size_t i) { return "cell " + std::to_string(i); };
+  const std::string svg = RenderSvg(chart);
+  EXPECT_EQ(WhatIsMalformed(svg), "");
+  EXPECT_EQ(CountOf(svg, "<path"), 1 + kBarColours);
+  EXPECT_TRUE(Contains(svg, "<title>cell 2</title>"));
 }
 
 TEST(SvgMapChartTest, IsWellFormedAndSmall) {
@@ -299,9 +436,9 @@ TEST(SvgMapChartTest, ConstantFieldHasOneColourAndASensibleBar) {
   chart.value[7] *= 1.0 + 1e-12;
   const std::string svg = RenderSvg(chart);
   EXPECT_EQ(WhatIsMalformed(svg), "");
-  EXPECT_EQ(CountOf(svg, "<path"), 1);
+  EXPECT_EQ(CountOf(svg, "<path"), 1 + kBarColours);
   EXPECT_TRUE(Contains(svg, ">4.0</text>"));
-  EXPECT_TRUE(Contains(svg, "error [10<tspan"));
+  EXPECT_TRUE(Contains(svg, "error [10⁻"));
 }
 
 TEST(SvgMapChartTest, ZeroFieldHasABar) {
@@ -317,7 +454,7 @@ TEST(SvgMapChartTest, DrawsOnePoint) {
   chart.value = {3.0};
   const std::string svg = RenderSvg(chart);
   EXPECT_EQ(WhatIsMalformed(svg), "");
-  EXPECT_EQ(CountOf(svg, "<path"), 1);
+  EXPECT_EQ(CountOf(svg, "<path"), 1 + kBarColours);
 }
 
 TEST(SvgMapChartTest, SaysNoData) {
@@ -336,9 +473,7 @@ TEST(SvgMapChartTest, LogarithmicColoursSpanDecades) {
   const std::string svg = RenderSvg(chart);
   EXPECT_EQ(WhatIsMalformed(svg), "");
   EXPECT_TRUE(Contains(svg, "399 points"));
-  EXPECT_TRUE(Contains(svg,
-                       ">\u2212"
-                       "9</tspan>"));
+  EXPECT_TRUE(Contains(svg, ">10⁻⁹</text>"));
 }
 
 }  // namespace

@@ -144,12 +144,12 @@ TEST(StudySectionTest, ComparesTimes) {
 }
 
 TEST(StudySectionTest, FiguresSayWhatIsPublishedOfThem) {
-  const ReportSection section =
-      MakeStudySection(MakeStudy(), {{"error_after.svg", "<svg/>"}});
+  const ReportSection section = MakeStudySection(
+      MakeStudy(), {{"error_after", "Errors", "<svg/>", "3 mm."}});
   const auto& figure = std::get<ReportFigure>(section.content.back());
   EXPECT_EQ(figure.title, "Figure 2: error after, training poses");
   EXPECT_EQ(figure.note,
-            "Published, error after: below 2e-13 mm. Here: 2.1e-13 mm "
+            "3 mm. Published, error after: below 2e-13 mm. Here: 2.1e-13 mm "
             "\"here\".");
 }
 

@@ -1,148 +1,122 @@
 // The arm where it stood, the places that were measured, and how far off it was
 // at each: an orthographic view that turns by pointer and by the arrow keys.
 
-// Measured places and errors of a table of observations, in mm and in the
-// frame of the arm's base; those without a whole position are left out.
-function measuredPlaces(columns, frame) {
-  const places = [];
-  const vector = (prefix, i, ends) =>
-      ends.map((end) => columns[prefix + end][i]);
-  const errorEnds = ['_dx_mm', '_dy_mm', '_dz_mm'];
-  (columns.x_mm || []).forEach((x, i) => {
-    const at = [x, columns.y_mm[i], columns.z_mm[i]];
-    const before = vector('before', i, errorEnds);
-    const after = vector('after', i, errorEnds);
-    if (![...at, ...before, ...after].every(isNumber)) return;
-    places.push({
-      pose: columns.pose[i],
-      at: frame.point(at),
-      before: frame.direction(before),
-      after: frame.direction(after),
-      errorBefore: columns.before_error_mm[i],
-      errorAfter: columns.after_error_mm[i]
-    });
-  });
-  return places;
-}
+const round = (v) => Math.round(v * 10) / 10;
+const norm = (v) => Math.hypot(...v);
+const superscript =
+    (digits) => [...digits]
+                    .map((c) => '⁻⁰¹²³⁴⁵⁶⁷⁸⁹'['-0123456789'.indexOf(c)])
+                    .join('');
+const num = (v) => String(Number(v.toPrecision(3)))
+                       .replace(/e(.*)/, (e, n) => '×10' + superscript(n));
+const maxOf = (values) => values.reduce((a, b) => Math.max(a, b), -Infinity);
+const minOf = (values) => values.reduce((a, b) => Math.min(a, b), Infinity);
 
-// From the instrument's frame, in which all is measured, into the base's.
-function baseFrame(picture) {
-  if (!picture) return {point: (v) => v, direction: (v) => v};
-  const rows = picture.instrument_from_base;
-  const direction = (v) => [0, 1, 2].map(
-      (k) => rows[0][k] * v[0] + rows[1][k] * v[1] + rows[2][k] * v[2]);
-  return {direction, point: (v) => direction(v.map((x, k) => x - rows[k][3]))};
-}
+const words = (x, y, text, className) =>
+    s('text', {x, y, class: className}, text);
 
-function armView(entry) {
-  const table = entry.tables.residuals;
-  if (!table) return null;
-  const frame = baseFrame(entry.picture);
-  const places = measuredPlaces(table.columns, frame);
-  const lines = entry.picture ?
-      entry.picture.lines.map((line) => line.map(frame.point)) :
-      [];
-  if (places.length === 0 && lines.length === 0) return null;
-  const view = {
-    azimuth: -0.9,
-    elevation: 0.35,
-    pose: 0,
-    before: true,
-    after: true,
-    places: thinned(places, 400),
-    lines,
-    frame
-  };
-  const extent =
-      extentOf([...places.map((place) => place.at), ...lines.flat()]);
-  view.centre = extent.centre;
-  view.factor = niceFactor(
-      extent.size * 0.1 /
-      (maxOf(places.map((place) => place.errorBefore)) || 1));
-  view.pose = worstPose(entry.picture, places);
-  return armFigure(entry, view);
-}
-
-const thinned = (items, most) => {
-  const every = Math.ceil(items.length / most);
-  return every <= 1 ? items : items.filter((item, i) => i % every === 0);
-};
-
-function extentOf(points) {
-  const sides = [0, 1, 2].map((k) => points.map((point) => point[k]));
-  const low = sides.map(minOf), high = sides.map(maxOf);
-  return {
-    centre: low.map((v, k) => (v + high[k]) / 2),
-    size: maxOf(low.map((v, k) => high[k] - v)) || 1
-  };
-}
+const dots = (points, r) =>
+    points
+        .map(
+            ([x, y]) => `M${x - r},${y}a${r},${r} 0 1,0 ` +
+                `${2 * r},0a${r},${r} 0 1,0 ${- 2 * r},0`)
+        .join('');
 
 // 1, 2 or 5 times a power of ten.
 function niceFactor(rough) {
-  if (!isNumber(rough) || rough <= 1) return 1;
+  if (!(rough > 1) || !isFinite(rough)) return 1;
   const power = 10 ** Math.floor(Math.log10(rough));
   return power * (rough / power >= 5 ? 5 : rough / power >= 2 ? 2 : 1);
 }
 
-// The pose that is drawn first: where the arm was farthest off.
-function worstPose(picture, places) {
-  if (!picture || places.length === 0) return 0;
-  const errors =
-      new Map(places.map((place) => [place.pose, place.errorBefore]));
-  const drawn = picture.poses.map((pose) => errors.get(pose) || 0);
-  return drawn.indexOf(maxOf(drawn));
+// {lines, places} of the page's data as a view that can be drawn.
+function makeView({lines, places}) {
+  const view = {
+    azimuth: -0.9,
+    elevation: 0.35,
+    before: true,
+    after: true,
+    poses: Object.keys(lines).map(Number),
+    lines,
+    places:
+        places.map(([pose, at, before, after]) => ({pose, at, before, after}))
+  };
+  view.points =
+      [...view.places.map((place) => place.at), ...Object.values(lines).flat()];
+  const sides = [0, 1, 2].map((k) => view.points.map((point) => point[k]));
+  view.centre = sides.map((side) => (minOf(side) + maxOf(side)) / 2);
+  const size = maxOf(sides.map((side) => maxOf(side) - minOf(side))) || 1;
+  view.factor = niceFactor(
+      size * 0.1 /
+      (maxOf(view.places.map((place) => norm(place.before))) || 1));
+  // The pose that is drawn first: where the arm was farthest off.
+  const error = (pose) => {
+    const place = view.places.find((item) => item.pose === pose);
+    return place ? norm(place.before) : 0;
+  };
+  const errors = view.poses.map(error);
+  view.pose = view.poses[Math.max(errors.indexOf(maxOf(errors)), 0)];
+  return view;
 }
 
-function armFigure(entry, view) {
-  let redraw = () => {};
-  const said = h('output', {class: 'small'}, poseText(entry, view));
-  const toggle = (key, text) =>
+function poseText(view) {
+  const place = view.places.find((item) => item.pose === view.pose);
+  if (view.poses.length === 0) return '';
+  return `pose ${view.pose}` +
+      (place ? `: ${num(norm(place.before))} mm before, ` +
+               `${num(norm(place.after))} mm after` :
+               '');
+}
+
+function armFigure(view) {
+  const svg = s('svg', {
+    class: 'chart',
+    viewBox: '0 0 480 346',
+    role: 'img',
+    tabindex: '0',
+    'aria-label': 'The arm as a chain of links, ' +
+        `${view.places.length} measured places, and the position errors ` +
+        'before and after calibration as lines'
+  });
+  const draw = () => svg.replaceChildren(...armShapes(view, 480, 346));
+  const said = h('output', {class: 'small'}, poseText(view));
+  const toggle = (key) =>
       h('button', {
         type: 'button',
         'aria-pressed': 'true',
         onclick: (event) => {
           view[key] = !view[key];
           event.target.setAttribute('aria-pressed', String(view[key]));
-          redraw();
+          draw();
         }
       },
-        text);
-  const pose = view.lines.length > 1 &&
-      slider('pose at which the arm is drawn', view.lines.length - 1, view.pose,
-             (value) => {
-               view.pose = value;
-               said.textContent = poseText(entry, view);
-               redraw();
-             });
-  const draw = (width) => {
-    const svg = drawArm(width, view);
-    // The element stays, which may hold the pointer.
-    redraw = () => svg.replaceChildren(...drawArm(width, view).childNodes);
-    turnable(svg, view, () => redraw());
-    return svg;
-  };
-  return figure({
-    id: 'arm',
-    title: 'The arm and its errors where it was measured',
-    draw,
-    controls:
-        h('div', {class: 'controls'}, toggle('before', 'errors before'),
-          toggle('after', 'errors after'),
-          pose && h('label', {}, 'Arm at pose ', pose), said),
-    note: `Errors are drawn ${grouped(view.factor)} times as long as they ` +
-        'are, from the measured point towards where the arm believed to be. ' +
-        'Drag, or use the arrow keys, to turn the view.'
+        'errors ' + key);
+  const pose = h('input', {
+    type: 'range',
+    min: 0,
+    max: view.poses.length - 1,
+    value: view.poses.indexOf(view.pose),
+    'aria-label': 'pose at which the arm is drawn',
+    oninput: (event) => {
+      view.pose = view.poses[event.target.value];
+      said.textContent = poseText(view);
+      draw();
+    }
   });
-}
-
-function poseText(entry, view) {
-  if (view.lines.length === 0) return '';
-  const pose = entry.picture.poses[view.pose];
-  const place = view.places.find((item) => item.pose === pose);
-  return `pose ${pose}` +
-      (place ? `: ${num(place.errorBefore)} mm before, ${
-                   num(place.errorAfter)} mm after` :
-               '');
+  draw();
+  turnable(svg, view, draw);
+  return h(
+      'figure', {},
+      h('div', {class: 'table-head'},
+        h('h3', {}, 'The arm and its errors where it was measured')),
+      h('div', {class: 'controls'}, toggle('before'), toggle('after'),
+        view.poses.length > 1 ? h('label', {}, 'Arm at pose ', pose) : [],
+        said),
+      h('div', {class: 'drawing'}, svg),
+      h('figcaption', {},
+        `Errors are drawn ${view.factor} times as long as they are, from the ` +
+            'measured point towards where the arm believed to be. Drag, or ' +
+            'use the arrow keys, to turn the view.'));
 }
 
 function turnable(svg, view, redraw) {
@@ -187,15 +161,11 @@ function projection(view) {
   };
 }
 
-function drawArm(width, view) {
-  const height = Math.round(Math.min(440, Math.max(280, width * 0.72)));
+function armShapes(view, width, height) {
   const project = projection(view);
-  const arm = view.lines.length > 0 ? view.lines[view.pose] : [];
-  const all = [
-    ...view.places.map((place) => place.at), ...view.lines.flat()
-  ].map(project);
-  const low = [0, 1].map((k) => minOf(all.map((point) => point[k])));
-  const high = [0, 1].map((k) => maxOf(all.map((point) => point[k])));
+  const flat = view.points.map(project);
+  const low = [0, 1].map((k) => minOf(flat.map((point) => point[k])));
+  const high = [0, 1].map((k) => maxOf(flat.map((point) => point[k])));
   const unit = Math.min(
       (width - 60) / (high[0] - low[0] || 1),
       (height - 70) / (high[1] - low[1] || 1));
@@ -206,23 +176,16 @@ function drawArm(width, view) {
       round(height / 2 + 6 - (y - (low[1] + high[1]) / 2) * unit)
     ];
   };
-  const svg = canvas(
-      width, height,
-      'The arm as a chain of links, ' +
-          count(view.places.length, 'measured place') +
-          ', and the position errors ' +
-          'before and after calibration as lines');
-  svg.append(
-      floorCircle(view, at), armLinks(arm, at), ...errorVectors(view, at),
-      axesTriad(view, at, unit), viewLegend(view, unit, height));
-  return svg;
+  return [
+    floorCircle(view, at), armLinks(view.lines[view.pose] || [], at),
+    errorVectors(view, at), axesTriad(view, at, unit),
+    viewLegend(view, unit, height)
+  ].flat();
 }
 
 // A circle about the base shows which way is up and how far it reaches.
 function floorCircle(view, at) {
-  const radius =
-      maxOf([...view.places.map((place) => place.at), ...view.lines.flat()].map(
-          (v) => Math.hypot(v[0], v[1])));
+  const radius = maxOf(view.points.map((v) => Math.hypot(v[0], v[1])));
   const ring = Array.from({length: 73}, (unused, i) => at([
                                           radius * Math.cos(i * Math.PI / 36),
                                           radius * Math.sin(i * Math.PI / 36), 0
@@ -235,8 +198,7 @@ function armLinks(arm, at) {
   const corners = arm.map(at);
   return s(
       'g', {}, s('path', {class: 'link', d: 'M' + corners.join('L')}),
-      s('path',
-        {class: 'joint', d: marksPath(corners.slice(0, -1), 'circle', 4)}));
+      s('path', {class: 'joint', d: dots(corners.slice(0, -1), 4)}));
 }
 
 function errorVectors(view, at) {
@@ -244,7 +206,7 @@ function errorVectors(view, at) {
   const ends = (key) => view.places.map(
       (place) => at(place.at.map((v, k) => v + view.factor * place[key][k])));
   const starts = view.places.map((place) => at(place.at));
-  for (const [key, className] of [['before', 'c1'], ['after', 'c2']]) {
+  for (const [key, className] of [['before', 's2'], ['after', 's1']]) {
     if (!view[key]) continue;
     const tips = ends(key);
     shapes.push(s('path', {
@@ -253,8 +215,8 @@ function errorVectors(view, at) {
     }));
   }
   shapes.push(s('path', {
-    class: 'mark ' + (view.after ? 'c2' : 'c3'),
-    d: marksPath(starts, 'circle', view.places.length > 150 ? 1.5 : 2.4)
+    class: view.after ? 'place s1' : 'place',
+    d: dots(starts, view.places.length > 150 ? 1.5 : 2.4)
   }));
   return shapes;
 }
@@ -267,7 +229,7 @@ function axesTriad(view, at, unit) {
     return [
       s('line',
         {class: 'axis', x1: origin[0], y1: origin[1], x2: tip[0], y2: tip[1]}),
-      words(tip[0] + 3, tip[1] + 3, name, 'tick', 'start')
+      words(tip[0] + 3, tip[1] + 3, name, 'tick')
     ];
   }));
 }
@@ -278,15 +240,23 @@ function viewLegend(view, unit, height) {
   const arm = niceFactor(60 / unit);
   const scaleBar = (y, size, text, className) =>
       [s('path', {class: className, d: `M12,${y}h${round(size)}`}),
-       words(12 + size + 6, y + 4, text, 'legend', 'start')];
+       words(12 + size + 6, y + 4, text, 'tick')];
   return s(
-      'g', {}, s('path', {class: 'vector', d: 'M12,12h18'}),
-      words(36, 16, 'error before', 'legend', 'start'),
-      s('path', {class: 'mark c2', d: MARKS.circle(129, 12, 2.4)}),
-      s('path', {class: 'vector c2', d: 'M129,12h14'}),
-      words(150, 16, 'measured point, error after', 'legend', 'start'),
+      'g', {}, s('path', {class: 'vector s2', d: 'M12,12h18'}),
+      words(36, 16, 'error before', 'tick'),
+      s('path', {class: 'place s1', d: dots([[134, 12]], 2.4)}),
+      s('path', {class: 'vector s1', d: 'M134,12h14'}),
+      words(155, 16, 'measured point, error after', 'tick'),
       scaleBar(
           height - 26, error * unit * view.factor, num(error) + ' mm of error',
-          'vector'),
+          'vector s2'),
       scaleBar(height - 10, arm * unit, num(arm) + ' mm', 'axis'));
 }
+
+const armData = document.getElementById('arm-data');
+if (armData) {
+  const figure = armFigure(makeView(JSON.parse(armData.textContent)));
+  document.getElementById('arm').replaceChildren(figure);
+  addSaving(figure);
+}
+document.documentElement.dataset.ready = 'true';

@@ -1,6 +1,6 @@
 # Writes the parts of the page as C++ strings.
 #
-# cmake -D OUTPUT=FILE -D PAGE=DIR "-D STYLES=a.css;b.css" "-D SCRIPTS=a.js;b.js"
+# cmake -D OUTPUT=FILE -D PAGE=DIR "-D SCRIPTS=a.js;b.js"
 #   -P embed.cmake
 #
 # One string literal may be long, but not longer than some compilers take, so
@@ -21,9 +21,10 @@ function(append_part name)
   set(source "${source}" PARENT_SCOPE)
 endfunction()
 
-set(source "// Made by embed.cmake of the files beside it.\n\n#include \"src/report/html_page.h\"\n\nnamespace alidade::internal {\n\n")
+set(source "// Made by embed.cmake of the files beside it.\n\n#include \"src/report/page_files.h\"\n\nnamespace alidade::internal {\n\n")
 append_part(PageTemplate page.html)
-append_part(PageStyle ${STYLES})
+append_part(PageStyle page.css)
+append_part(FigureStyle figures.css)
 append_part(PageScript ${SCRIPTS})
 string(APPEND source "}  // namespace alidade::internal\n")
 file(WRITE "${OUTPUT}" "${source}")

@@ -1,0 +1,278 @@
+#include "src/job/result_table.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+#include "alidade/arm_file.h"
+#include "src/common/files.h"
+#include "src/common/text.h"
+
+namespace alidade::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+// Reads a CSV piece by piece and calls visit(row's cells) at the end of each
+// line, the header's first. The cells are used again.
+template <typename Visit>
+class CsvVisitor {
+ public:
+  explicit CsvVisitor(const Visit& visit) : visit_(visit) {}
+
+  void Take(std::string_view piece) {
+    for (const char c : piece) Take(c);
+  }
+  // Of a last line without an end.
+  void Finish() {
+    if (count_ > 1 || !cells_.front().empty()) EndLine();
+  }
+
+ private:
+  void Take(char c) {
+    std::string& cell = cells_[count_ - 1];
+    if (c == '"') {
+      // Two in a row within quotes are one of the text.
+      if (!quoted_ && closed_) cell += c;
+      closed_ = quoted_;
+      quoted_ = !quoted_;
+      return;
+    }
+    closed_ = false;
+    if (!quoted_ && c == ',') {
+      if (count_ == cells_.size()) cells_.emplace_back();
+      cells_[count_++].clear();
+    } else if (!quoted_ && c == '\n') {
+      EndLine();
+    } else if (quoted_ || c != '\r') {
+      cell += c;
+    }
+  }
+
+  void EndLine() {
+    cells_.resize(count_);
+    visit_(cells_);
+    count_ = 1;
+    cells_.front().clear();
+    quoted_ = false;
+    closed_ = false;
+  }
+
+  const Visit& visit_;
+  std::vector<std::string> cells_ = {""};
+  std::size_t count_ = 1;  // cells of this line
+  bool quoted_ = false;
+  bool closed_ = false;  // the last character ended a quotation
+};
+
+// Columns `names` of a row, in mm.
+Eigen::Vector3d VectorOf(const std::array<const double*, 3>& columns,
+                         std::size_t row) {
+  Eigen::Vector3d vector;
+  for (int k = 0; k < 3; ++k) {
+    vector[k] = columns[k] == nullptr ? kNan : columns[k][row] * kMillimetre;
+  }
+  return vector;
+}
+
+// Numbers of a column; nothing where there is no such column.
+const double* NumbersOf(const ResultTable& table, const std::string& name) {
+  const int column = table.Column(name);
+  return column < 0 ? nullptr : table.numbers[column].data();
+}
+
+std::array<const double*, 3> AxesOf(const ResultTable& table,
+                                    const std::string& prefix) {
+  return {NumbersOf(table, prefix + "x_mm"), NumbersOf(table, prefix + "y_mm"),
+          NumbersOf(table, prefix + "z_mm")};
+}
+
+// A column for each row; what was not measured is `missing`.
+Eigen::MatrixXd MatrixOf(const ResultTable& table, const std::string& prefix,
+                         double missing) {
+  const std::array<const double*, 3> axes = AxesOf(table, prefix);
+  Eigen::MatrixXd matrix(3, static_cast<Eigen::Index>(table.num_rows));
+  for (std::size_t row = 0; row < table.num_rows; ++row) {
+    const Eigen::Vector3d vector = VectorOf(axes, row);
+    matrix.col(static_cast<Eigen::Index>(row)) =
+        vector.array().isNaN().select(missing, vector);
+  }
+  return matrix;
+}
+
+// Angles as rotations about x.
+Eigen::MatrixXd RotationsOf(const ResultTable& table, const std::string& name) {
+  const double* const angles = NumbersOf(table, name);
+  if (angles == nullptr) return {};
+  Eigen::MatrixXd rotations =
+      Eigen::MatrixXd::Zero(3, static_cast<Eigen::Index>(table.num_rows));
+  for (std::size_t row = 0; row < table.num_rows; ++row) {
+    if (std::isnan(angles[row])) continue;
+    rotations(0, static_cast<Eigen::Index>(row)) = angles[row] * kDegree;
+  }
+  return rotations;
+}
+
+// A column per pose, which may have several rows or none.
+Eigen::MatrixXd JointValuesOf(const ResultTable& table,
+                              std::vector<Dimension>* dimensions) {
+  dimensions->clear();
+  std::vector<std::pair<const double*, double>> joints;
+  for (int j = 1;; ++j) {
+    const std::string name = "q" + std::to_string(j);
+    const double* angles = NumbersOf(table, name + "_deg");
+    const double* lengths = NumbersOf(table, name + "_mm");
+    if (angles == nullptr && lengths == nullptr) break;
+    dimensions->push_back(angles != nullptr ? Dimension::kAngle
+                                            : Dimension::kLength);
+    joints.emplace_back(angles != nullptr ? angles : lengths,
+                        angles != nullptr ? kDegree : kMillimetre);
+  }
+  const double* const poses = NumbersOf(table, "pose");
+  if (joints.empty() || poses == nullptr) return {};
+  double num_poses = 0.0;
+  for (std::size_t row = 0; row < table.num_rows; ++row) {
+    if (poses[row] > num_poses) num_poses = poses[row];
+  }
+  Eigen::MatrixXd values =
+      Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(joints.size()),
+                                static_cast<Eigen::Index>(num_poses), kNan);
+  for (std::size_t row = 0; row < table.num_rows; ++row) {
+    if (!(poses[row] >= 1.0)) continue;
+    const auto pose = static_cast<Eigen::Index>(poses[row]) - 1;
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      values(static_cast<Eigen::Index>(j), pose) =
+          joints[j].first[row] * joints[j].second;
+    }
+  }
+  return values;
+}
+
+std::vector<ObservationLabel> LabelsOf(const ResultTable& table) {
+  std::vector<ObservationLabel> labels;
+  const int kind = table.Column("kind");
+  if (kind < 0) return labels;
+  const double* const poses = NumbersOf(table, "pose");
+  for (std::size_t row = 0; row < table.num_rows; ++row) {
+    ObservationLabel label;
+    label.kind = table.texts[kind][row];
+    label.target = table.texts[table.Column("target")][row];
+    label.where = table.texts[table.Column("where")][row];
+    label.pose = std::isnan(poses[row]) ? -1 : static_cast<int>(poses[row]) - 1;
+    label.has_length = !std::isnan(table.Number(row, "after_error_mm"));
+    label.has_rotation = !std::isnan(table.Number(row, "after_rotation_deg"));
+    labels.push_back(std::move(label));
+  }
+  return labels;
+}
+
+void ReadMap(const ResultTable& table, PredictedMap* map) {
+  map->positions = MatrixOf(table, "", kNan);
+  const auto fill = [&](const std::string& name, Eigen::VectorXd* values) {
+    const double* const numbers = NumbersOf(table, name);
+    if (numbers == nullptr) return;
+    *values = Eigen::Map<const Eigen::VectorXd>(
+                  numbers, static_cast<Eigen::Index>(table.num_rows)) *
+              kMillimetre;
+  };
+  fill("position_std_mm", &map->position_std);
+  fill("true_error_mm", &map->true_error);
+}
+
+void ReadInfluence(const ResultTable& table, std::vector<Influence>* poses) {
+  for (std::size_t row = 0; row < table.num_rows; ++row) {
+    poses->push_back({static_cast<int>(table.Number(row, "pose")) - 1, "",
+                      table.Number(row, "leverage"),
+                      table.Number(row, "cooks_distance"),
+                      table.Number(row, "standardised_residual")});
+  }
+}
+
+}  // namespace
+
+int ResultTable::Column(const std::string& name) const {
+  const auto found = std::find(columns.begin(), columns.end(), name);
+  return found == columns.end() ? -1
+                                : static_cast<int>(found - columns.begin());
+}
+
+double ResultTable::Number(std::size_t row, const std::string& name) const {
+  const int column = Column(name);
+  return column < 0 ? kNan : numbers[column][row];
+}
+
+ResultTable ReadResultTable(const TextSource& csv,
+                            const std::set<std::string>& text_columns) {
+  ResultTable table;
+  bool is_header = true;
+  const auto visit = [&](const std::vector<std::string>& cells) {
+    if (std::exchange(is_header, false)) {
+      table.columns = cells;
+      table.numbers.resize(cells.size());
+      table.texts.resize(cells.size());
+      return;
+    }
+    ++table.num_rows;
+    for (std::size_t k = 0; k < table.columns.size(); ++k) {
+      const std::string& cell = k < cells.size() ? cells[k] : "";
+      double number = kNan;
+      ParseCell(cell, &number);
+      table.numbers[k].push_back(number);
+      if (text_columns.count(table.columns[k]) > 0) {
+        table.texts[k].push_back(cell);
+      }
+    }
+  };
+  CsvVisitor<decltype(visit)> visitor(visit);
+  csv([&visitor](std::string_view piece) { visitor.Take(piece); });
+  visitor.Finish();
+  return table;
+}
+
+void ReadObservations(const ResultTable& table, EvaluatedSet* set) {
+  set->joint_values = JointValuesOf(table, &set->joint_dimensions);
+  set->labels = LabelsOf(table);
+  set->positions = MatrixOf(table, "", kNan);
+  set->residual_before = MatrixOf(table, "before_d", 0.0);
+  set->residual_after = MatrixOf(table, "after_d", 0.0);
+  set->rotation_residual_before = RotationsOf(table, "before_rotation_deg");
+  set->rotation_residual_after = RotationsOf(table, "after_rotation_deg");
+}
+
+void ReadResultTables(const std::string& directory, CalibrationResult* result) {
+  const auto read = [&directory](const char* name, const auto& take) {
+    const std::string path = (fs::path(directory) / name).string();
+    if (!fs::exists(path)) return;
+    take(ReadResultTable(
+        [&path](const TextSink& sink) { ReadInPieces(path, sink); },
+        {"kind", "target", "where"}));
+  };
+  read("residuals.csv", [&](const ResultTable& table) {
+    ReadObservations(table, &result->train);
+  });
+  if (result->heldout) {
+    read("heldout.csv", [&](const ResultTable& table) {
+      ReadObservations(table, &*result->heldout);
+    });
+  }
+  if (result->uncertainty && result->uncertainty->workspace) {
+    read("predicted_map.csv", [&](const ResultTable& table) {
+      ReadMap(table, &*result->uncertainty->workspace);
+    });
+  }
+  if (result->uncertainty) {
+    read("influence.csv", [&](const ResultTable& table) {
+      ReadInfluence(table, &result->uncertainty->residuals.poses);
+    });
+  }
+  const std::string arm = (fs::path(directory) / "arm.yaml").string();
+  if (fs::exists(arm)) result->arm = LoadArm(arm);
+}
+
+}  // namespace alidade::internal

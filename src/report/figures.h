@@ -1,0 +1,48 @@
+#ifndef ALIDADE_SRC_REPORT_FIGURES_H_
+#define ALIDADE_SRC_REPORT_FIGURES_H_
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "alidade/calibration_result.h"
+#include "src/report/svg_chart.h"
+
+namespace alidade::internal {
+
+/// The figures of a result, which its directory has as files and its page
+/// shows. They refer to what they are made of, which must stay as long as they
+/// are used.
+
+/// Of the two states that a set was evaluated in.
+enum class CalibrationState { kBefore, kAfter };
+
+/// The error of a set by observation: of positions, or of orientations where
+/// nothing else was measured. `pose` is what an observation is called.
+Figure ErrorFigure(const EvaluatedSet& set, CalibrationState state,
+                   const std::string& pose);
+
+/// The same of validation poses: a map where they lie in a horizontal plane.
+Figure ValidationFigure(const EvaluatedSet& set, CalibrationState state);
+
+/// Errors before and after against the value of joint `joint`, from 0.
+Figure JointFigure(const EvaluatedSet& set, Eigen::Index joint);
+
+/// Those of every result by the names of their files, without ".svg".
+std::vector<std::pair<std::string, Figure>> ResultFigures(
+    const CalibrationResult& result);
+
+/// Largest error by iteration of each solver.
+Figure ConvergenceFigure(const std::vector<SolverRun>& runs);
+
+Figure SingularValuesFigure(const IdentifiabilityResult& result);
+
+/// Standardised values beside the standard normal distribution.
+Figure HistogramFigure(const std::string& title, const Histogram& histogram);
+
+/// The predicted standard deviation by distance and height.
+Figure PredictedMapFigure(const PredictedMap& map);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_REPORT_FIGURES_H_

@@ -1,0 +1,28 @@
+#ifndef ALIDADE_SRC_REPORT_RESULT_PAGE_H_
+#define ALIDADE_SRC_REPORT_RESULT_PAGE_H_
+
+#include <string>
+#include <vector>
+
+#include "alidade/calibration_result.h"
+#include "src/report/page.h"
+
+namespace alidade::internal {
+
+/// report.html of one result, with `further` sections before its own. What a
+/// result does not have (arm, sets of observations, map) is left out. Tables
+/// hold at most 1000 rows. `result_json` is in the page, which saves it, unless
+/// it is longer than 500 kB.
+std::string RenderResultPage(const CalibrationResult& result,
+                             const std::string& result_json,
+                             const std::vector<PageSection>& further);
+
+// The sections of that page, in their order; without content where the result
+// has nothing for them.
+PageSection ParametersSection(const CalibrationResult& result);
+PageSection ResidualsSection(const CalibrationResult& result);
+PageSection PredictionSection(const CalibrationResult& result);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_REPORT_RESULT_PAGE_H_
