@@ -5,7 +5,7 @@
 
 #include "src/dataio/dataset_csv.h"
 #include "src/report/plan_report.h"
-#include "src/serialization/plan_json.h"
+#include "src/serialization/result_json.h"
 
 namespace alidade::internal {
 

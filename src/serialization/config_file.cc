@@ -8,7 +8,7 @@
 #include "alidade/parameter_layout.h"
 #include "src/common/names.h"
 #include "src/dataio/file_pattern.h"
-#include "src/serialization/result_keys.h"
+#include "src/serialization/result_json.h"
 
 namespace alidade::internal {
 namespace {
