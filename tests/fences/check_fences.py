@@ -275,8 +275,8 @@ class Tree:
                          ': call the communicator')
 
   def component_of(self, path):
-    """A header with its source."""
-    name = re.sub(r'(-inl)?\.(h|cc)$', '', path.split('/')[-1])
+    """A header with its source, and with the fields of its structs."""
+    name = re.sub(r'(-inl|_fields)?\.(h|cc)$', '', path.split('/')[-1])
     return f'{self.module_of(path)}/{name}'
 
   def check_cycles(self):

@@ -1,0 +1,72 @@
+#ifndef ALIDADE_SRC_IDENTIFIABILITY_IDENTIFIABILITY_OPTIONS_FIELDS_H_
+#define ALIDADE_SRC_IDENTIFIABILITY_IDENTIFIABILITY_OPTIONS_FIELDS_H_
+
+#include "alidade/identifiability_options.h"
+#include "src/common/option_fields.h"
+
+namespace alidade::internal {
+
+template <>
+inline constexpr std::array kWords<IdentifiabilityMethod> = {
+    std::pair{IdentifiabilityMethod::kRules, "rules"},
+    std::pair{IdentifiabilityMethod::kRank, "rank"},
+};
+
+/// What is chosen where nothing is said has no word.
+template <>
+inline constexpr std::array kWords<WeakPolicy> = {
+    std::pair{WeakPolicy::kFreeze, "freeze"},
+    std::pair{WeakPolicy::kPrior, "prior"},
+    std::pair{WeakPolicy::kKeep, "keep"},
+};
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, PriorTolerances>& priors) {
+  v.Field(AngleKey("beta").Above(0), priors.beta, "of joints");
+  v.Field(AngleKey("alpha").Above(0), priors.alpha, "of joints");
+  v.Field(LengthKey("d").Above(0), priors.d, "of joints");
+  v.Field(AngleKey("theta").Above(0), priors.theta, "of joints");
+  v.Field(LengthKey("r").Above(0), priors.r, "of joints");
+  v.Field(LengthKey("frame_length").Above(0), priors.frame_length,
+          "of base and targets, and of references that are not known: points "
+          "and offsets of planes");
+  v.Field(AngleKey("frame_angle").Above(0), priors.frame_angle,
+          "likewise, and of tilts of planes");
+}
+
+/// All but the names of parameters, which depend on the arm and on what was
+/// measured.
+template <typename Visitor>
+void VisitFields(Visitor& v,
+                 Subject<Visitor, IdentifiabilityOptions>& options) {
+  v.Field(Key("method"), options.method,
+          "`rank`: by ranks over generic poses and these; `rules`, as the "
+          "published study: beta is frozen where alpha is not 0, columns of "
+          "zero are frozen, of the r of parallel axes the first is kept. "
+          "`rules` refuses references that are not known");
+  v.Field(Key("policy").Default("`prior` (`rank`), `keep` (`rules`)"),
+          options.policy,
+          "what is done with parameters that these poses tell badly: `prior` "
+          "frees them with a Gaussian prior, `freeze` (only `rank`) holds "
+          "them, `keep` frees them");
+  v.Section(Key("priors"),
+            "what is known beforehand: standard deviations about the nominal "
+            "values",
+            options.priors);
+  v.Field(Key("proceed_beyond_rank"), options.proceed_beyond_rank,
+          "solve although more parameters are kept than can be told apart");
+  v.Field(AngleKey("angle_tolerance").Above(0).Below(0.1),
+          options.angle_tolerance, "below it, an angle counts as zero");
+  v.Field(Key("relative_tolerance").Above(0).Below(1),
+          options.relative_tolerance,
+          "below it times the largest one, a column or a singular value counts "
+          "as zero");
+  v.Field(Key("perturbation").Above(0).Below(0.5), options.perturbation,
+          "size of the perturbed geometries: rad for angles, times the reach "
+          "for lengths");
+  v.Field(Key("seed"), options.seed, "of the generic poses");
+}
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_IDENTIFIABILITY_IDENTIFIABILITY_OPTIONS_FIELDS_H_
