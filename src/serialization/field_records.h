@@ -69,6 +69,7 @@ class FieldCollector {
     } else if constexpr (std::is_integral_v<T>) {
       record.kind = Kind::kInteger;
       record.default_value = std::to_string(value);
+      if constexpr (std::is_unsigned_v<T>) record.key.lower = 0.0;
     } else if constexpr (std::is_same_v<T, std::optional<int>>) {
       record.kind = Kind::kInteger;
       record.default_value = "none";

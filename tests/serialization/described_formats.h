@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -135,16 +136,17 @@ inline nlohmann::ordered_json SchemaOf(const FieldRecord& field,
   }
   if (std::string(key.name) == "format") schema = {{"const", field.text}};
   // Bounds other than zero depend on the file's units.
-  const auto is_known = [&key](double bound) {
-    return std::isfinite(bound) && (!key.dimension || bound == 0.0);
+  const auto add = [&](const char* what, double bound) {
+    if (!std::isfinite(bound) || (key.dimension && bound != 0.0)) return;
+    if (bound == std::floor(bound)) {
+      schema[what] = static_cast<std::int64_t>(bound);
+    } else {
+      schema[what] = bound;
+    }
   };
   if (field.kind == Kind::kNumber || field.kind == Kind::kInteger) {
-    if (is_known(key.lower)) {
-      schema[key.excludes_lower ? "exclusiveMinimum" : "minimum"] = key.lower;
-    }
-    if (is_known(key.upper)) {
-      schema[key.excludes_upper ? "exclusiveMaximum" : "maximum"] = key.upper;
-    }
+    add(key.excludes_lower ? "exclusiveMinimum" : "minimum", key.lower);
+    add(key.excludes_upper ? "exclusiveMaximum" : "maximum", key.upper);
   }
   schema["description"] = field.text;
   return schema;
