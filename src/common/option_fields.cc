@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdio>
+#include <sstream>
 
 namespace alidade::internal {
 std::string FormatBrief(double value) {
@@ -48,7 +49,9 @@ void FieldCheck::CheckNumber(const Key& key, double value) {
   if (!is_bounded && !std::isfinite(value)) {
     range = "finite" + (range.empty() ? "" : " and " + range);
   }
-  error_ = path_ + key.name + " = " + FormatBrief(value) + ", must be " + range;
+  std::ostringstream text;
+  text << path_ << key.name << " = " << value << ", must be " << range;
+  error_ = text.str();
 }
 
 }  // namespace alidade::internal

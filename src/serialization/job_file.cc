@@ -349,12 +349,12 @@ void VisitStudies(Visitor& v, JobReading* reading) {
                 job->noise_study = study;
               });
             });
-  v.Section(
-      Key("uncertainty"), "how far the result is to be trusted",
-      [&](auto& section) { VisitFields(section, job->options.uncertainty); });
+  v.Section(Key("uncertainty"), "how far the result is to be trusted",
+            job->options.uncertainty);
   v.Check([&](const YamlMap& /*map*/) {
-    if (job->options.true_values)
+    if (job->options.true_values) {
       job->montecarlo.truth = SimulatedTruth::kGiven;
+    }
   });
   v.Section(
       Key("montecarlo"), "what `alidade montecarlo` simulates",
