@@ -49,7 +49,9 @@ void FieldCheck::CheckNumber(const Key& key, double value) {
   if (!is_bounded && !std::isfinite(value)) {
     range = "finite" + (range.empty() ? "" : " and " + range);
   }
+  constexpr int kDigits = 10;  // of any int
   std::ostringstream text;
+  text.precision(kDigits);
   text << path_ << key.name << " = " << value << ", must be " << range;
   error_ = text.str();
 }
