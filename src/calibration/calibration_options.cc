@@ -2,6 +2,9 @@
 
 #include <sstream>
 
+#include "src/calibration/calibration_options_fields.h"
+#include "src/uncertainty/uncertainty_fields.h"
+
 namespace alidade {
 
 bool CalibrationOptions::IsValid(std::string* error) const {
@@ -14,19 +17,14 @@ bool CalibrationOptions::IsValid(std::string* error) const {
   if (!identifiability.IsValid(error) || !solver_options.IsValid(error)) {
     return false;
   }
+  if (!internal::AreFieldsValid(uncertainty, "uncertainty.", error) ||
+      !internal::AreFieldsValid(acceptance, "acceptance.", error) ||
+      (holdout && !internal::AreFieldsValid(*holdout, "holdout.", error)) ||
+      (folds && !internal::AreFieldsValid(*folds, "folds.", error))) {
+    return false;
+  }
   if (num_threads < 1) {
-    return fail("num_threads = ", num_threads, ", expected at least 1");
-  }
-  if (holdout && !(holdout->fraction > 0.0 && holdout->fraction < 1.0)) {
-    return fail("holdout.fraction = ", holdout->fraction,
-                ", expected a number between 0 and 1");
-  }
-  if (folds && folds->folds < 2) {
-    return fail("folds.folds = ", folds->folds, ", expected at least 2");
-  }
-  if (!(uncertainty.confidence > 0.0 && uncertainty.confidence < 1.0)) {
-    return fail("uncertainty.confidence = ", uncertainty.confidence,
-                ", expected a number between 0 and 1");
+    return fail("num_threads = ", num_threads, ", must be 1 or more");
   }
   for (const ParameterBounds& bound : bounds) {
     if (bound.lower < bound.upper) continue;

@@ -23,7 +23,7 @@
 #include "src/fleet/scheduler.h"
 #include "src/job/report_page.h"
 #include "src/report/comparison_page.h"
-#include "src/serialization/batch_json.h"
+#include "src/serialization/result_json.h"
 
 namespace alidade::internal {
 namespace {

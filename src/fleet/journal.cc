@@ -10,7 +10,7 @@
 
 #include "alidade/error.h"
 #include "src/common/files.h"
-#include "src/serialization/batch_json.h"
+#include "src/serialization/result_json.h"
 
 namespace alidade::internal {
 namespace {

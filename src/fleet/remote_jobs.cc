@@ -12,7 +12,7 @@
 
 #include "src/common/bytes.h"
 #include "src/fleet/scheduler.h"
-#include "src/serialization/batch_json.h"
+#include "src/serialization/result_json.h"
 
 namespace alidade::internal {
 namespace {

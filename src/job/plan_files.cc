@@ -6,7 +6,7 @@
 #include "src/common/files.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/report/plan_report.h"
-#include "src/serialization/plan_json.h"
+#include "src/serialization/result_json.h"
 
 namespace alidade::internal {
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "src/planning/plan_fields.h"
+
 namespace alidade {
 namespace {
 
@@ -55,30 +57,11 @@ int PoseMeasurement::num_equations() const {
 }
 
 bool DesignOptions::IsValid(std::string* error) const {
-  const auto fail = [&](const std::string& text) {
-    *error = text;
-    return false;
-  };
-  if (num_poses < 1) {
-    return fail("num_poses = " + std::to_string(num_poses) +
-                ", must be 1 or more");
-  }
-  if (starts < 1) {
-    return fail("starts = " + std::to_string(starts) + ", must be 1 or more");
-  }
-  if (shortlist < 1) {
-    return fail("shortlist = " + std::to_string(shortlist) +
-                ", must be 1 or more");
-  }
-  if (max_passes < 0) {
-    return fail("max_passes = " + std::to_string(max_passes) +
-                ", must not be negative");
-  }
-  if (num_threads < 1) {
-    return fail("num_threads = " + std::to_string(num_threads) +
-                ", must be 1 or more");
-  }
-  return true;
+  internal::FieldCheck others("");
+  others.Field(internal::Key("num_poses").AtLeast(1), num_poses, "");
+  others.Field(internal::Key("num_threads").AtLeast(1), num_threads, "");
+  *error = others.error();
+  return internal::AreFieldsValid(*this, "", error) && error->empty();
 }
 
 }  // namespace alidade

@@ -8,7 +8,7 @@
 #include "alidade/parameter_layout.h"
 #include "src/common/names.h"
 #include "src/dataio/file_pattern.h"
-#include "src/serialization/result_keys.h"
+#include "src/serialization/result_json.h"
 
 namespace alidade::internal {
 namespace {
@@ -25,13 +25,6 @@ std::vector<std::string> FormatNames() {
   std::vector<std::string> names;
   for (const auto& [format, name] : kFormats) names.emplace_back(name);
   return names;
-}
-
-std::string FormatName(FileFormat wanted) {
-  for (const auto& [format, name] : kFormats) {
-    if (format == wanted) return name;
-  }
-  return "";
 }
 
 YamlValue FormatEntry(const YamlValue& root) {
@@ -92,27 +85,31 @@ YamlValue ReadConfigFile(const std::string& path, FileFormat expected) {
   YamlValue root = ReadYaml(path);
   const FileFormat format = ReadFormat(root);
   if (format != expected) {
-    FormatEntry(root).Fail("found " + Quote(FormatName(format)) +
-                           ", expected " + Quote(FormatName(expected)) +
-                           " here" + ReaderOf(format));
+    FormatEntry(root).Fail("found " + Quote(NameOf(format)) + ", expected " +
+                           Quote(NameOf(expected)) + " here" +
+                           ReaderOf(format));
   }
   return root;
 }
 
-double PositiveLength(const YamlValue& value, const Units& units) {
-  const double length = value.Quantity(Dimension::kLength, units);
-  if (!(length > 0.0)) {
-    value.Fail("expected a length above zero, found " + value.Text());
+const char* NameOf(FileFormat wanted) {
+  for (const auto& [format, name] : kFormats) {
+    if (format == wanted) return name;
   }
-  return length;
+  return "";
 }
 
-double PositiveAngle(const YamlValue& value, const Units& units) {
-  const double angle = value.Quantity(Dimension::kAngle, units);
-  if (!(angle > 0.0)) {
-    value.Fail("expected an angle above zero, found " + value.Text());
+std::pair<double, double> ReadInterval(const YamlValue& value,
+                                       Dimension dimension,
+                                       const Units& units) {
+  const std::vector<YamlValue> ends = value.List(2, "lower, upper");
+  const double lower = ends[0].Quantity(dimension, units);
+  const double upper = ends[1].Quantity(dimension, units);
+  if (lower > upper) {
+    value.Fail("expected [lower, upper] with lower not above upper, found [" +
+               ends[0].Text() + ", " + ends[1].Text() + "]");
   }
-  return angle;
+  return {lower, upper};
 }
 
 Eigen::VectorXd ReadDeviations(const YamlValue& value, const Units& units,

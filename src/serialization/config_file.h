@@ -3,11 +3,13 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "alidade/arm.h"
 #include "alidade/error.h"
 #include "src/common/files.h"
+#include "src/serialization/yaml_fields.h"
 #include "src/serialization/yaml_reader.h"
 
 namespace alidade::internal {
@@ -22,9 +24,26 @@ FileFormat DetectFormat(const std::string& path);
 /// @throws InputError.
 YamlValue ReadConfigFile(const std::string& path, FileFormat expected);
 
-/// A length (m) or an angle (rad) above zero. @throws InputError.
-double PositiveLength(const YamlValue& value, const Units& units);
-double PositiveAngle(const YamlValue& value, const Units& units);
+/// What a file says it is.
+const char* NameOf(FileFormat format);
+
+/// The first keys of every file.
+template <typename Visitor>
+void VisitHead(Visitor& v, FileFormat format) {
+  v.Custom(Key("format").Required().Schema(kTextSchema), NameOf(format),
+           ReadElsewhere);
+  v.Custom(
+      Key("units").Required().Schema(
+          R"({"type": "object", "properties": {"length": {"enum": ["mm", "m", "um"]}, "angle": {"enum": ["deg", "rad", "mrad"]}}, "required": ["length", "angle"], "additionalProperties": false})"),
+      "of all numbers", ReadElsewhere);
+}
+
+inline constexpr char kIntervalSchema[] =
+    R"({"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2})";
+
+/// [lower, upper]. @throws InputError.
+std::pair<double, double> ReadInterval(const YamlValue& value,
+                                       Dimension dimension, const Units& units);
 
 /// A map from parameter names to deviations: one entry per column of the layout
 /// of the arm alone, zero where the map names none. @throws InputError.

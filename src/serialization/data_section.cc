@@ -18,11 +18,6 @@
 namespace alidade::internal {
 namespace {
 
-// A first guess of a sigma that is to be estimated: what an arm's calibration
-// commonly leaves. Only the ratio to the priors hangs on it, until the
-// estimate replaces it.
-constexpr double kFirstSigma = 1e-4;
-
 std::vector<std::string> TargetNames(const Arm& arm) {
   std::vector<std::string> names;
   for (const Target& target : arm.targets) {
@@ -55,12 +50,6 @@ std::vector<std::string> ReadHeaders(const std::vector<YamlValue>& items) {
   return headers;
 }
 
-void ReadList(const YamlMap& map, const std::string& key, std::size_t size,
-              const std::string& what, std::vector<std::string>* headers) {
-  const std::optional<YamlValue> value = map.Optional(key);
-  if (value) *headers = ReadHeaders(value->List(size, what));
-}
-
 std::vector<std::string> ReadOrientation(const YamlValue& value) {
   const std::vector<YamlValue> items = value.List();
   if (items.size() != 3 && items.size() != 4) {
@@ -79,104 +68,147 @@ std::vector<std::string> ReadPointHeaders(const YamlValue& value) {
   return ReadHeaders(items);
 }
 
-void ReadTargetHeaders(const YamlMap& map, const Arm& arm,
-                       ColumnMapping* mapping) {
-  const std::optional<YamlValue> value = map.Optional("targets");
-  if (!value) return;
-  for (const char* other : {"position", "target"}) {
-    if (!map.Optional(other)) continue;
-    value->Fail(std::string("found beside \"") + other +
-                "\", expected one of both");
-  }
-  const YamlMap targets = value->AnyMap("targets and their headers");
+std::vector<std::pair<std::string, std::vector<std::string>>> ReadTargetHeaders(
+    const YamlValue& value, const Arm& arm) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> all;
+  const YamlMap targets = value.AnyMap("targets and their headers");
   for (const auto& [name, headers] : targets.entries()) {
     CheckTargetName(headers, name, arm);
-    mapping->targets.emplace_back(
-        name, ReadHeaders(headers.List(3, "the headers of x, y and z")));
+    all.emplace_back(name,
+                     ReadHeaders(headers.List(3, "the headers of x, y and z")));
   }
-  if (mapping->targets.empty()) {
-    value->Fail("the map is empty, expected the headers of some target");
+  if (all.empty()) {
+    value.Fail("the map is empty, expected the headers of some target");
+  }
+  return all;
+}
+
+// Several targets in one row have positions of their own.
+void CheckTargets(const YamlMap& map) {
+  const std::optional<YamlValue> targets = map.Optional("targets");
+  for (const char* other : {"position", "target"}) {
+    if (!targets || !map.Optional(other)) continue;
+    targets->Fail(std::string("found beside \"") + other +
+                  "\", expected one of both");
   }
 }
 
-ColumnMapping ReadMapping(const YamlValue& value, const Arm& arm) {
-  const YamlMap map =
-      value.Map({"joints", "position", "orientation", "std_position",
-                 "std_orientation", "distance", "std_distance", "point",
-                 "plane", "target", "set", "targets"});
-  ColumnMapping mapping;
-  ReadList(map, "joints", arm.joints.size(),
-           "the header of each joint's column", &mapping.joints);
-  ReadList(map, "position", 3, "the headers of x, y and z", &mapping.position);
-  ReadList(map, "std_position", 3, "the headers of the sigmas of x, y and z",
-           &mapping.std_position);
-  ReadList(map, "std_orientation", 3,
-           "the headers of the sigmas of the orientation",
-           &mapping.std_orientation);
-  if (const auto orientation = map.Optional("orientation")) {
-    mapping.orientation = ReadOrientation(*orientation);
-  }
-  map.ReadText("distance", &mapping.distance);
-  map.ReadText("std_distance", &mapping.std_distance);
-  if (const auto point = map.Optional("point")) {
-    mapping.point = ReadPointHeaders(*point);
-  }
-  map.ReadText("plane", &mapping.plane);
-  map.ReadText("target", &mapping.target);
-  map.ReadText("set", &mapping.set);
-  ReadTargetHeaders(map, arm, &mapping);
-  return mapping;
+constexpr char kMapOfTextsSchema[] =
+    R"({"type": "object", "additionalProperties": {"type": ["string", "number", "boolean"]}})";
+
+template <typename Visitor>
+void VisitColumns(Visitor& v, const Arm& arm, ColumnMapping* mapping) {
+  const auto list = [&v](const char* key, const char* text, std::size_t size,
+                         const char* what, std::vector<std::string>* headers) {
+    v.Custom(Key(key).Schema(kNamesSchema), text, [=](const YamlValue& value) {
+      *headers = ReadHeaders(value.List(size, what));
+    });
+  };
+  const auto header = [&v](const char* key, const char* text,
+                           std::string* member) {
+    v.Field(Key(key).Default(""), *member, text);
+  };
+  list("joints", "list: the header of each joint's column, from the base",
+       arm.joints.size(), "the header of each joint's column",
+       &mapping->joints);
+  list("position", "list: x, y, z", 3, "the headers of x, y and z",
+       &mapping->position);
+  v.Custom(Key("orientation").Schema(kNamesSchema),
+           "list: rx, ry, rz, or a quaternion's w, x, y, z",
+           [&](const YamlValue& value) {
+             mapping->orientation = ReadOrientation(value);
+           });
+  list("std_position", "list of three", 3,
+       "the headers of the sigmas of x, y and z", &mapping->std_position);
+  list("std_orientation",
+       "list of three; beside a quaternion, they are about the instrument's "
+       "axes",
+       3, "the headers of the sigmas of the orientation",
+       &mapping->std_orientation);
+  header("distance", "a header", &mapping->distance);
+  header("std_distance", "a header", &mapping->std_distance);
+  v.Custom(Key("point").Schema(kTextsSchema),
+           "a header, or a list of several whose texts are joined by `/` into "
+           "the name",
+           [&](const YamlValue& value) {
+             mapping->point = ReadPointHeaders(value);
+           });
+  header("plane", "a header", &mapping->plane);
+  header("target", "a header", &mapping->target);
+  header("set", "a header", &mapping->set);
+  v.Custom(
+      Key("targets").Schema(
+          R"({"type": "object", "additionalProperties": {"type": "array", "items": {"type": "string"}}})"),
+      "map from names of the arm's targets to lists x, y, z: several targets "
+      "measured in one row; in place of `position` and `target`",
+      [&](const YamlValue& value) {
+        mapping->targets = ReadTargetHeaders(value, arm);
+      });
+  v.Check(CheckTargets);
 }
 
-void ReadRotation(const YamlMap& map, DataFormat* format) {
-  const std::optional<YamlValue> value = map.Optional("rotation");
-  if (!value) return;
+void ReadRotation(const YamlValue& value, DataFormat* format) {
   std::vector<std::string> names = RotationConventionNames();
   names.insert(names.begin(), "ignore");
-  const std::string name = value->Choice("convention of rotations", names);
+  const std::string name = value.Choice("convention of rotations", names);
   format->ignore_rotation = name == "ignore";
   if (!format->ignore_rotation) format->rotation = FindRotationConvention(name);
 }
 
-void ReadSigmasOfEntry(const YamlMap& map, const Units& units,
-                       DataFormat* format) {
-  if (const auto sigma = map.Optional("sigma")) {
-    format->sigma = PositiveLength(*sigma, units);
-  }
-  if (const auto sigma = map.Optional("rotation_sigma")) {
-    format->rotation_sigma = PositiveAngle(*sigma, units);
-  }
-}
-
-void ReadTargetOfEntry(const YamlMap& map, const Arm& arm, DataFormat* format) {
+void CheckTarget(const YamlMap& map, const Arm& arm, const DataFormat& format) {
   const std::optional<YamlValue> target = map.Optional("target");
   if (!target) return;
-  format->target = target->Text();
-  CheckTargetName(*target, format->target, arm);
-  const ColumnMapping& mapping = format->columns;
+  CheckTargetName(*target, format.target, arm);
+  const ColumnMapping& mapping = format.columns;
   if (!mapping.target.empty() || !mapping.targets.empty()) {
     target->Fail("found beside targets in \"columns\", expected one of both");
   }
 }
 
-DataFormat ReadFormat(const YamlMap& map, const Units& units, const Arm& arm,
-                      DataFormat format) {
-  if (const auto columns = map.Optional("columns")) {
-    format.columns = ReadMapping(*columns, arm);
-    format.ignore_others = true;
+void ReadWhere(const YamlValue& value, DataFormat* format) {
+  const YamlMap filter = value.AnyMap("columns and the text to be in them");
+  for (const auto& [column, text] : filter.entries()) {
+    format->where.emplace_back(column, text.Text());
   }
-  ReadRotation(map, &format);
-  map.ReadText("point", &format.point);
-  map.ReadText("plane", &format.plane);
-  ReadTargetOfEntry(map, arm, &format);
-  ReadSigmasOfEntry(map, units, &format);
-  if (const auto where = map.Optional("where")) {
-    const YamlMap filter = where->AnyMap("columns and the text to be in them");
-    for (const auto& [column, text] : filter.entries()) {
-      format.where.emplace_back(column, text.Text());
-    }
-  }
-  return format;
+}
+
+// A map of `data`: a file, and what it does not say itself.
+template <typename Visitor>
+void VisitData(Visitor& v, const Arm& arm, DataFormat* format,
+               std::optional<YamlValue>* file) {
+  v.Field(Key("file").In("path").Required(), *file,
+          "the CSV or NPY, or a pattern");
+  v.Section(Key("columns"),
+            "the headers, where another program wrote the file. Columns that "
+            "are neither named here nor among the usual ones are passed over "
+            "then; `{}` does just that",
+            [&](auto& columns) {
+              VisitColumns(columns, arm, &format->columns);
+              columns.Check([&](const YamlMap& /*map*/) {
+                format->ignore_others = true;
+              });
+            });
+  v.Custom(Key("rotation").Schema(kTextSchema),
+           "how `rx`, `ry`, `rz` state an orientation (\"Orientations\", "
+           "below), or `ignore`: orientations are passed over",
+           [format](const YamlValue& value) { ReadRotation(value, format); });
+  v.Field(Key("point"), format->point,
+          "name of the reference point that all rows are measured against");
+  v.Field(Key("plane"), format->plane, "name of the plane that all rows touch");
+  v.Field(Key("target"), format->target,
+          "name of the arm's target that all rows measure");
+  v.Field(LengthKey("sigma").Above(0).Default("`measurement.sigma`"),
+          format->sigma, "of this file, where it states none");
+  v.Field(AngleKey("rotation_sigma")
+              .Above(0)
+              .Default("`measurement.sigma_rotation`, else `sigma` / 0.2 m in "
+                       "rad"),
+          format->rotation_sigma, "likewise of orientations");
+  v.Custom(Key("where").Schema(kMapOfTextsSchema),
+           "map from columns to texts: only rows with these cells are read. A "
+           "column that serves nothing else may stand here",
+           [format](const YamlValue& value) { ReadWhere(value, format); });
+  v.Check([&](const YamlMap& map) { CheckTarget(map, arm, *format); });
 }
 
 // All parts as one. A pose of a part without sets is in the set "".
@@ -291,11 +323,8 @@ void ReadEntry(const YamlValue& value, const DataFormat& defaults,
     return;
   }
   if (value.IsMap()) {
-    const YamlMap map =
-        value.Map({"file", "columns", "rotation", "point", "plane", "target",
-                   "sigma", "rotation_sigma", "where"});
-    format = ReadFormat(map, context->units, job->arm, defaults);
-    file = map.Required("file");
+    ReadFields(value, context->units,
+               [&](auto& v) { VisitData(v, job->arm, &format, &file); });
   }
   context->files.ReadEach(file.value_or(value), [&](const std::string& path) {
     const int reader = assignment->NextReader();
@@ -308,20 +337,11 @@ void ReadEntry(const YamlValue& value, const DataFormat& defaults,
 
 }  // namespace
 
-MeasurementSigmas ReadSigmas(const JobContext& context, JobConfig* job) {
-  const YamlMap map =
-      context.file.Required("measurement").Map({"sigma", "sigma_rotation"});
-  const YamlValue sigma = map.Required("sigma");
-  MeasurementSigmas sigmas;
-  sigmas.length = kFirstSigma;
-  job->options.estimate_sigma = sigma.Text() == "estimate";
-  if (!job->options.estimate_sigma) {
-    sigmas.length = PositiveLength(sigma, context.units);
-  }
-  if (const auto rotation = map.Optional("sigma_rotation")) {
-    sigmas.rotation = PositiveAngle(*rotation, context.units);
-  }
-  return sigmas;
+std::vector<FieldRecord> DataFields() {
+  const Arm arm;
+  DataFormat format;
+  std::optional<YamlValue> file;
+  return CollectFields([&](auto& v) { VisitData(v, arm, &format, &file); });
 }
 
 LoadedData ReadData(const YamlValue& value, const MeasurementSigmas& sigmas,

@@ -4,8 +4,21 @@
 #include "src/dataio/dataset_csv.h"
 #include "src/serialization/job_config.h"
 #include "src/serialization/job_context.h"
+#include "src/serialization/yaml_fields.h"
 
 namespace alidade::internal {
+
+inline constexpr char kDataSchema[] = R"({"$ref": "#/$defs/data"})";
+/// A text or a list of some.
+inline constexpr char kTextsSchema[] =
+    R"({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]})";
+inline constexpr char kSigmaSchema[] =
+    R"({"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"const": "estimate"}]})";
+
+/// A first guess of a sigma that is to be estimated: what an arm's calibration
+/// commonly leaves (m). Only the ratio to the priors hangs on it, until the
+/// estimate replaces it.
+inline constexpr double kFirstSigma = 1e-4;
 
 /// What `measurement` says of data that state no sigmas of their own.
 struct MeasurementSigmas {
@@ -13,8 +26,27 @@ struct MeasurementSigmas {
   double rotation = 0.0;  ///< (rad); 0 = from that of lengths
 };
 
-/// The job's `measurement`. @throws InputError.
-MeasurementSigmas ReadSigmas(const JobContext& context, JobConfig* job);
+/// The section `measurement` of a job.
+template <typename Visitor>
+void VisitMeasurement(Visitor& v, MeasurementSigmas* sigmas, bool* estimates) {
+  const Key sigma = LengthKey("sigma").Above(0).Required();
+  v.Custom(sigma.Schema(kSigmaSchema),
+           "standard deviation of each measured length, where a data set "
+           "states none; or `estimate`: from the residuals of the fit "
+           "(\"Estimated sigmas\", below)",
+           [&](const YamlValue& value, const Units& units) {
+             *estimates = value.Text() == "estimate";
+             sigmas->length =
+                 *estimates ? kFirstSigma : ReadNumber(value, sigma, units);
+           });
+  v.Field(
+      AngleKey("sigma_rotation").Above(0).Default("sigma / 0.2 m, in rad"),
+      sigmas->rotation,
+      "likewise of measured orientations, about each axis of the instrument");
+}
+
+/// What a map of `data` may hold.
+std::vector<FieldRecord> DataFields();
 
 /// Reads data for the job's arm: a path, a map of a file and what it does not
 /// say itself, or a list of both, merged. The job's references grow by what

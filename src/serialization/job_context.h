@@ -11,20 +11,12 @@ namespace alidade::internal {
 
 /// What every part of a job file needs to be read.
 struct JobContext {
-  YamlMap file;
   Units units;
   NamedFiles files;
   int num_threads = 1;  ///< to read data sets with
   /// The rank that reads each data set's file.
   std::map<std::string, int> readers = {};
 };
-
-/// @throws InputError at the map where the options are not valid.
-template <typename Options>
-void CheckOptions(const Options& options, const YamlMap& map) {
-  std::string error;
-  if (!options.IsValid(&error)) map.Fail(error);
-}
 
 }  // namespace alidade::internal
 

@@ -5,6 +5,7 @@
 
 #include "alidade/arm_file.h"
 #include "alidade/parameter_layout.h"
+#include "src/calibration/calibration_options_fields.h"
 #include "src/common/names.h"
 #include "src/serialization/config_file.h"
 #include "src/serialization/data_section.h"
@@ -12,151 +13,84 @@
 #include "src/serialization/job_context.h"
 #include "src/serialization/job_tree.h"
 #include "src/serialization/references_section.h"
-#include "src/serialization/uncertainty_section.h"
 #include "src/serialization/validation_section.h"
+#include "src/serialization/yaml_fields.h"
 #include "src/serialization/yaml_reader.h"
+#include "src/simulation/monte_carlo_fields.h"
+#include "src/solve/solver_fields.h"
+#include "src/uncertainty/uncertainty_fields.h"
 
 namespace alidade::internal {
+
+template <>
+inline constexpr std::array kWords<JobOutputs> = {
+    std::pair{JobOutputs::kFull, "full"},
+    std::pair{JobOutputs::kMinimal, "minimal"},
+};
+
 namespace {
 
-constexpr int kMaxDecimals = 15;
+constexpr char kBoundsSchema[] =
+    R"({"type": "object", "additionalProperties": {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 2, "maxItems": 2}})";
 
-SolverName ReadSolverName(const YamlValue& value) {
-  const std::string name = value.Choice("solver", {"ceres", "pseudo_inverse"});
-  return name == "ceres" ? SolverName::kCeres : SolverName::kPseudoInverse;
-}
+// A job that is being read.
+struct JobReading {
+  JobContext* context;
+  JobConfig* job;
+  bool with_validation = true;
+  MeasurementSigmas sigmas = {};
+  StatedReferences references = {};
+  std::vector<std::string> sets = {};
+  StatedValidation validation = {};
+};
 
-Evaluation ReadEvaluation(const YamlValue& value) {
-  const std::string name =
-      value.Choice("evaluation", {"auto", "autodiff", "compressed"});
-  if (name == "autodiff") return Evaluation::kAutodiff;
-  return name == "compressed" ? Evaluation::kCompressed
-                              : Evaluation::kAutomatic;
-}
-
-void ReadSolver(const JobContext& context, JobConfig* job) {
-  const std::optional<YamlValue> value = context.file.Optional("solver");
-  if (!value) return;
-  const YamlMap map = value->Map(
-      {"name", "max_iterations", "function_tolerance", "rounding_floor_factor",
-       "wanted_precision", "initial_trust_region_radius",
-       "pseudo_inverse_tolerance", "evaluation"});
-  SolverOptions& options = job->options.solver_options;
-  if (const auto name = map.Optional("name")) {
-    job->options.solver = ReadSolverName(*name);
+void CheckLoss(const YamlMap& map, const JobConfig& job) {
+  if (job.options.loss == LossKind::kNone ||
+      job.options.solver == SolverName::kCeres) {
+    return;
   }
-  map.ReadInteger("max_iterations", &options.max_iterations);
-  map.ReadNumber("function_tolerance", &options.function_tolerance);
-  map.ReadNumber("rounding_floor_factor", &options.rounding_floor_factor);
-  if (const auto precision = map.Optional("wanted_precision")) {
-    options.wanted_precision =
-        precision->Quantity(Dimension::kLength, context.units);
-  }
-  map.ReadNumber("initial_trust_region_radius",
-                 &options.initial_trust_region_radius);
-  map.ReadNumber("pseudo_inverse_tolerance", &options.pseudo_inverse_tolerance);
-  if (const auto evaluation = map.Optional("evaluation")) {
-    options.evaluation = ReadEvaluation(*evaluation);
-  }
-  CheckOptions(options, map);
+  map.Required("loss").Fail(
+      "the pseudo-inverse is least squares: a robust loss goes with "
+      "`solver: {name: ceres}`");
 }
 
-void ReadRobust(const JobContext& context, JobConfig* job) {
-  const std::optional<YamlValue> value = context.file.Optional("robust");
-  if (!value) return;
-  const YamlValue loss = value->Map({"loss"}).Required("loss");
-  const std::string name =
-      loss.Choice("loss", {"none", "huber", "cauchy", "tukey"});
-  if (name == "huber") job->options.loss = LossKind::kHuber;
-  if (name == "cauchy") job->options.loss = LossKind::kCauchy;
-  if (name == "tukey") job->options.loss = LossKind::kTukey;
-  if (job->options.loss != LossKind::kNone &&
-      job->options.solver != SolverName::kCeres) {
-    loss.Fail(
-        "the pseudo-inverse is least squares: a robust loss goes with "
-        "`solver: {name: ceres}`");
-  }
+void CheckCompareWith(const YamlMap& map, const JobConfig& job) {
+  const std::vector<SolverName>& others = job.options.compare_with;
+  const auto same = std::find(others.begin(), others.end(), job.options.solver);
+  if (same == others.end()) return;
+  const YamlValue item =
+      map.Required("compare_with").List()[same - others.begin()];
+  item.Fail("solver " + Quote(item.Text()) +
+            " runs already, expected each solver once");
 }
 
-void ReadCompareWith(const JobContext& context, JobConfig* job) {
-  const std::optional<YamlValue> value = context.file.Optional("compare_with");
-  if (!value) return;
-  for (const YamlValue& item : value->List()) {
-    const SolverName name = ReadSolverName(item);
-    const std::vector<SolverName>& known = job->options.compare_with;
-    if (name == job->options.solver ||
-        std::find(known.begin(), known.end(), name) != known.end()) {
-      item.Fail("solver " + Quote(item.Text()) +
-                " runs already, expected each solver once");
-    }
-    job->options.compare_with.push_back(name);
-  }
-}
-
-bool IsOfHeldout(const std::string& key) {
-  return key.rfind("heldout", 0) == 0;
-}
-
-// A limit of poses that the fit does not use needs some.
-void CheckHeldout(const YamlValue& limit, const std::string& key,
-                  const JobConfig& job) {
-  if (!IsOfHeldout(key) || job.data.validation || job.options.folds) return;
-  limit.Fail("needs poses that the fit does not use: add \"validation\"");
-}
-
-void CheckRotation(const YamlValue& limit, const std::string& key,
-                   const JobConfig& job) {
-  const bool is_heldout = IsOfHeldout(key) && job.data.validation;
-  const Dataset& data = is_heldout ? *job.data.validation : job.data.training;
-  if (data.Has(MeasurementKind::kPose)) return;
-  limit.Fail("no orientation is measured, expected limits of positions alone");
-}
-
-// Without the validation that goes with them, limits of held-out poses are
-// passed over.
-void ReadAcceptance(const JobContext& context, bool with_validation,
-                    JobConfig* job) {
-  const std::optional<YamlValue> value = context.file.Optional("acceptance");
-  if (!value) return;
+// A limit of poses that the fit does not use needs some, one of orientations
+// needs these. Without the validation that goes with them, limits of held-out
+// poses are passed over.
+void CheckAcceptance(const YamlMap& map, bool with_validation, JobConfig* job) {
   AcceptanceLimits& limits = job->options.acceptance;
-  const std::vector<std::pair<std::string, std::optional<double>*>> lengths = {
-      {"train_rms", &limits.train_rms},
-      {"train_max", &limits.train_max},
-      {"heldout_rms", &limits.heldout_rms},
-      {"heldout_max", &limits.heldout_max}};
-  const std::vector<std::pair<std::string, std::optional<double>*>> angles = {
-      {"train_rotation_rms", &limits.train_rotation_rms},
-      {"train_rotation_max", &limits.train_rotation_max},
-      {"heldout_rotation_rms", &limits.heldout_rotation_rms},
-      {"heldout_rotation_max", &limits.heldout_rotation_max}};
-  std::vector<std::string> keys;
-  for (const auto& entry : lengths) keys.push_back(entry.first);
-  for (const auto& entry : angles) keys.push_back(entry.first);
-  const YamlMap map = value->Map(keys);
-  for (const auto& [key, limit] : lengths) {
-    const std::optional<YamlValue> found = map.Optional(key);
-    if (!found || (IsOfHeldout(key) && !with_validation)) continue;
-    CheckHeldout(*found, key, *job);
-    *limit = PositiveLength(*found, context.units);
+  if (!with_validation) {
+    for (auto* limit :
+         {&limits.heldout_rms, &limits.heldout_max,
+          &limits.heldout_rotation_rms, &limits.heldout_rotation_max}) {
+      limit->reset();
+    }
   }
-  for (const auto& [key, limit] : angles) {
-    const std::optional<YamlValue> found = map.Optional(key);
-    if (!found || (IsOfHeldout(key) && !with_validation)) continue;
-    CheckHeldout(*found, key, *job);
-    CheckRotation(*found, key, *job);
-    *limit = PositiveAngle(*found, context.units);
-  }
-}
-
-void ReadBaseline(const YamlValue& value, PublishedStudy* study) {
-  const YamlMap map = value.Map({"iterations", "time_s"});
-  constexpr int kMaxIterations = 1000000;
-  study->baseline_iterations =
-      static_cast<int>(map.Required("iterations").Integer(1, kMaxIterations));
-  const YamlValue time = map.Required("time_s");
-  study->baseline_time_s = time.Number();
-  if (!(study->baseline_time_s > 0.0)) {
-    time.Fail("expected a time above zero, found " + time.Text());
+  const std::optional<Dataset>& validation = job->data.validation;
+  for (const auto& [key, limit] : map.entries()) {
+    const bool is_heldout = key.rfind("heldout", 0) == 0;
+    if (is_heldout && !with_validation) continue;
+    if (is_heldout && !validation && !job->options.folds) {
+      limit.Fail("needs poses that the fit does not use: add \"validation\"");
+    }
+    const Dataset& data =
+        is_heldout && validation ? *validation : job->data.training;
+    if (key.find("rotation") == std::string::npos ||
+        data.Has(MeasurementKind::kPose)) {
+      continue;
+    }
+    limit.Fail(
+        "no orientation is measured, expected limits of positions alone");
   }
 }
 
@@ -186,34 +120,6 @@ Eigen::VectorXd WithReferences(const Eigen::VectorXd& deviations,
   return all;
 }
 
-void ReadPublished(const JobContext& context, JobConfig* job) {
-  const std::optional<YamlValue> value = context.file.Optional("published");
-  if (!value) return;
-  const YamlMap map = value->Map({"source", "deviations", "angle_decimals",
-                                  "length_decimals", "baseline", "figures"});
-  PublishedStudy study;
-  study.source = map.Required("source").Text();
-  study.deviations = WithReferences(
-      ReadDeviations(map.Required("deviations"), context.units, job->arm),
-      *job);
-  if (const auto decimals = map.Optional("angle_decimals")) {
-    study.angle_decimals = static_cast<int>(decimals->Integer(0, kMaxDecimals));
-  }
-  if (const auto decimals = map.Optional("length_decimals")) {
-    study.length_decimals =
-        static_cast<int>(decimals->Integer(0, kMaxDecimals));
-  }
-  if (const auto baseline = map.Optional("baseline")) {
-    ReadBaseline(*baseline, &study);
-  }
-  if (const auto figures = map.Optional("figures")) {
-    study.figures = ReadFigures(*figures);
-  }
-  job->published = std::move(study);
-}
-
-// Identifiability is read last: its parameters are those of the arm and of
-// what the data are measured against.
 bool HasUnknownReferences(const References& references) {
   const auto is_unknown = [](const auto& reference) {
     return !reference.is_known;
@@ -225,45 +131,32 @@ bool HasUnknownReferences(const References& references) {
 }
 
 // The published rules know joint parameters alone.
-void CheckMethod(const JobContext& context, const JobConfig& job) {
-  if (job.options.identifiability.method != IdentifiabilityMethod::kRules)
-    return;
-  if (!HasUnknownReferences(job.data.references)) return;
-  context.file.Required("identifiability")
-      .Fail(
-          "method: rules identifies no points and planes, and some of these "
-          "are not known: expected `method: rank`");
+void CheckMethod(const YamlMap& map, const JobConfig& job) {
+  if (job.options.identifiability.method == IdentifiabilityMethod::kRules &&
+      HasUnknownReferences(job.data.references)) {
+    map.Fail(
+        "method: rules identifies no points and planes, and some of these "
+        "are not known: expected `method: rank`");
+  }
 }
 
-void ReadMeasurements(bool with_validation, JobContext* context,
-                      JobConfig* job) {
-  const MeasurementSigmas sigmas = ReadSigmas(*context, job);
-  job->data.references = ReadReferences(*context);
-  LoadedData loaded =
-      ReadData(context->file.Required("data"), sigmas, context, job);
+void ReadTrainingData(const YamlValue& value, JobReading* reading) {
+  JobConfig* const job = reading->job;
+  job->data.references = reading->references.references;
+  LoadedData loaded = ReadData(value, reading->sigmas, reading->context, job);
   job->data.training = std::move(loaded.data);
-  if (with_validation) ReadValidation(sigmas, loaded.sets, context, job);
-  constexpr double kMustBeStated = 0.0;
-  ReadPointDistances(
-      *context, job->options.estimate_sigma ? kMustBeStated : sigmas.length,
-      job);
-  const ParameterLayout layout = LayoutOf(job->arm, job->data.references);
-  ReadIdentifiability(*context, layout, &job->options.identifiability);
-  CheckMethod(*context, *job);
-  job->options.bounds = ReadBounds(
-      *context, layout, NominalValues(job->arm, job->data.references));
+  reading->sets = std::move(loaded.sets);
 }
 
-void ReadTruth(JobContext* context, JobConfig* job) {
-  const std::optional<YamlValue> value = context->file.Optional("truth");
-  if (!value) return;
+void ReadTruth(const YamlValue& value, JobReading* reading) {
+  JobConfig* const job = reading->job;
   if (HasUnknownReferences(job->data.references)) {
-    value->Fail(
+    value.Fail(
         "the true arm is given, but not the true points and planes that "
         "the data are measured against: expected `known: true` of each");
   }
-  const Eigen::VectorXd deviations = context->files.Read(
-      *value,
+  const Eigen::VectorXd deviations = reading->context->files.Read(
+      value,
       [&](const std::string& path) { return LoadDeviations(path, job->arm); });
   job->options.true_values = NominalValues(job->arm, job->data.references) +
                              WithReferences(deviations, *job);
@@ -275,28 +168,27 @@ bool IsOnePositionPerPose(const Dataset& data) {
          data.num_equations() == data.num_rows();
 }
 
-void ReadNoiseStudy(const JobContext& context, JobConfig* job) {
-  const std::optional<YamlValue> value = context.file.Optional("noise_study");
-  if (!value) return;
-  const YamlMap map = value->Map({"trials", "workspace_poses", "seed"});
-  if (!job->options.true_values) {
+void CheckNoiseStudy(const YamlMap& map, const JobConfig& job) {
+  if (!job.options.true_values) {
     map.Fail("a noise study compares with the real arm, expected `truth` too");
   }
-  if (!IsOnePositionPerPose(job->data.training)) {
+  if (!IsOnePositionPerPose(job.data.training)) {
     map.Fail("a noise study takes data sets of one position per pose");
   }
-  NoiseStudyConfig study;
-  map.ReadInteger("trials", &study.trials);
-  map.ReadInteger("workspace_poses", &study.workspace_poses);
-  map.ReadSeed("seed", &study.seed);
-  if (study.trials < 1 || study.workspace_poses < 1) {
-    map.Fail("trials and workspace_poses must be 1 or more");
+}
+
+void CheckMonteCarlo(const YamlMap& map, const JobConfig& job) {
+  if (job.montecarlo.truth != SimulatedTruth::kGiven ||
+      job.options.true_values) {
+    return;
   }
-  job->noise_study = study;
+  map.Required("truth").Fail(
+      "no `truth` is given in this job, expected `identified` or "
+      "`priors`, or the real arm as the job's `truth`");
 }
 
 // What asks for all data in one place.
-void RefuseForMany(const JobContext& context, const JobConfig& job) {
+void RefuseForMany(const YamlMap& map, const JobConfig& job) {
   const int num_ranks = job.communicator->size();
   if (num_ranks == 1) return;
   const auto refuse = [&](const YamlValue& value, const std::string& what) {
@@ -304,16 +196,16 @@ void RefuseForMany(const JobContext& context, const JobConfig& job) {
                std::to_string(num_ranks) +
                ": leave it out, or run without mpirun");
   };
-  if (const auto compared = context.file.Optional("compare_with")) {
+  if (const auto compared = map.Optional("compare_with")) {
     refuse(*compared, "compare_with");
   }
   if (job.options.solver == SolverName::kPseudoInverse) {
-    refuse(context.file.Required("solver"), "the pseudo-inverse");
+    refuse(map.Required("solver"), "the pseudo-inverse");
   }
   if (job.options.solver_options.evaluation == Evaluation::kAutodiff) {
-    refuse(context.file.Required("solver"), "evaluation: autodiff");
+    refuse(map.Required("solver"), "evaluation: autodiff");
   }
-  if (const auto validation = context.file.Optional("validation")) {
+  if (const auto validation = map.Optional("validation")) {
     if (validation->Find("folds")) refuse(*validation, "cross-validation");
   }
 }
@@ -328,36 +220,197 @@ std::vector<int> ReadersOf(const JobContext& context, const JobConfig& job) {
   return readers;
 }
 
-void ReadOutputs(const JobContext& context, JobConfig* job) {
-  const std::optional<YamlValue> value = context.file.Optional("outputs");
-  if (!value) return;
-  const std::string name = value->Choice("outputs", {"full", "minimal"});
-  job->outputs = name == "full" ? JobOutputs::kFull : JobOutputs::kMinimal;
+template <typename Visitor>
+void VisitSolvers(Visitor& v, JobConfig* job) {
+  CalibrationOptions& options = job->options;
+  v.Section(Key("solver"), "how the least-squares problem is solved",
+            [&](auto& section) {
+              section.Field(Key("name").Named("solver"), options.solver,
+                            "`ceres` (Levenberg-Marquardt by Ceres) or "
+                            "`pseudo_inverse`");
+              VisitFields(section, options.solver_options);
+            });
+  v.Section(Key("robust"), "against outliers", [&](auto& section) {
+    section.Field(
+        Key("loss").Required(), options.loss,
+        "how the cost of an outlier grows: `none` (squares), `huber`, `cauchy` "
+        "or `tukey`, on the norm of each observation's whitened residual, with "
+        "the constant of 95 % efficiency for that observation's own dimension, "
+        "the number of its rows that were measured. The last two start from "
+        "the solution of the ones before them. `ceres` only");
+    section.Check([&](const YamlMap& map) { CheckLoss(map, *job); });
+  });
+  v.Field(Key("compare_with").Named("solver"), options.compare_with,
+          "other solvers to run on the same data");
+  v.Check([&](const YamlMap& map) { CheckCompareWith(map, *job); });
+  v.Check([&](const YamlMap& map) { RefuseForMany(map, *job); });
+}
+
+template <typename Visitor>
+void VisitMeasurements(Visitor& v, JobReading* reading) {
+  JobConfig* const job = reading->job;
+  v.Section(Key("measurement").Required(), "how well was measured",
+            [&](auto& section) {
+              VisitMeasurement(section, &reading->sigmas,
+                               &job->options.estimate_sigma);
+            });
+  v.Section(
+      Key("references"),
+      "points and planes that the data are measured against "
+      "(\"References of a job\", below)",
+      [&](auto& section) { VisitReferences(section, &reading->references); });
+  v.Custom(Key("data").Required().Schema(kDataSchema),
+           "what to fit: a path, or a map where more is to be said of the "
+           "file, or a list of both (\"Data of a job\", below)",
+           [&](const YamlValue& value) { ReadTrainingData(value, reading); });
+  v.Section(Key("validation"),
+            "poses that the fit does not use; one of the five below",
+            [&](auto& section) {
+              VisitValidation(section, &reading->validation);
+              section.Check([&](const YamlMap& map) {
+                if (!reading->with_validation) return;
+                TakeValidation(map, reading->validation, reading->sigmas,
+                               reading->sets, reading->context, job);
+              });
+            });
+  v.Check([&](const YamlMap& /*map*/) {
+    constexpr double kMustBeStated = 0.0;
+    AppendDistances(
+        reading->references.distances,
+        job->options.estimate_sigma ? kMustBeStated : reading->sigmas.length,
+        job);
+  });
+  v.Section(
+      Key("identifiability"), "which parameters are identified",
+      [&](auto& section) {
+        VisitIdentifiability(section, LayoutOf(job->arm, job->data.references),
+                             &job->options.identifiability);
+        section.Check([&](const YamlMap& map) { CheckMethod(map, *job); });
+      });
+  v.Custom(
+      Key("bounds").In("the parameter's").Schema(kBoundsSchema),
+      "map from names of joint parameters (`beta1`, `alpha2`, `d3`, `theta4`, "
+      "`r5`) to `[lower, upper]`: limits in the solve, as deviations from the "
+      "nominal value, 0 between them; `-.inf` or `.inf` leaves one end open. "
+      "`ceres` only",
+      [&](const YamlValue& value, const Units& units) {
+        job->options.bounds =
+            ReadBounds(value, units, LayoutOf(job->arm, job->data.references),
+                       NominalValues(job->arm, job->data.references));
+      });
+}
+
+template <typename Visitor>
+void VisitPublished(Visitor& v, JobReading* reading, PublishedStudy* study) {
+  JobConfig* const job = reading->job;
+  v.Field(Key("source").Required(), study->source, "title of the study");
+  v.Custom(
+      Key("deviations").In("the job's units").Required().Schema(kMapSchema),
+      "as its table prints them: map from parameter names, 0 where left "
+      "out",
+      [&](const YamlValue& value, const Units& units) {
+        study->deviations =
+            WithReferences(ReadDeviations(value, units, job->arm), *job);
+      });
+  v.Field(Key("angle_decimals").AtLeast(0).AtMost(15), study->angle_decimals,
+          "decimals of that table, of rad");
+  v.Field(Key("length_decimals").AtLeast(0).AtMost(15), study->length_decimals,
+          "decimals of that table, of mm");
+  v.Section(Key("baseline"), "its algorithm", [&](auto& section) {
+    section.Field(Key("iterations").AtLeast(1).AtMost(1000000).Required(),
+                  study->baseline_iterations, "fixed number of iterations");
+    section.Field(Key("time_s").In("s").Above(0).Required(),
+                  study->baseline_time_s, "and the time that they took");
+  });
+  v.Custom(
+      Key("figures").Default("`[]`").Schema(R"({"type": "array"})"),
+      "list of `{quantity, published}`: a quantity below, and what the "
+      "study says of it, in its words",
+      [&](const YamlValue& value) { study->figures = ReadFigures(value); });
+  v.Check([&](const YamlMap& /*map*/) { job->published = *study; });
+}
+
+template <typename Visitor>
+void VisitStudies(Visitor& v, JobReading* reading) {
+  JobConfig* const job = reading->job;
+  v.Section(Key("published"), "what a publication says of the same calibration",
+            [&](auto& section) {
+              PublishedStudy study;
+              VisitPublished(section, reading, &study);
+            });
+  v.Section(Key("noise_study"),
+            "`compare` calibrates the poses of `data` again and again with "
+            "fresh noise of their sigmas; needs `truth`",
+            [&](auto& section) {
+              NoiseStudyConfig study;
+              VisitFields(section, study);
+              section.Check([&](const YamlMap& map) {
+                CheckNoiseStudy(map, *job);
+                job->noise_study = study;
+              });
+            });
+  v.Section(Key("uncertainty"), "how far the result is to be trusted",
+            job->options.uncertainty);
+  v.Check([&](const YamlMap& /*map*/) {
+    if (job->options.true_values) {
+      job->montecarlo.truth = SimulatedTruth::kGiven;
+    }
+  });
+  v.Section(
+      Key("montecarlo"), "what `alidade montecarlo` simulates",
+      [&](auto& section) {
+        VisitFields(section, job->montecarlo);
+        section.Check([&](const YamlMap& map) { CheckMonteCarlo(map, *job); });
+      });
+}
+
+// In the order of reading: data are read as the arm and the sigmas ask, and
+// parameters are those of the arm and of what the data are measured against.
+template <typename Visitor>
+void VisitJob(Visitor& v, JobReading* reading) {
+  JobConfig* const job = reading->job;
+  VisitHead(v, FileFormat::kJob);
+  v.Field(Key("title").Required(), job->title, "heads the report");
+  v.Custom(Key("arm").In("path").Required().Schema(kTextSchema),
+           "the nominal arm", [&](const YamlValue& value) {
+             job->arm = reading->context->files.ReadArm(value, LoadArm);
+           });
+  VisitSolvers(v, job);
+  VisitMeasurements(v, reading);
+  v.Custom(Key("truth").In("path").Schema(kTextSchema),
+           "deviations of the real arm, where it is known (a simulated one); "
+           "the report compares",
+           [&](const YamlValue& value) { ReadTruth(value, reading); });
+  v.Section(Key("acceptance"),
+            "limits; where one is missed, the exit status is 1",
+            [&](auto& section) {
+              VisitFields(section, job->options.acceptance);
+              section.Check([&](const YamlMap& map) {
+                CheckAcceptance(map, reading->with_validation, job);
+              });
+            });
+  VisitStudies(v, reading);
+  v.Field(Key("outputs"), job->outputs,
+          "what the result directory holds: `full`, or `minimal`, `arm.yaml` "
+          "and `result.json` alone");
+}
+
+std::vector<FieldRecord> FieldsOfJob() {
+  JobConfig job;
+  JobReading reading{nullptr, &job};
+  return CollectFields([&](auto& v) { VisitJob(v, &reading); });
 }
 
 JobConfig Load(const YamlValue& root, bool with_validation,
                const Execution& execution) {
-  const YamlMap file = root.Map(JobKeys());
-  JobContext context{file, Units(file), NamedFiles(root.document()),
+  JobContext context{Units(root.Map(JobKeys())), NamedFiles(root.document()),
                      execution.num_threads};
   JobConfig job;
   job.path = root.document().files.front();
   job.options.num_threads = execution.num_threads;
   job.communicator = execution.communicator;
-  job.title = file.Required("title").Text();
-  job.arm = context.files.ReadArm(file.Required("arm"), LoadArm);
-  ReadSolver(context, &job);
-  ReadRobust(context, &job);
-  ReadCompareWith(context, &job);
-  RefuseForMany(context, job);
-  ReadMeasurements(with_validation, &context, &job);
-  ReadTruth(&context, &job);
-  ReadAcceptance(context, with_validation, &job);
-  ReadPublished(context, &job);
-  ReadNoiseStudy(context, &job);
-  ReadUncertaintyOptions(context, &job);
-  ReadMonteCarlo(context, &job);
-  ReadOutputs(context, &job);
+  JobReading reading{&context, &job, with_validation};
+  ReadFields(root, context.units, [&](auto& v) { VisitJob(v, &reading); });
   job.input_files = context.files.paths();
   job.readers = ReadersOf(context, job);
   return job;
@@ -381,6 +434,28 @@ const std::vector<std::string>& PublishedQuantityNames() {
       "error_at_iteration_100", "time_100_iterations", "identified",
       "not_identified",         "validation_after",    "as_printed"};
   return *names;
+}
+
+const std::vector<std::string>& JobKeys() {
+  static const auto* const keys =
+      new std::vector<std::string>(KeysOf(FieldsOfJob()));
+  return *keys;
+}
+
+std::vector<FieldRecord> JobFields() {
+  std::vector<FieldRecord> fields = CollectFields([](auto& v) {
+    v.Custom(Key("extends").In("path").Schema(kTextSchema),
+             "a job that this one is laid on; what it says need not be said "
+             "again ([batch.md](batch.md))",
+             ReadElsewhere);
+    v.Custom(Key("matrix").Schema(kMapSchema),
+             "values to combine, each combination a job; `alidade batch` alone "
+             "reads it ([batch.md](batch.md))",
+             ReadElsewhere);
+  });
+  const std::vector<FieldRecord> of_job = FieldsOfJob();
+  fields.insert(fields.end(), of_job.begin(), of_job.end());
+  return fields;
 }
 
 JobConfig LoadJobTree(YamlDocument tree, const Execution& execution) {

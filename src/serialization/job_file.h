@@ -5,11 +5,18 @@
 
 #include "alidade/communicator.h"
 #include "alidade/dataset.h"
+#include "src/serialization/field_records.h"
 #include "src/serialization/job_config.h"
 #include "src/serialization/yaml_tree.h"
 #include "src/simulation/simulation.h"
 
 namespace alidade::internal {
+
+/// The keys of one job.
+const std::vector<std::string>& JobKeys();
+
+/// What a job file may hold.
+std::vector<FieldRecord> JobFields();
 
 /// Reads a job, those that it extends, and every file they name; paths are
 /// relative to the file that states them. `execution` is the job's as well;

@@ -74,16 +74,6 @@ class TreeReader {
 
 }  // namespace
 
-const std::vector<std::string>& JobKeys() {
-  static const auto* const keys = new std::vector<std::string>{
-      "format",     "title",       "units",           "arm",
-      "data",       "references",  "measurement",     "truth",
-      "validation", "bounds",      "identifiability", "solver",
-      "robust",     "outputs",     "compare_with",    "acceptance",
-      "published",  "uncertainty", "montecarlo",      "noise_study"};
-  return *keys;
-}
-
 YamlDocument ReadJobTree(const std::string& path) {
   return TreeReader().Read(path);
 }

@@ -8,9 +8,6 @@
 
 namespace alidade::internal {
 
-/// The keys of a job, in the order of docs/files.md.
-const std::vector<std::string>& JobKeys();
-
 /// Reads a job file and those that it inherits from: `extends: BASE.yaml` lays
 /// the file on BASE, map by map, lists and single values replaced (Overlay of
 /// yaml_merge.h). Every value keeps its file, line and column, and paths stay

@@ -46,10 +46,7 @@ class JsonValue {
     return json_.get<std::string>();
   }
 
-  bool Boolean() const {
-    if (!json_.is_boolean()) FailType("true or false");
-    return json_.get<bool>();
-  }
+  bool IsNull() const { return json_.is_null(); }
 
   /// null is what NaN and infinities are written as.
   double Number(double null = std::numeric_limits<double>::quiet_NaN()) const {
@@ -58,37 +55,47 @@ class JsonValue {
     return json_.get<double>();
   }
 
-  int Integer() const {
-    const std::int64_t value = LongInteger();
-    if (value < std::numeric_limits<int>::min() ||
-        value > std::numeric_limits<int>::max()) {
-      FailType("a smaller integer");
-    }
-    return static_cast<int>(value);
+  void Get(std::string* value) const { *value = Text(); }
+  void Get(bool* value) const {
+    if (!json_.is_boolean()) FailType("true or false");
+    *value = json_.get<bool>();
   }
-
-  std::int64_t LongInteger() const {
+  void Get(std::int64_t* value) const {
     if (!json_.is_number_integer()) FailType("an integer");
-    return json_.get<std::int64_t>();
+    *value = json_.get<std::int64_t>();
   }
-
-  std::uint64_t Seed() const {
+  void Get(int* value) const {
+    std::int64_t number = 0;
+    Get(&number);
+    if (number != static_cast<int>(number)) FailType("a smaller integer");
+    *value = static_cast<int>(number);
+  }
+  void Get(std::uint64_t* value) const {
     if (!json_.is_number_unsigned()) FailType("an integer not below zero");
-    return json_.get<std::uint64_t>();
+    *value = json_.get<std::uint64_t>();
   }
 
   Eigen::VectorXd Vector() const {
     const std::vector<JsonValue> items = List();
     Eigen::VectorXd values(static_cast<Eigen::Index>(items.size()));
     Eigen::Index i = 0;
-    for (const JsonValue& item : items) values[i++] = item.Number();
+    for (const JsonValue& item : items) {
+      values[i++] = item.Number();
+    }
     return values;
   }
 
-  std::vector<std::string> Texts() const {
-    std::vector<std::string> texts;
-    for (const JsonValue& item : List()) texts.push_back(item.Text());
-    return texts;
+  Eigen::MatrixXd SquareMatrix() const {
+    const std::vector<JsonValue> rows = List();
+    const auto size = static_cast<Eigen::Index>(rows.size());
+    Eigen::MatrixXd matrix(size, size);
+    Eigen::Index row = 0;
+    for (const JsonValue& values : rows) {
+      const Eigen::VectorXd entries = values.Vector();
+      if (entries.size() != size) values.FailType("as many entries as rows");
+      matrix.row(row++) = entries.transpose();
+    }
+    return matrix;
   }
 
   /// The value whose word in `table` this is.
@@ -129,14 +136,6 @@ class JsonValue {
   const std::string path_;
   const nlohmann::json& json_;
 };
-
-/// Applies `read` to every item of a list.
-template <typename Read>
-auto ReadList(const JsonValue& list, const Read& read) {
-  std::vector<decltype(read(list))> items;
-  for (const JsonValue& item : list.List()) items.push_back(read(item));
-  return items;
-}
 
 }  // namespace alidade::internal
 

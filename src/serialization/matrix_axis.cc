@@ -6,7 +6,7 @@
 
 #include "src/common/names.h"
 #include "src/common/numbers.h"
-#include "src/serialization/job_tree.h"
+#include "src/serialization/job_file.h"
 #include "src/serialization/yaml_merge.h"
 
 namespace alidade::internal {

@@ -1,3 +1,5 @@
+#include "src/serialization/plan_file.h"
+
 #include <algorithm>
 #include <limits>
 #include <string>
@@ -9,168 +11,232 @@
 #include "src/serialization/job_file.h"
 #include "src/serialization/plan_candidates.h"
 #include "src/serialization/references_section.h"
+#include "src/serialization/yaml_fields.h"
 #include "src/serialization/yaml_reader.h"
 
 namespace alidade::internal {
 namespace {
 
-constexpr std::int64_t kMaxPoses = 10000;
-constexpr std::int64_t kMaxStarts = 1000;
-constexpr std::int64_t kMaxPasses = 100000;
+constexpr int kMaxPoses = 10000;
+
+// What is planned where only an accuracy is asked for.
+constexpr int kMostPoses = 500;
+
+// A plan that is being read.
+struct PlanReading {
+  JobContext* context;
+  PlanConfig* plan;
+  StatedReferences references = {};
+  std::vector<std::string> inputs_of_job = {};
+};
 
 std::vector<int> ReadTargets(const YamlValue& value, const Arm& arm) {
   std::vector<std::string> names;
   for (const Target& target : arm.targets) names.push_back(target.name);
   std::vector<int> targets;
-  for (const YamlValue& item : value.List()) {
-    const std::string name = item.Choice("target", names);
-    const auto target = static_cast<int>(
-        std::find(names.begin(), names.end(), name) - names.begin());
-    if (std::count(targets.begin(), targets.end(), target) > 0) {
-      item.Fail(Quote(name) + " is repeated, expected each target once");
-    }
-    targets.push_back(target);
+  for (const std::string& name : ReadNames(value, "target", names)) {
+    targets.push_back(static_cast<int>(
+        std::find(names.begin(), names.end(), name) - names.begin()));
   }
   if (targets.empty()) value.Fail("the list is empty, expected targets");
   return targets;
 }
 
-void ReadAxes(const YamlMap& map, PoseMeasurement* measurement) {
-  const std::optional<YamlValue> axes = map.Optional("axes");
-  if (!axes) return;
+void ReadAxes(const YamlValue& value, PoseMeasurement* measurement) {
   measurement->axes = {false, false, false};
-  for (const YamlValue& item : axes->List()) {
-    const std::string name = item.Choice("axis", {"x", "y", "z"});
+  for (const std::string& name : ReadNames(value, "axis", {"x", "y", "z"})) {
     measurement->axes[name[0] - 'x'] = true;
   }
   if (measurement->num_equations() == 0) {
-    axes->Fail("the list is empty, expected some of x, y and z");
+    value.Fail("the list is empty, expected some of x, y and z");
   }
 }
 
-void ReadMeasurement(const JobContext& context, PlanConfig* plan) {
-  const YamlMap map =
-      context.file.Required("measurement")
-          .Map({"kind", "sigma", "sigma_rotation", "targets", "axes"});
-  PoseMeasurement& measurement = plan->measurement;
-  if (const auto kind = map.Optional("kind")) {
-    measurement.orientation =
-        kind->Choice("kind", {"position", "pose"}) == "pose";
+bool ReadKind(const YamlValue& value) {
+  return value.Choice("kind", {"position", "pose"}) == "pose";
+}
+
+void CompleteMeasurement(const YamlMap& map, PoseMeasurement* measurement) {
+  const std::optional<YamlValue> rotation = map.Optional("sigma_rotation");
+  if (!rotation) {
+    measurement->rotation_sigma = DefaultRotationSigma(measurement->sigma);
+  } else if (!measurement->orientation) {
+    rotation->Fail("goes with `kind: pose`, found positions");
   }
-  measurement.sigma = PositiveLength(map.Required("sigma"), context.units);
-  measurement.rotation_sigma = DefaultRotationSigma(measurement.sigma);
-  if (const auto rotation = map.Optional("sigma_rotation")) {
-    if (!measurement.orientation) {
-      rotation->Fail("goes with `kind: pose`, found positions");
+}
+
+template <typename Visitor>
+void VisitPlanMeasurement(Visitor& v, PlanConfig* plan) {
+  PoseMeasurement* const measurement = &plan->measurement;
+  v.Custom(Key("kind")
+               .Default("`position`")
+               .Schema(R"({"enum": ["position", "pose"]})"),
+           "what will be measured at each pose: `position` or `pose` (its "
+           "orientation too)",
+           [measurement](const YamlValue& value) {
+             measurement->orientation = ReadKind(value);
+           });
+  v.Field(LengthKey("sigma").Above(0).Required(), measurement->sigma,
+          "standard deviation of each coordinate; of `measured` too, where its "
+          "files state none");
+  v.Field(AngleKey("sigma_rotation").Above(0).Default("sigma / 0.2 m, in rad"),
+          measurement->rotation_sigma, "likewise of orientations");
+  v.Custom(
+      Key("axes").Default("`[x, y, z]`").Schema(kNamesSchema),
+      "coordinates of the instrument's frame that are measured",
+      [measurement](const YamlValue& value) { ReadAxes(value, measurement); });
+  v.Check([measurement, plan](const YamlMap& map) {
+    CompleteMeasurement(map, measurement);
+    measurement->targets.clear();
+    for (int i = 0; i < plan->job.arm.num_targets(); ++i) {
+      measurement->targets.push_back(i);
     }
-    measurement.rotation_sigma = PositiveAngle(*rotation, context.units);
-  }
-  const Arm& arm = plan->job.arm;
-  measurement.targets.clear();
-  for (int target = 0; target < arm.num_targets(); ++target) {
-    measurement.targets.push_back(target);
-  }
-  if (const auto targets = map.Optional("targets")) {
-    measurement.targets = ReadTargets(*targets, arm);
-  }
-  ReadAxes(map, &measurement);
+  });
+  v.Custom(Key("targets").Default("all").Schema(kNamesSchema),
+           "names of the arm's targets that are measured at every pose",
+           [measurement, plan](const YamlValue& value) {
+             measurement->targets = ReadTargets(value, plan->job.arm);
+           });
 }
 
 // Arm, earlier measurements and parameters come from a job, or are told here.
-JobConfig ReadJob(const YamlValue& value, JobContext* context) {
+void CheckJob(const YamlMap& map) {
+  if (!map.Optional("job")) {
+    map.Required("arm");
+    return;
+  }
   for (const char* key : {"arm", "measured", "references"}) {
-    if (const auto other = context->file.Optional(key)) {
+    if (const auto other = map.Optional(key)) {
       other->Fail("found beside \"job\", which says the same");
     }
   }
-  return context->files.Read(
-      value, [](const std::string& path) { return LoadWholeJob(path); });
 }
 
-void ReadMeasured(JobContext* context, PlanConfig* plan) {
+void ReadJob(const YamlValue& value, PlanReading* reading) {
+  JobConfig job = reading->context->files.Read(
+      value, [](const std::string& path) { return LoadWholeJob(path); });
+  reading->inputs_of_job = std::move(job.input_files);
+  reading->plan->job = std::move(job);
+}
+
+void ReadMeasured(const YamlValue& value, PlanReading* reading) {
+  PlanConfig* const plan = reading->plan;
   JobConfig job;
   job.arm = plan->job.arm;
-  job.data.references = ReadReferences(*context);
-  job.data.training.joint_values = Eigen::MatrixXd(job.arm.num_joints(), 0);
-  if (const auto value = context->file.Optional("measured")) {
-    const MeasurementSigmas sigmas = {plan->measurement.sigma,
-                                      plan->measurement.rotation_sigma};
-    job.data.training = ReadData(*value, sigmas, context, &job).data;
-    ReadPointDistances(*context, sigmas.length, &job);
-  }
+  job.data.references = reading->references.references;
+  const MeasurementSigmas sigmas = {plan->measurement.sigma,
+                                    plan->measurement.rotation_sigma};
+  job.data.training = ReadData(value, sigmas, reading->context, &job).data;
+  AppendDistances(reading->references.distances, sigmas.length, &job);
   plan->job = std::move(job);
 }
 
-void ReadMinimumMotion(const YamlValue& value, const Units& units,
+template <typename Visitor>
+void VisitSources(Visitor& v, PlanReading* reading) {
+  CalibrationTask* const job = &reading->plan->job;
+  v.Check(CheckJob);
+  v.Custom(Key("job").In("path").Schema(kTextSchema),
+           "instead of `arm`, `measured` and `references`: a job whose arm, "
+           "references, data and `identifiability` are taken. Poses that it "
+           "holds out count as measured too",
+           [=](const YamlValue& value) { ReadJob(value, reading); });
+  v.Custom(Key("arm")
+               .In("path")
+               .Default("required without `job`")
+               .Schema(kTextSchema),
+           "the arm to plan with: nominal, or as last calibrated",
+           [=](const YamlValue& value) {
+             job->arm = reading->context->files.ReadArm(value, LoadArm);
+             job->data.training.joint_values =
+                 Eigen::MatrixXd(job->arm.num_joints(), 0);
+           });
+  v.Section(
+      Key("measurement").Required(), "how well will be measured",
+      [&](auto& section) { VisitPlanMeasurement(section, reading->plan); });
+  v.Section(Key("references"), "of `measured`, as in a job",
+            [&](auto& section) {
+              VisitReferences(section, &reading->references);
+              section.Check([&](const YamlMap& /*map*/) {
+                job->data.references = reading->references.references;
+              });
+            });
+  v.Custom(Key("measured").Schema(kDataSchema),
+           "what was measured already, as a job's `data`: it counts as known, "
+           "and base and targets are found from it where they are identified",
+           [=](const YamlValue& value) { ReadMeasured(value, reading); });
+  v.Section(Key("identifiability"),
+            "what is to be identified, as in a job; with `job`, its keys "
+            "replace those of the job. Ranks are taken over all candidates and "
+            "`measured`",
+            [&](auto& section) {
+              VisitIdentifiability(section,
+                                   LayoutOf(job->arm, job->data.references),
+                                   &job->options.identifiability);
+            });
+}
+
+struct MinimumMotion {
+  std::optional<double> angle;
+  std::optional<double> length;
+};
+
+void TakeMinimumMotion(const YamlMap& map, const MinimumMotion& motion,
                        PlanConfig* plan) {
-  const YamlMap map = value.Map({"angle", "length"});
   const Arm& arm = plan->job.arm;
-  plan->minimum_motion.setConstant(arm.num_joints(),
-                                   std::numeric_limits<double>::infinity());
-  const std::optional<YamlValue> angle = map.Optional("angle");
-  const std::optional<YamlValue> length = map.Optional("length");
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  plan->minimum_motion.resize(arm.num_joints());
   for (int j = 0; j < arm.num_joints(); ++j) {
     const bool turns = arm.joints[j].type == JointType::kRevolute;
-    if (turns && angle) plan->minimum_motion[j] = PositiveAngle(*angle, units);
-    if (!turns && length) {
-      plan->minimum_motion[j] = PositiveLength(*length, units);
-    }
+    plan->minimum_motion[j] =
+        (turns ? motion.angle : motion.length).value_or(kInfinity);
   }
   if (!plan->minimum_motion.array().isFinite().any()) {
-    value.Fail("expected `angle` (joints that turn) or `length` (that slide)");
+    map.Fail("expected `angle` (joints that turn) or `length` (that slide)");
   }
 }
 
-void ReadPoses(const JobContext& context, PlanConfig* plan) {
-  const YamlMap map = context.file.Required("poses").Map(
-      {"count", "accuracy", "most", "repeats", "minimum_motion"});
-  const std::optional<YamlValue> count = map.Optional("count");
-  const std::optional<YamlValue> accuracy = map.Optional("accuracy");
-  if (count.has_value() == accuracy.has_value()) {
+void CheckNumber(const YamlMap& map, const PlanConfig& plan) {
+  const bool has_count = map.Optional("count").has_value();
+  if (has_count == plan.wanted.has_value()) {
     map.Fail(
         "expected one of `count` (poses) and `accuracy` (worst predicted "
         "standard deviation)");
   }
-  plan->design.num_poses = 500;
-  if (count) {
-    plan->design.num_poses = static_cast<int>(count->Integer(1, kMaxPoses));
-  } else {
-    plan->wanted = PositiveLength(*accuracy, context.units);
-  }
-  if (const auto most = map.Optional("most")) {
-    if (count) most->Fail("goes with `accuracy`, found beside `count`");
-    plan->design.num_poses = static_cast<int>(most->Integer(1, kMaxPoses));
-  }
-  map.ReadBoolean("repeats", &plan->design.allow_repeats);
-  if (const auto motion = map.Optional("minimum_motion")) {
-    ReadMinimumMotion(*motion, context.units, plan);
+  const std::optional<YamlValue> most = map.Optional("most");
+  if (has_count && most) {
+    most->Fail("goes with `accuracy`, found beside `count`");
   }
 }
 
-void ReadSearch(const JobContext& context, PlanConfig* plan) {
-  if (const auto criterion = context.file.Optional("criterion")) {
-    plan->design.criterion = FindDesignCriterion(
-        criterion->Choice("criterion", DesignCriterionNames()));
-  }
-  const std::optional<YamlValue> value = context.file.Optional("search");
-  if (!value) return;
-  const YamlMap map = value->Map({"starts", "shortlist", "max_passes"});
-  DesignOptions& options = plan->design;
-  const auto read = [&](const char* key, std::int64_t most, int* field) {
-    if (const auto entry = map.Optional(key)) {
-      *field = static_cast<int>(entry->Integer(1, most));
-    }
-  };
-  read("starts", kMaxStarts, &options.starts);
-  read("shortlist", kMaxPoses, &options.shortlist);
-  read("max_passes", kMaxPasses, &options.max_passes);
+template <typename Visitor>
+void VisitPoses(Visitor& v, PlanConfig* plan) {
+  v.Field(Key("count").AtLeast(1).AtMost(kMaxPoses).Default(""),
+          plan->design.num_poses, "how many");
+  v.Field(LengthKey("accuracy").Above(0).Default(""), plan->wanted,
+          "instead of `count`: so many that the worst predicted standard "
+          "deviation of a position over the region is no larger");
+  v.Check([plan](const YamlMap& map) { CheckNumber(map, *plan); });
+  v.Field(Key("most").AtLeast(1).AtMost(kMaxPoses), plan->design.num_poses,
+          "with `accuracy`: no more than this");
+  v.Field(Key("repeats"), plan->design.allow_repeats,
+          "whether a candidate may be chosen several times");
+  v.Section(Key("minimum_motion"), "how far any two poses differ at least",
+            [&](auto& section) {
+              MinimumMotion motion;
+              section.Field(AngleKey("angle").Above(0), motion.angle,
+                            "in a joint that turns");
+              section.Field(LengthKey("length").Above(0), motion.length,
+                            "or in one that slides");
+              section.Check([&](const YamlMap& map) {
+                TakeMinimumMotion(map, motion, plan);
+              });
+            });
 }
 
-void ReadCurve(const JobContext& context, PlanConfig* plan) {
-  const std::optional<YamlValue> value = context.file.Optional("curve");
-  if (!value) return;
-  for (const YamlValue& item : value->List()) {
-    plan->curve.push_back(static_cast<int>(item.Integer(1, kMaxPoses)));
+void ReadCurve(const YamlValue& value, PlanConfig* plan) {
+  const Key count = Key("curve").AtLeast(1).AtMost(kMaxPoses);
+  for (const YamlValue& item : value.List()) {
+    plan->curve.push_back(ReadInteger(item, count));
   }
   plan->with_curve = !plan->curve.empty();
   std::sort(plan->curve.begin(), plan->curve.end());
@@ -178,57 +244,90 @@ void ReadCurve(const JobContext& context, PlanConfig* plan) {
                     plan->curve.end());
 }
 
-void ReadSpeeds(const JobContext& context, PlanConfig* plan) {
-  const std::optional<YamlValue> value = context.file.Optional("speeds");
-  if (!value) return;
+void ReadSpeeds(const YamlValue& value, const Units& units, PlanConfig* plan) {
   const Arm& arm = plan->job.arm;
   const std::vector<YamlValue> items =
-      value->List(arm.joints.size(), "the speed of every joint");
+      value.List(arm.joints.size(), "the speed of every joint");
   plan->speeds.resize(arm.num_joints());
   for (int j = 0; j < arm.num_joints(); ++j) {
-    plan->speeds[j] = arm.joints[j].type == JointType::kRevolute
-                          ? PositiveAngle(items[j], context.units)
-                          : PositiveLength(items[j], context.units);
+    const bool turns = arm.joints[j].type == JointType::kRevolute;
+    const Key key =
+        QuantityKey("", turns ? Dimension::kAngle : Dimension::kLength);
+    plan->speeds[j] = ReadNumber(items[j], key.Above(0), units);
   }
+}
+
+DesignCriterion ReadCriterion(const YamlValue& value) {
+  return FindDesignCriterion(value.Choice("criterion", DesignCriterionNames()));
+}
+
+template <typename Visitor>
+void VisitSearch(Visitor& v, PlanConfig* plan) {
+  v.Custom(
+      Key("criterion")
+          .Default("`D`")
+          .Schema(
+              R"({"enum": ["D", "O1", "A", "E", "G", "I", "O2", "O3", "O4", "O5"]})"),
+      "`D` (or `O1`), `A`, `E`, `G`, `I`, `O2` ... `O5`",
+      [plan](const YamlValue& value) {
+        plan->design.criterion = ReadCriterion(value);
+      });
+  v.Section(Key("search"), "how the exchange searches", plan->design);
+  v.Custom(Key("curve").Default("about the plan's").Schema(kNumbersSchema),
+           "list of numbers of poses that accuracy is shown for; `[]` for none",
+           [plan](const YamlValue& value) { ReadCurve(value, plan); });
+  v.Custom(Key("speeds")
+               .In("per second")
+               .Default("all alike")
+               .Schema(kNumbersSchema),
+           "of every joint, for the order of the poses",
+           [plan](const YamlValue& value, const Units& units) {
+             ReadSpeeds(value, units, plan);
+           });
+  v.Field(Key("seed").Required(), plan->seed,
+          "all that is drawn follows from it");
+}
+
+template <typename Visitor>
+void VisitPlan(Visitor& v, PlanReading* reading) {
+  PlanConfig* const plan = reading->plan;
+  VisitHead(v, FileFormat::kPlan);
+  v.Field(Key("title").Required(), plan->title, "heads the report");
+  VisitSources(v, reading);
+  v.Section(Key("poses").Required(), "how many poses",
+            [&](auto& section) { VisitPoses(section, plan); });
+  v.Section(
+      Key("candidates"), "what poses are chosen from",
+      [&](auto& section) { VisitCandidates(section, reading->context, plan); });
+  v.Section(Key("region").Default("all joint values"),
+            "where predictions are to be good: what `G` (worst) and `I` (mean) "
+            "look at, and the tables",
+            [&](auto& section) { VisitRegion(section, plan); });
+  VisitSearch(v, plan);
 }
 
 }  // namespace
 
+std::vector<FieldRecord> PlanFields() {
+  PlanConfig plan;
+  plan.design.num_poses = kMostPoses;
+  PlanReading reading{nullptr, &plan};
+  return CollectFields([&](auto& v) { VisitPlan(v, &reading); });
+}
+
 PlanConfig LoadPlan(const std::string& path, int num_threads) {
-  const YamlMap file =
-      ReadConfigFile(path, FileFormat::kPlan)
-          .Map({"format", "title", "units", "job", "arm", "measured",
-                "references", "measurement", "identifiability", "poses",
-                "candidates", "criterion", "region", "search", "curve",
-                "speeds", "seed"});
-  JobContext context{file, Units(file), NamedFiles(path), num_threads};
+  const YamlValue root = ReadConfigFile(path, FileFormat::kPlan);
+  JobContext context{Units(root.Map(KeysOf(PlanFields()))), NamedFiles(path),
+                     num_threads};
   PlanConfig plan;
   plan.path = path;
-  plan.title = file.Required("title").Text();
-  const std::optional<YamlValue> job = file.Optional("job");
-  std::vector<std::string> inputs_of_job;
-  if (job) {
-    JobConfig read = ReadJob(*job, &context);
-    inputs_of_job = std::move(read.input_files);
-    plan.job = std::move(read);
-  } else {
-    plan.job.arm = context.files.ReadArm(file.Required("arm"), LoadArm);
-  }
-  ReadMeasurement(context, &plan);
-  if (!job) ReadMeasured(&context, &plan);
-  ReadIdentifiability(context, LayoutOf(plan.job.arm, plan.job.data.references),
-                      &plan.job.options.identifiability);
-  ReadPoses(context, &plan);
-  ReadPlanCandidates(&context, &plan);
+  plan.design.num_poses = kMostPoses;
+  PlanReading reading{&context, &plan};
+  ReadFields(root, context.units, [&](auto& v) { VisitPlan(v, &reading); });
   plan.constraints.targets = plan.measurement.targets;
-  ReadPlanRegion(context, &plan);
-  ReadSearch(context, &plan);
-  ReadCurve(context, &plan);
-  ReadSpeeds(context, &plan);
-  plan.seed = file.Required("seed").Seed();
   plan.input_files = context.files.paths();
-  plan.input_files.insert(plan.input_files.end(), inputs_of_job.begin(),
-                          inputs_of_job.end());
+  plan.input_files.insert(plan.input_files.end(), reading.inputs_of_job.begin(),
+                          reading.inputs_of_job.end());
   return plan;
 }
 

@@ -2,10 +2,15 @@
 #define ALIDADE_SRC_SERIALIZATION_PLAN_FILE_H_
 
 #include <string>
+#include <vector>
 
+#include "src/serialization/field_records.h"
 #include "src/serialization/plan_config.h"
 
 namespace alidade::internal {
+
+/// What a plan file may hold.
+std::vector<FieldRecord> PlanFields();
 
 /// Reads a plan file and every file it names; paths are relative to it.
 /// @throws InputError with file, line, column and key.

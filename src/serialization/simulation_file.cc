@@ -7,26 +7,36 @@
 #include "alidade/parameter_layout.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/serialization/config_file.h"
+#include "src/serialization/yaml_fields.h"
 #include "src/serialization/yaml_reader.h"
 
 namespace alidade::internal {
 namespace {
 
-constexpr std::int64_t kMaxPoses = 10000000;
-constexpr int kMaxJointDecimals = 12;
+constexpr int kMaxPoses = 10000000;
 
-Range ReadRange(const YamlValue& value, Dimension dimension,
-                const Units& units) {
-  const YamlMap map = value.Map({"from", "to", "count"});
-  Range range;
-  range.from = map.Required("from").Quantity(dimension, units);
-  range.to = map.Required("to").Quantity(dimension, units);
-  range.count = static_cast<int>(map.Required("count").Integer(1, kMaxPoses));
-  if (range.count == 1 && range.from != range.to) {
-    map.Required("count").Fail(
-        "expected 2 or more, or the same \"from\" and \"to\", found 1");
-  }
-  return range;
+// A simulation that is being read.
+struct SimulationReading {
+  NamedFiles* files;
+  SimulationConfig* config;
+};
+
+template <typename Visitor>
+void VisitRange(Visitor& v, const char* name, const char* text,
+                Dimension dimension, Range* range) {
+  v.Section(Key(name).Required(), text, [&](auto& section) {
+    section.Field(QuantityKey("from", dimension).Required(), range->from,
+                  "the first value");
+    section.Field(QuantityKey("to", dimension).Required(), range->to,
+                  "the last one");
+    section.Field(Key("count").AtLeast(1).AtMost(kMaxPoses).Required(),
+                  range->count, "values, both ends included");
+    section.Check([range](const YamlMap& map) {
+      if (range->count > 1 || range->from == range->to) return;
+      map.Required("count").Fail(
+          "expected 2 or more, or the same \"from\" and \"to\", found 1");
+    });
+  });
 }
 
 Eigen::VectorXd ReadStart(const YamlValue& value, const Arm& arm,
@@ -44,25 +54,13 @@ Eigen::VectorXd ReadStart(const YamlValue& value, const Arm& arm,
 
 void ReadElevation(const YamlValue& value, const Units& units,
                    CylinderGrid* grid) {
-  const std::vector<YamlValue> items = value.List(2, "from, to");
-  grid->elevation_from = items[0].Quantity(Dimension::kAngle, units);
-  grid->elevation_to = items[1].Quantity(Dimension::kAngle, units);
-  if (grid->elevation_to < grid->elevation_from) {
-    value.Fail("expected [from, to] with \"to\" not below \"from\", found [" +
-               items[0].Text() + ", " + items[1].Text() + "]");
-  }
+  std::tie(grid->elevation_from, grid->elevation_to) =
+      ReadInterval(value, Dimension::kAngle, units);
 }
 
-CylinderGrid ReadCylinder(const YamlValue& value, const Arm& arm,
-                          const Units& units) {
-  const YamlMap map =
-      value.Map({"azimuth", "radius", "height", "elevation", "start"});
-  CylinderGrid grid;
-  grid.azimuth = ReadRange(map.Required("azimuth"), Dimension::kAngle, units);
-  const YamlValue radius = map.Required("radius");
-  grid.radius = ReadRange(radius, Dimension::kLength, units);
+void CheckCylinder(const YamlMap& map, const CylinderGrid& grid) {
   if (grid.radius.from < 0.0 || grid.radius.to < 0.0) {
-    radius.Fail("expected \"from\" and \"to\" not below zero");
+    map.Required("radius").Fail("expected \"from\" and \"to\" not below zero");
   }
   const std::int64_t count =
       std::int64_t{grid.azimuth.count} * grid.radius.count;
@@ -70,73 +68,129 @@ CylinderGrid ReadCylinder(const YamlValue& value, const Arm& arm,
     map.Fail("expected at most " + std::to_string(kMaxPoses) +
              " poses, found " + std::to_string(count));
   }
-  grid.height = map.Required("height").Quantity(Dimension::kLength, units);
-  ReadElevation(map.Required("elevation"), units, &grid);
-  grid.start = ReadStart(map.Required("start"), arm, units);
-  return grid;
 }
 
-RandomPoses ReadRandom(const YamlValue& value, const Arm& arm) {
-  const YamlMap map = value.Map({"count"});
+template <typename Visitor>
+void VisitCylinder(Visitor& v, const Arm& arm, CylinderGrid* grid) {
+  VisitRange(v, "azimuth", "angles about the base's z axis", Dimension::kAngle,
+             &grid->azimuth);
+  VisitRange(v, "radius", "distances from it", Dimension::kLength,
+             &grid->radius);
+  v.Field(LengthKey("height").Required(), grid->height,
+          "z of all targets, in the base's frame");
+  v.Custom(AngleKey("elevation").Required().Schema(kIntervalSchema),
+           "`[from, to]`: of the last joint's z axis above the horizontal; "
+           "drawn for each pose, and drawn again where no joint values within "
+           "the limits reach it. -90 degrees points down",
+           [grid](const YamlValue& value, const Units& units) {
+             ReadElevation(value, units, grid);
+           });
+  v.Custom(
+      Key("start").In("angle or length").Required().Schema(kNumbersSchema),
+      "joint values that the search begins from, one per joint: they choose "
+      "the posture",
+      [grid, &arm](const YamlValue& value, const Units& units) {
+        grid->start = ReadStart(value, arm, units);
+      });
+  v.Check([grid](const YamlMap& map) { CheckCylinder(map, *grid); });
+}
+
+// A revolute joint without limits draws from a full turn.
+void CheckLimits(const YamlMap& map, const Arm& arm) {
   for (int j = 0; j < arm.num_joints(); ++j) {
     const Joint& joint = arm.joints[j];
-    // A revolute joint without limits draws from a full turn.
     if (joint.type == JointType::kRevolute) continue;
     if (std::isfinite(joint.lower) && std::isfinite(joint.upper)) continue;
-    value.Fail("expected limits for every prismatic joint, joint " +
-               std::to_string(j + 1) + " of arm \"" + arm.name +
-               "\" has none: add them to the arm file");
-  }
-  RandomPoses poses;
-  poses.count = static_cast<int>(map.Required("count").Integer(1, kMaxPoses));
-  return poses;
-}
-
-void ReadPoses(const YamlValue& value, const Units& units, NamedFiles* files,
-               SimulationConfig* config) {
-  const YamlMap map = value.Map({"cylinder", "random", "file"});
-  if (map.entries().size() != 1) {
-    map.Fail("expected exactly one of cylinder, random, file, found " +
-             std::to_string(map.entries().size()));
-  }
-  const auto& [kind, entry] = map.entries().front();
-  if (kind == "cylinder") {
-    config->poses = ReadCylinder(entry, config->arm, units);
-  } else if (kind == "random") {
-    config->poses = ReadRandom(entry, config->arm);
-  } else {
-    const auto load = [&](const std::string& path) {
-      return PosesFromFile{path, LoadJointValues(path, config->arm)};
-    };
-    config->poses = files->Read(entry, load);
+    map.Fail("expected limits for every prismatic joint, joint " +
+             std::to_string(j + 1) + " of arm \"" + arm.name +
+             "\" has none: add them to the arm file");
   }
 }
 
-void ReadNoise(const YamlMap& file, const Units& units,
-               SimulationConfig* config) {
-  const std::optional<YamlValue> noise = file.Optional("noise");
-  if (!noise) return;
-  const YamlValue sigma = noise->Map({"sigma"}).Required("sigma");
-  config->noise_sigma = sigma.Quantity(Dimension::kLength, units);
-  if (config->noise_sigma < 0.0) {
-    sigma.Fail("expected a length not below zero, found " + sigma.Text());
-  }
+void CheckOneKind(const YamlMap& map) {
+  if (map.entries().size() == 1) return;
+  map.Fail("expected exactly one of cylinder, random, file, found " +
+           std::to_string(map.entries().size()));
 }
 
-void ReadTrueValues(const YamlMap& file, NamedFiles* files,
-                    SimulationConfig* config) {
-  const ParameterLayout layout(config->arm);
-  config->true_values = layout.Values(config->arm);
-  const std::optional<YamlValue> deviations = file.Optional("deviations");
-  if (!deviations) return;
-  config->true_values += files->Read(*deviations, [&](const std::string& path) {
-    return LoadDeviations(path, config->arm);
+PosesFromFile ReadFromFile(const YamlValue& value, const Arm& arm,
+                           NamedFiles* files) {
+  return files->Read(value, [&](const std::string& path) {
+    return PosesFromFile{path, LoadJointValues(path, arm)};
   });
 }
 
-void ReadOutput(const YamlMap& file, const NamedFiles& files,
+template <typename Visitor>
+void VisitPoses(Visitor& v, const SimulationReading& reading) {
+  SimulationConfig* const config = reading.config;
+  v.Check(CheckOneKind);
+  v.Section(
+      Key("cylinder"),
+      "targets on cylinders about the vertical axis of the base: every "
+      "azimuth with every radius, found by inverse kinematics of the "
+      "nominal arm",
+      [&](auto& section) {
+        CylinderGrid grid;
+        VisitCylinder(section, config->arm, &grid);
+        section.Check([&](const YamlMap& /*map*/) { config->poses = grid; });
+      });
+  v.Section(Key("random"),
+            "joint values drawn uniformly within the limits, which prismatic "
+            "joints must have; a revolute joint without limits draws from a "
+            "full turn",
+            [&](auto& section) {
+              RandomPoses poses;
+              section.Field(
+                  Key("count").AtLeast(1).AtMost(kMaxPoses).Required(),
+                  poses.count, "number of poses");
+              section.Check([&](const YamlMap& map) {
+                CheckLimits(map, config->arm);
+                config->poses = poses;
+              });
+            });
+  v.Custom(Key("file").In("path").Schema(kTextSchema),
+           "the joint values of a data set; its other columns are ignored",
+           [reading, config](const YamlValue& value) {
+             config->poses = ReadFromFile(value, config->arm, reading.files);
+           });
+}
+
+Eigen::VectorXd ReadTrueValues(const YamlValue& value,
+                               const SimulationReading& reading) {
+  const Arm& arm = reading.config->arm;
+  return ParameterLayout(arm).Values(arm) +
+         reading.files->Read(value, [&](const std::string& path) {
+           return LoadDeviations(path, arm);
+         });
+}
+
+// What a simulation file and a job's `simulate` have in common.
+template <typename Visitor>
+void VisitSimulated(Visitor& v, const SimulationReading& reading) {
+  SimulationConfig* const config = reading.config;
+  v.Check([config](const YamlMap& /*map*/) {
+    config->true_values = ParameterLayout(config->arm).Values(config->arm);
+  });
+  v.Custom(Key("deviations").In("path").Schema(kTextSchema),
+           "of the real arm; without it, the real arm is the nominal one",
+           [reading, config](const YamlValue& value) {
+             config->true_values = ReadTrueValues(value, reading);
+           });
+  v.Section(Key("poses").Required(), "exactly one of the three below",
+            [&](auto& section) { VisitPoses(section, reading); });
+  v.Section(Key("noise"), "of the instrument", [&](auto& section) {
+    section.Field(LengthKey("sigma").AtLeast(0).Required(), config->noise_sigma,
+                  "standard deviation of each coordinate");
+  });
+  v.Field(Key("seed").Required(), config->seed,
+          "integer from 0 to 2^64 - 1; all that is drawn follows from it");
+  v.Field(Key("joint_decimals").AtLeast(0).AtMost(12), config->joint_decimals,
+          "joint values are rounded to so many decimals of a degree or a mm, "
+          "so that the data set states them exactly");
+}
+
+void ReadOutput(const YamlValue& output, const NamedFiles& files,
                 SimulationConfig* config) {
-  const YamlValue output = file.Required("output");
   config->output = files.Resolve(output);
   const std::vector<std::string>& inputs = files.paths();
   if (std::find(inputs.begin(), inputs.end(), config->output) != inputs.end()) {
@@ -145,45 +199,59 @@ void ReadOutput(const YamlMap& file, const NamedFiles& files,
   }
 }
 
+template <typename Visitor>
+void VisitSimulation(Visitor& v, const SimulationReading& reading) {
+  SimulationConfig* const config = reading.config;
+  VisitHead(v, FileFormat::kSimulation);
+  v.Field(Key("title"), config->title, "for people");
+  v.Custom(Key("arm").In("path").Required().Schema(kTextSchema),
+           "the nominal arm", [reading, config](const YamlValue& value) {
+             config->arm = reading.files->ReadArm(value, LoadArm);
+           });
+  VisitSimulated(v, reading);
+  v.Custom(Key("output").In("path").Required().Schema(kTextSchema),
+           "the data set: a NumPy array where the name ends in `.npy`, else a "
+           "CSV",
+           [reading, config](const YamlValue& value) {
+             ReadOutput(value, *reading.files, config);
+           });
+}
+
 }  // namespace
 
-void ReadSimulationSection(const YamlMap& map, const Units& units,
-                           NamedFiles* files, SimulationConfig* config) {
-  ReadTrueValues(map, files, config);
-  ReadPoses(map.Required("poses"), units, files, config);
-  ReadNoise(map, units, config);
-  config->seed = map.Required("seed").Seed();
-  if (const auto decimals = map.Optional("joint_decimals")) {
-    config->joint_decimals =
-        static_cast<int>(decimals->Integer(0, kMaxJointDecimals));
-  }
+std::vector<FieldRecord> SimulationFields() {
+  SimulationConfig config;
+  return CollectFields([&](auto& v) {
+    VisitSimulation(v, {nullptr, &config});
+  });
+}
+
+std::vector<FieldRecord> SimulatedDataFields() {
+  SimulationConfig config;
+  return CollectFields([&](auto& v) { VisitSimulated(v, {nullptr, &config}); });
 }
 
 SimulationConfig ReadSimulatedData(const YamlValue& value, const Arm& arm,
                                    const Units& units, NamedFiles* files) {
-  const YamlMap map =
-      value.Map({"deviations", "poses", "noise", "seed", "joint_decimals"});
   SimulationConfig config;
   config.path = value.location().file;
   config.arm = arm;
-  ReadSimulationSection(map, units, files, &config);
+  ReadFields(value, units, [&](auto& v) {
+    VisitSimulated(v, {files, &config});
+  });
   config.output = "simulated, seed " + std::to_string(config.seed);
   return config;
 }
 
 SimulationConfig LoadSimulation(const std::string& path) {
-  const YamlMap file =
-      ReadConfigFile(path, FileFormat::kSimulation)
-          .Map({"format", "title", "units", "arm", "deviations", "poses",
-                "noise", "seed", "joint_decimals", "output"});
-  const Units units(file);
+  const YamlValue root = ReadConfigFile(path, FileFormat::kSimulation);
+  const Units units(root.Map(KeysOf(SimulationFields())));
   NamedFiles files(path);
   SimulationConfig config;
   config.path = path;
-  file.ReadText("title", &config.title);
-  config.arm = files.ReadArm(file.Required("arm"), LoadArm);
-  ReadSimulationSection(file, units, &files, &config);
-  ReadOutput(file, files, &config);
+  ReadFields(root, units, [&](auto& v) {
+    VisitSimulation(v, {&files, &config});
+  });
   config.input_files = files.paths();
   return config;
 }

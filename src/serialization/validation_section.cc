@@ -15,38 +15,26 @@
 namespace alidade::internal {
 namespace {
 
-constexpr int kMaxFolds = 1000;
-
 void Take(HoldOut split, JobConfig* job) {
   job->data.training = std::move(split.train);
   job->data.validation = std::move(split.heldout);
 }
 
-void ReadFraction(const YamlMap& map, JobConfig* job) {
-  HoldOutOptions holdout;
-  const YamlValue fraction = map.Required("fraction");
-  holdout.fraction = fraction.Number();
-  if (!(holdout.fraction > 0.0 && holdout.fraction < 1.0)) {
-    fraction.Fail("expected a fraction between 0 and 1, found " +
-                  fraction.Text());
-  }
-  map.ReadSeed("seed", &holdout.seed);
-  HoldOut split = HoldOutFraction(job->data.training, holdout.fraction,
-                                  holdout.seed, job->communicator);
+void TakeFraction(const YamlValue& fraction, const HoldOutOptions& options,
+                  JobConfig* job) {
+  HoldOut split = HoldOutFraction(job->data.training, options.fraction,
+                                  options.seed, job->communicator);
   if (split.train.global_poses() == 0 || split.heldout.global_poses() == 0) {
     fraction.Fail(
         "leaves no configuration on one side: the data set has too few "
         "different ones for it");
   }
   Take(std::move(split), job);
-  job->options.holdout = holdout;
+  job->options.holdout = options;
 }
 
-void ReadFolds(const YamlMap& map, JobConfig* job) {
-  FoldsOptions options;
-  const YamlValue folds = map.Required("folds");
-  options.folds = static_cast<int>(folds.Integer(2, kMaxFolds));
-  map.ReadSeed("seed", &options.seed);
+void TakeFolds(const YamlValue& folds, const FoldsOptions& options,
+               JobConfig* job) {
   const std::vector<int> groups = GroupByConfiguration(job->data.training);
   const int count = 1 + *std::max_element(groups.begin(), groups.end());
   if (options.folds > count) {
@@ -216,36 +204,35 @@ void CheckReferences(const YamlValue& value, const JobConfig& job) {
 
 }  // namespace
 
-void ReadValidation(const MeasurementSigmas& sigmas,
-                    const std::vector<std::string>& sets, JobContext* context,
-                    JobConfig* job) {
-  const std::optional<YamlValue> value = context->file.Optional("validation");
-  if (!value) return;
-  const YamlMap map =
-      value->Map({"data", "fraction", "folds", "set", "file", "seed"});
+void CheckOneWay(const YamlMap& map) {
   int ways = 0;
-  for (const char* key : {"data", "fraction", "folds", "set", "file"}) {
-    if (map.Optional(key)) ++ways;
+  for (const auto& [key, value] : map.entries()) {
+    if (key != "seed") ++ways;
   }
   const bool has_seed = map.Optional("seed").has_value();
   const bool draws = map.Optional("fraction") || map.Optional("folds");
-  if (ways > 1 || (ways == 1 && has_seed && !draws)) {
-    map.Fail(
-        "expected `data`, or `fraction` and `seed`, or `folds` and `seed`, or "
-        "`set`, or `file`, not both");
-  }
-  if (const auto data = map.Optional("data")) {
-    job->data.validation = ReadData(*data, sigmas, context, job).data;
-  } else if (map.Optional("folds")) {
-    ReadFolds(map, job);
-  } else if (const auto set = map.Optional("set")) {
-    ReadSets(*set, sets, job);
-  } else if (const auto file = map.Optional("file")) {
-    ReadFile(*file, *context, job);
+  if (ways == 1 && (draws || !has_seed)) return;
+  map.Fail(
+      "expected `data`, or `fraction` and `seed`, or `folds` and `seed`, or "
+      "`set`, or `file`, not both");
+}
+
+void TakeValidation(const YamlMap& map, const StatedValidation& stated,
+                    const MeasurementSigmas& sigmas,
+                    const std::vector<std::string>& sets, JobContext* context,
+                    JobConfig* job) {
+  if (stated.data) {
+    job->data.validation = ReadData(*stated.data, sigmas, context, job).data;
+  } else if (const auto value = map.Optional("folds")) {
+    TakeFolds(*value, {stated.folds.folds, stated.holdout.seed}, job);
+  } else if (stated.set) {
+    ReadSets(*stated.set, sets, job);
+  } else if (stated.file) {
+    ReadFile(*stated.file, *context, job);
   } else {
-    ReadFraction(map, job);
+    TakeFraction(map.Required("fraction"), stated.holdout, job);
   }
-  if (job->data.validation) CheckReferences(*value, *job);
+  if (job->data.validation) CheckReferences(map.value(), *job);
 }
 
 }  // namespace alidade::internal

@@ -279,28 +279,4 @@ YamlValue YamlMap::Required(const std::string& key) const {
   throw InputError(location, "missing, expected this key in the map here");
 }
 
-void YamlMap::ReadNumber(const std::string& key, double* value) const {
-  if (const auto found = Optional(key)) *value = found->Number();
-}
-
-void YamlMap::ReadInteger(const std::string& key, int* value) const {
-  using Limits = std::numeric_limits<int>;
-  const auto found = Optional(key);
-  if (found) {
-    *value = static_cast<int>(found->Integer(Limits::min(), Limits::max()));
-  }
-}
-
-void YamlMap::ReadSeed(const std::string& key, std::uint64_t* value) const {
-  if (const auto found = Optional(key)) *value = found->Seed();
-}
-
-void YamlMap::ReadBoolean(const std::string& key, bool* value) const {
-  if (const auto found = Optional(key)) *value = found->Boolean();
-}
-
-void YamlMap::ReadText(const std::string& key, std::string* value) const {
-  if (const auto found = Optional(key)) *value = found->Text();
-}
-
 }  // namespace alidade::internal

@@ -130,14 +130,8 @@ class YamlMap {
   /// Not of a temporary: the loop over its entries would outlive it.
   void entries() && = delete;
 
-  /// These leave *value alone where `key` is missing.
-  void ReadNumber(const std::string& key, double* value) const;
-  void ReadInteger(const std::string& key, int* value) const;
-  void ReadSeed(const std::string& key, std::uint64_t* value) const;
-  void ReadBoolean(const std::string& key, bool* value) const;
-  void ReadText(const std::string& key, std::string* value) const;
-
   SourceLocation location() const { return map_.location(); }
+  const YamlValue& value() const { return map_; }
   /// @throws InputError at the map.
   [[noreturn]] void Fail(const std::string& message) const;
 

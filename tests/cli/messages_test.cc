@@ -74,7 +74,7 @@ INSTANTIATE_TEST_SUITE_P(
                                 "identifiability: {priors: {d: -1}}\n"),
              "check",
              "job.yaml:7:31: identifiability.priors.d: expected a length above "
-             "zero, found -1"},
+             "0, found -1"},
         Slip{"ForeignColumn", "data.csv", "J1,x_mm,y_mm,z_mm\n1,2,3,4\n",
              kCheckData,
              "the arm's joints are q1_deg to q5_deg. `columns` in the job's"},

@@ -274,8 +274,8 @@ class Tree:
                          ': call the communicator')
 
   def component_of(self, path):
-    """A header with its source."""
-    name = re.sub(r'(-inl)?\.(h|cc)$', '', path.split('/')[-1])
+    """A header with its source, and with the fields of its structs."""
+    name = re.sub(r'(-inl|_fields)?\.(h|cc)$', '', path.split('/')[-1])
     return f'{self.module_of(path)}/{name}'
 
   def check_cycles(self):
@@ -323,6 +323,8 @@ class Tree:
       if one.scope[:1] not in ((), ('alidade',)) and not one.name and (
           one.words[0] in TYPES):
         continue
+      if one.scope == ('alidade',) and self.is_declared(path, one):
+        continue
       if one.scope[:len(wanted)] != wanted:
         self.violation(path, one.line, f'is not in namespace '
                        f'{"::".join(wanted)}: move it there')
@@ -336,6 +338,15 @@ class Tree:
                   if where == path and bracket == '"'), '')
     return (path.endswith('.cc') and first.startswith('alidade/') and
             self.module_of(file_of(first)) == self.module_of(path))
+
+  def is_declared(self, path, statement):
+    """Whether a public header of the module declares this function."""
+    left = outline(statement.words)
+    name = left[left.index('(') - 1] if '(' in left[1:] else ''
+    return name.isidentifier() and any(
+        re.search(rf'\b{name}\(', text) for other, text in self.texts.items()
+        if other.startswith('include/') and
+        self.module_of(other) == self.module_of(path))
 
   def check_types(self, path, found, programs):
     for one in found:

@@ -147,6 +147,11 @@ class FencesTest(unittest.TestCase):
     self.plant('src/model/joint.cc', '#include "alidade/arm.h"\n'
                'namespace alidade {\nvoid F() {}\n}\n')
     self.assertEqual(self.check(), '')
+    # Others may define what such a header declares.
+    self.expect('src/model/joint.cc', 'namespace alidade {\nvoid G() {}\n}\n',
+                2, message)
+    self.plant('include/alidade/arm.h', 'namespace alidade {\nvoid G();\n}\n')
+    self.assertEqual(self.check(), '')
     self.expect('include/alidade/units.h', 'struct Unit {};\n', 1,
                 'is not in namespace alidade:')
 

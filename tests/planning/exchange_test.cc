@@ -259,7 +259,7 @@ TEST(DesignOptionsTest, WrongOptionsAreNamed) {
   EXPECT_TRUE(options.IsValid(&error));
   options.starts = 0;
   EXPECT_FALSE(options.IsValid(&error));
-  EXPECT_EQ(error, "starts = 0, must be 1 or more");
+  EXPECT_EQ(error, "starts = 0, must be from 1 to 1000");
 }
 
 }  // namespace

@@ -336,7 +336,7 @@ TEST(JobDataErrorTest, Entries) {
                      "rx, ry, rz or of a quaternion's w, x, y, z, found 2"});
   files.ExpectError(
       "data: {file: a.csv, rotation_sigma: 0}\n",
-      {7, 37, "data.rotation_sigma", "expected an angle above zero, found 0"});
+      {7, 37, "data.rotation_sigma", "expected an angle above 0, found 0"});
   files.ExpectError("data: {file: b.csv, where: kind}\n",
                     {7, 28, "data.where", "expected a map of columns and"});
 }
@@ -353,14 +353,14 @@ TEST(JobDataErrorTest, References) {
       {8, 36, "references.distances[1].between", "two different points"});
   files.ExpectError(
       data + "references: {distances: [{between: [P, Q], distance: 0}]}\n",
-      {8, 54, "references.distances[1].distance", "above zero, found 0"});
+      {8, 54, "references.distances[1].distance", "above 0, found 0"});
   files.ExpectError(data + "references: {points: [{name: A, known: true}]}\n",
                     {8, 23, "references.points[1].position", "missing"});
   files.ExpectError(data + "references: {points: [{name: A}, {name: A}]}\n",
                     {8, 41, "references.points[2].name", "\"A\" is repeated"});
   files.ExpectError(
       data + "references: {planes: [{name: A, normal: [0, 0, 0]}]}\n",
-      {8, 41, "references.planes[1].normal", "the normal is zero"});
+      {8, 41, "references.planes[1].normal", "is zero or out of range"});
 }
 
 TEST(JobDataErrorTest, BoundsAndNames) {

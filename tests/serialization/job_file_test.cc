@@ -186,10 +186,10 @@ INSTANTIATE_TEST_SUITE_P(
         ConfigErrorCase{"NoSigma",
                         {"{sigma: 0.02}", "{}"},
                         {6, 14, "measurement.sigma", "missing"}},
-        ConfigErrorCase{"ZeroSigma",
-                        {"sigma: 0.02", "sigma: 0"},
-                        {6, 22, "measurement.sigma",
-                         "expected a length above zero, found 0"}},
+        ConfigErrorCase{
+            "ZeroSigma",
+            {"sigma: 0.02", "sigma: 0"},
+            {6, 22, "measurement.sigma", "expected a length above 0, found 0"}},
         ConfigErrorCase{"UnknownMethod",
                         {"method: rules", "method: svd"},
                         {10, 11, "identifiability.method",
@@ -203,24 +203,27 @@ INSTANTIATE_TEST_SUITE_P(
                         {11, 13, "identifiability.fix[2]", "is repeated"}},
         ConfigErrorCase{"InvalidOption",
                         {"perturbation: 0.02", "perturbation: -1"},
-                        {10, 3, "identifiability", "perturbation = -1"}},
+                        {15, 17, "identifiability.perturbation",
+                         "expected a number above 0 and below 0.5, found -1"}},
         ConfigErrorCase{"UnknownSolver",
                         {"pseudo_inverse\n", "cere\n"},
                         {18, 9, "solver.name",
                          "unknown solver \"cere\", did you mean \"ceres\"?"}},
         ConfigErrorCase{"NoIterations",
                         {"max_iterations: 12", "max_iterations: 0"},
-                        {18, 3, "solver", "max_iterations = 0"}},
+                        {19, 19, "solver.max_iterations",
+                         "expected an integer of 1 or more, found 0"}},
         ConfigErrorCase{"SolverTwice",
                         {"[ceres]", "[pseudo_inverse]"},
                         {25, 16, "compare_with[1]", "runs already"}},
         ConfigErrorCase{"ComparedTwice",
                         {"[ceres]", "[ceres, ceres]"},
-                        {25, 23, "compare_with[2]", "runs already"}},
+                        {25, 23, "compare_with[2]",
+                         "\"ceres\" is repeated, expected each solver once"}},
         ConfigErrorCase{"NegativeLimit",
                         {"train_max: 0.2", "train_max: -1"},
                         {26, 41, "acceptance.train_max",
-                         "expected a length above zero, found -1"}},
+                         "expected a length above 0, found -1"}},
         ConfigErrorCase{
             "HeldoutWithoutValidation",
             {"validation: {data: heldout.csv}\n", ""},
@@ -241,7 +244,7 @@ INSTANTIATE_TEST_SUITE_P(
         ConfigErrorCase{"ZeroBaselineTime",
                         {"time_s: 60.5", "time_s: 0"},
                         {32, 37, "published.baseline.time_s",
-                         "expected a time above zero, found 0"}},
+                         "expected a number above 0, found 0"}},
         ConfigErrorCase{"UnknownQuantity",
                         {"after_max", "after_maxx"},
                         {34, 18, "published.figures[1].quantity",
@@ -375,7 +378,7 @@ TEST(LoadJobTest, RefusesFractionsThatLeaveNothing) {
   const std::string path =
       WriteJob(directory, "data: data.csv\n", "validation: {fraction: 1.5}\n");
   ExpectInputError([&] { LoadJob(path); },
-                   {7, 24, "validation.fraction", "between 0 and 1"});
+                   {7, 24, "validation.fraction", "above 0 and below 1"});
   WriteJob(directory, "data: data.csv\n", "validation: {fraction: 0.01}\n");
   ExpectInputError([&] { LoadJob(path); },
                    {7, 24, "validation.fraction", "no configuration"});
@@ -428,7 +431,7 @@ TEST(LoadJobTest, RefusesWrongUncertaintyAndMonteCarlo) {
   const TestDirectory directory;
   directory.Write("data.csv", kDataText);
   const std::vector<std::pair<std::string, std::string>> cases = {
-      {"uncertainty: {confidence: 1.5}\n", "between 0 and 1"},
+      {"uncertainty: {confidence: 1.5}\n", "above 0 and below 1, found 1.5"},
       {"uncertainty: {intervals: wide}\n", "wide"},
       {"uncertainty: {nonlinearity_limit: 0}\n", "above 0"},
       {"montecarlo: {trials: 1}\n", "montecarlo.trials"},

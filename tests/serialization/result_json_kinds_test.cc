@@ -6,6 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <tuple>
 
 #include "src/serialization/result_json.h"
 #include "tests/serialization/result_json_util.h"
@@ -125,6 +126,43 @@ TEST(ResultJsonTest, KeepsReferences) {
   EXPECT_TRUE(std::isnan(read.references[0].offset));
   EXPECT_EQ(read.references[1].offset, -1.0 / 7.0);
   EXPECT_TRUE(RoundTrip(MakeResult()).references.empty());
+}
+
+// A damaged file is an error with its place, in a summary and a record too.
+TEST(LoadResultJsonTest, RefusesVectorsOfOtherSizes) {
+  auto json = nlohmann::json::parse(FormatResultJson(MakeResultOfKinds()));
+  json["references"][0]["position"].push_back(1.0);
+  const TestDirectory directory;
+  const std::string path = directory.Write("result.json", json.dump());
+  ExpectInputError([&] { LoadResultJson(path); },
+                   {0, 0, "references[1].position", "expected 3 numbers"});
+}
+
+TEST(LoadBatchSummaryTest, NamesThePlace) {
+  const std::string text = FormatBatchSummary({"1", {BatchEntry()}, ""});
+  const TestDirectory directory;
+  for (const auto& [from, to, expected] :
+       {std::tuple<std::string, std::string, ExpectedError>{
+            "alidade-batch-1",
+            "alidade-batch-9",
+            {0, 0, "format", "unknown word \"alidade-batch-9\""}},
+        {"\"not_run\",", "\"runs\",", {0, 0, "jobs[1].status", "unknown word"}},
+        {"\"iterations\": 0",
+         "\"iterations\": 0.5",
+         {0, 0, "jobs[1].iterations", "expected an integer"}}}) {
+    std::string damaged = text;
+    damaged.replace(damaged.find(from), from.size(), to);
+    const std::string path = directory.Write("summary.json", damaged);
+    ExpectInputError([&, file = path] { LoadBatchSummary(file); }, expected);
+  }
+}
+
+TEST(ParseBatchRecordTest, IsNothingForLinesThatAreNoRecords) {
+  const std::string line = FormatBatchRecord(BatchRecord());
+  EXPECT_TRUE(ParseBatchRecord(line).has_value());
+  EXPECT_FALSE(ParseBatchRecord(line.substr(0, line.size() / 2)).has_value());
+  EXPECT_FALSE(ParseBatchRecord("{}").has_value());
+  EXPECT_FALSE(ParseBatchRecord("[1]").has_value());
 }
 
 TEST(ResultJsonTest, KeepsRepeatsAndTheFit) {

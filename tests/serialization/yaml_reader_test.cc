@@ -4,9 +4,11 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "src/serialization/yaml_fields.h"
 #include "tests/support/io_test_util.h"
 
 namespace alidade::internal {
@@ -121,21 +123,45 @@ TEST(YamlValueTest, ReadsOtherTypes) {
   EXPECT_EQ(ParseValue("[]").List().size(), 0U);
 }
 
-TEST(YamlMapTest, LeavesDefaultsAloneWhereKeysAreMissing) {
-  const YamlMap map = ParseMap("a: 7\n", {"a", "b", "c", "d", "e"});
+TEST(YamlFieldsTest, LeavesDefaultsAloneWhereKeysAreMissing) {
   int integer = 1;
   double number = 2.0;
   bool boolean = true;
   std::string text = "x";
-  map.ReadInteger("a", &integer);
-  map.ReadNumber("b", &number);
-  map.ReadBoolean("c", &boolean);
-  map.ReadText("d", &text);
+  std::optional<double> nothing;
+  const Units units(ParseMap("units: {length: mm, angle: deg}\n", {"units"}));
+  ReadFields(ParseYaml("a: 7\n", "x.yaml"), units, [&](auto& v) {
+    v.Field(Key("a").AtLeast(7), integer, "");
+    v.Field(Key("b"), number, "");
+    v.Field(Key("c"), boolean, "");
+    v.Field(Key("d"), text, "");
+    v.Field(LengthKey("e"), nothing, "");
+  });
   EXPECT_EQ(integer, 7);
   EXPECT_EQ(number, 2.0);
   EXPECT_TRUE(boolean);
   EXPECT_EQ(text, "x");
-  EXPECT_FALSE(map.Optional("e").has_value());
+  EXPECT_FALSE(nothing.has_value());
+}
+
+// Bounds are told in the file's units.
+TEST(YamlFieldsTest, NamesWhatAFieldMayBe) {
+  const Units units(ParseMap("units: {length: um, angle: deg}\n", {"units"}));
+  double value = 0.0;
+  const auto read = [&](const std::string& text, const Key& key) {
+    ReadFields(ParseYaml(text, "x.yaml"), units,
+               [&](auto& v) { v.Field(key, value, ""); });
+  };
+  ExpectInputError(
+      [&] { read("a: 5001\n", LengthKey("a").AtMost(5e-3)); },
+      {1, 4, "a", "expected a length at most 5000 um, found 5001"});
+  ExpectInputError(
+      [&] { read("a: 181\n", AngleKey("a").Above(0).AtMost(kPi)); },
+      {1, 4, "a", "expected an angle above 0 and at most 180 deg, found 181"});
+  ExpectInputError([&] { read("b: 1\n", Key("a").Required()); },
+                   {1, 1, "b", "unknown key \"b\""});
+  read("a: 5000\n", LengthKey("a").AtMost(5e-3));
+  EXPECT_EQ(value, 5e-3);
 }
 
 // Every text that a damaged file may hold ends in a value or an InputError.

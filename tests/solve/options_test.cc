@@ -119,8 +119,7 @@ TEST(SolverOptionsTest, MessageHoldsValueAndConstraint) {
   std::string error;
   EXPECT_FALSE(options.IsValid(&error));
   EXPECT_EQ(error,
-            "pseudo_inverse_tolerance = 1.5, must be between 0 (automatic) "
-            "and 1");
+            "pseudo_inverse_tolerance = 1.5, must be at least 0 and below 1");
 }
 
 }  // namespace

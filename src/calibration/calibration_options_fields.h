@@ -1,0 +1,63 @@
+#ifndef ALIDADE_SRC_CALIBRATION_CALIBRATION_OPTIONS_FIELDS_H_
+#define ALIDADE_SRC_CALIBRATION_CALIBRATION_OPTIONS_FIELDS_H_
+
+#include "alidade/calibration_options.h"
+#include "src/common/option_fields.h"
+
+namespace alidade::internal {
+
+template <>
+inline constexpr std::array kWords<SolverName> = {
+    std::pair{SolverName::kCeres, "ceres"},
+    std::pair{SolverName::kPseudoInverse, "pseudo_inverse"},
+};
+
+template <>
+inline constexpr std::array kWords<LossKind> = {
+    std::pair{LossKind::kNone, "none"},
+    std::pair{LossKind::kHuber, "huber"},
+    std::pair{LossKind::kCauchy, "cauchy"},
+    std::pair{LossKind::kTukey, "tukey"},
+};
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, HoldOutOptions>& options) {
+  v.Field(Key("fraction").Above(0).Below(1).Default(""), options.fraction,
+          "so much of the configurations is held out. Rows with equal joint "
+          "values are one configuration and stay together, and so do the two "
+          "poses of a difference");
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, FoldsOptions>& options) {
+  v.Field(Key("folds").AtLeast(2).AtMost(1000).Default(""), options.folds,
+          "cross-validation with so many folds: the fit is repeated without "
+          "each, base, targets, references and sigma anew where they are to be "
+          "found; the result itself is of all poses");
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, AcceptanceLimits>& limits) {
+  const auto train = "of the position error at the poses of `data`";
+  const auto heldout =
+      "likewise at those of `validation`; with `folds`, of "
+      "the errors of the poses held out of each fit";
+  const auto rotation =
+      "likewise of the orientation error, where orientations are measured";
+  v.Field(LengthKey("train_rms").Above(0), limits.train_rms, train);
+  v.Field(LengthKey("train_max").Above(0), limits.train_max, train);
+  v.Field(LengthKey("heldout_rms").Above(0), limits.heldout_rms, heldout);
+  v.Field(LengthKey("heldout_max").Above(0), limits.heldout_max, heldout);
+  v.Field(AngleKey("train_rotation_rms").Above(0), limits.train_rotation_rms,
+          rotation);
+  v.Field(AngleKey("train_rotation_max").Above(0), limits.train_rotation_max,
+          rotation);
+  v.Field(AngleKey("heldout_rotation_rms").Above(0),
+          limits.heldout_rotation_rms, rotation);
+  v.Field(AngleKey("heldout_rotation_max").Above(0),
+          limits.heldout_rotation_max, rotation);
+}
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_CALIBRATION_CALIBRATION_OPTIONS_FIELDS_H_

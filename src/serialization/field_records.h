@@ -1,0 +1,139 @@
+#ifndef ALIDADE_SRC_SERIALIZATION_FIELD_RECORDS_H_
+#define ALIDADE_SRC_SERIALIZATION_FIELD_RECORDS_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "src/common/option_fields.h"
+#include "src/serialization/yaml_reader.h"
+
+namespace alidade::internal {
+
+/// JSON schemas of what is no single value.
+inline constexpr char kTextSchema[] = R"({"type": "string"})";
+inline constexpr char kNamesSchema[] =
+    R"({"type": "array", "items": {"type": "string"}})";
+inline constexpr char kNumbersSchema[] =
+    R"({"type": "array", "items": {"type": "number"}})";
+inline constexpr char kVectorSchema[] =
+    R"({"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3})";
+inline constexpr char kMapSchema[] = R"({"type": "object"})";
+
+/// What is known of a field without any file.
+struct FieldRecord {
+  enum class Kind {
+    kNumber,
+    kInteger,
+    kBoolean,
+    kText,
+    kWord,     ///< one of `words`
+    kSection,  ///< a map of `fields`
+    kItems,    ///< a list of maps of `fields`
+    kCustom,   ///< key.schema
+  };
+
+  Key key;
+  std::string text;
+  Kind kind;
+  std::string default_value;  ///< for people; empty where there is none
+  std::vector<std::string> words = {};
+  std::vector<FieldRecord> fields = {};
+};
+
+/// "0.02 mm", "0.005 rad", "1e-06".
+std::string FormatDefault(const Key& key, double value);
+
+/// The visitor (src/common/option_fields.h) that lists fields.
+class FieldCollector {
+ public:
+  static constexpr bool kReads = false;
+  using Kind = FieldRecord::Kind;
+
+  template <typename T>
+  void Field(const Key& key, const T& value, const char* text) {
+    FieldRecord record{key, text, Kind::kNumber, ""};
+    if constexpr (std::is_enum_v<T>) {
+      record.kind = Kind::kWord;
+      record.default_value = WordOf(value);
+      for (const auto& [one, word] : kWords<T>) record.words.emplace_back(word);
+    } else if constexpr (std::is_same_v<T, bool>) {
+      record.kind = Kind::kBoolean;
+      record.default_value = value ? "true" : "false";
+    } else if constexpr (std::is_same_v<T, std::string>) {
+      record.kind = Kind::kText;
+      record.default_value = value.empty() ? "none" : value;
+    } else if constexpr (std::is_integral_v<T>) {
+      record.kind = Kind::kInteger;
+      record.default_value = std::to_string(value);
+      if constexpr (std::is_unsigned_v<T>) record.key.lower = 0.0;
+    } else if constexpr (std::is_same_v<T, std::optional<int>>) {
+      record.kind = Kind::kInteger;
+      record.default_value = "none";
+    } else if constexpr (std::is_same_v<T, std::optional<double>>) {
+      record.default_value = "none";
+    } else if constexpr (std::is_same_v<T, Eigen::Vector3d>) {
+      SetSchema(kVectorSchema, &record);
+    } else if constexpr (std::is_same_v<T, std::optional<YamlValue>>) {
+      SetSchema(kTextSchema, &record);
+    } else if constexpr (!std::is_same_v<T, double>) {
+      SetSchema(kNamesSchema, &record);
+      record.default_value = "`[]`";
+    } else {
+      record.default_value = FormatDefault(key, value);
+    }
+    records_.push_back(std::move(record));
+  }
+  template <typename Part>
+  void Section(const Key& key, const char* text, const Part& part) {
+    FieldCollector fields;
+    VisitPart(fields, part);
+    Add(key, text, Kind::kSection, std::move(fields));
+  }
+  template <typename Item, typename Visit>
+  void Items(const Key& key, const char* text,
+             const std::vector<Item>& /*list*/, const Visit& visit) {
+    FieldCollector fields;
+    Item item;
+    visit(fields, item);
+    Add(key, text, Kind::kItems, std::move(fields));
+  }
+  template <typename Read>
+  void Custom(const Key& key, const char* text, const Read& /*read*/) {
+    records_.push_back({key, text, Kind::kCustom, ""});
+  }
+  template <typename Function>
+  void Check(const Function& /*check*/) {}
+
+  std::vector<FieldRecord> Take() && { return std::move(records_); }
+
+ private:
+  static void SetSchema(const char* schema, FieldRecord* record) {
+    record->kind = Kind::kCustom;
+    if (record->key.schema == nullptr) record->key.schema = schema;
+  }
+  void Add(const Key& key, const char* text, Kind kind,
+           FieldCollector&& fields) {
+    records_.push_back({key, text, kind, "", {}, std::move(fields.records_)});
+  }
+
+  std::vector<FieldRecord> records_;
+};
+
+/// The fields that visit(v) names.
+template <typename Visit>
+std::vector<FieldRecord> CollectFields(const Visit& visit) {
+  FieldCollector collector;
+  visit(collector);
+  return std::move(collector).Take();
+}
+
+/// Their keys.
+std::vector<std::string> KeysOf(const std::vector<FieldRecord>& fields);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_SERIALIZATION_FIELD_RECORDS_H_

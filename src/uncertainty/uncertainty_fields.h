@@ -1,0 +1,131 @@
+#ifndef ALIDADE_SRC_UNCERTAINTY_UNCERTAINTY_FIELDS_H_
+#define ALIDADE_SRC_UNCERTAINTY_UNCERTAINTY_FIELDS_H_
+
+#include <limits>
+
+#include "alidade/uncertainty.h"
+#include "src/common/accuracy_fields.h"
+#include "src/common/option_fields.h"
+
+namespace alidade::internal {
+
+template <>
+inline constexpr std::array kWords<IntervalMethod> = {
+    std::pair{IntervalMethod::kAutomatic, "auto"},
+    std::pair{IntervalMethod::kLinear, "linear"},
+    std::pair{IntervalMethod::kProfile, "profile"},
+};
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, UncertaintyOptions>& options) {
+  v.Field(Key("confidence").Above(0).Below(1), options.confidence,
+          "of intervals and ellipsoids");
+  v.Field(Key("intervals"), options.intervals,
+          "`linear`: estimate +- quantile * standard deviation; `profile`: of "
+          "the profile likelihood, for every parameter; `auto`: for those "
+          "whose nonlinearity is above the limit. Profiles need the solver "
+          "`ceres` and 100 000 observations at most");
+  v.Field(Key("nonlinearity_limit").Above(0), options.nonlinearity_limit,
+          "second-order part of an estimate, in standard deviations");
+  v.Field(Key("map").AtLeast(0).AtMost(1000000), options.map_configurations,
+          "configurations, drawn within the joint limits, that the accuracy is "
+          "predicted at; 0 = none");
+  v.Field(Key("seed"), options.seed, "of these");
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, ConfidenceInterval>& interval) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  v.Field("lower", interval.lower, -kInfinity);
+  v.Field("upper", interval.upper, kInfinity);
+  v.Field("profile", interval.is_profile);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, ParameterUncertainty>& one) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  v.Field("name", one.name);
+  v.Field("std", one.std, kInfinity);
+  v.Field("interval", one.interval);
+  v.Field("nonlinearity", one.nonlinearity, kInfinity);
+  v.Field("prior_share", one.prior_share);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, CorrelatedPair>& pair) {
+  v.Field("first", pair.first);
+  v.Field("second", pair.second);
+  v.Field("correlation", pair.correlation);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, TestResult>& test) {
+  v.Field("statistic", test.statistic);
+  v.Field("p_value", test.p_value);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, Histogram>& histogram) {
+  v.Field("lower", histogram.lower);
+  v.Field("width", histogram.width);
+  v.Field("counts", histogram.counts);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, Coverage>& coverage) {
+  v.Field("held", coverage.held);
+  v.Field("n", coverage.n);
+  v.Computed("rate", coverage.rate());
+  v.Field("lower", coverage.lower);
+  v.Field("upper", coverage.upper);
+}
+
+/// What has one entry per pose or configuration is in CSV files beside it,
+/// here and below.
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, ResidualDiagnostics>& residuals) {
+  v.Field("chi_square", residuals.chi_square);
+  v.Field("degrees_of_freedom", residuals.degrees_of_freedom);
+  v.Field("reduced_chi_square", residuals.reduced_chi_square);
+  v.Field("chi_square_p_value", residuals.chi_square_p_value);
+  v.Field("normality", residuals.normality);
+  v.Field("whiteness", residuals.whiteness);
+  v.Field("lags", residuals.lags);
+  v.Field("studentised_histogram", residuals.histogram);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, PredictionCheck>& check) {
+  v.Field("confidence", check.confidence);
+  v.Field("axes", check.axes);
+  v.Field("ellipsoids", check.ellipsoids);
+  v.Field("rms_z", check.rms_z);
+  v.Field("verdict", check.verdict);
+  v.Field("z_histogram", check.histogram);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, PredictedMap>& map) {
+  v.Field("position_std", map.summary);
+  v.Field("rotation_std", map.rotation_summary);
+  v.Optional("true_error", map.true_summary);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, UncertaintyResult>& result) {
+  v.Field("confidence", result.confidence);
+  v.Field("degrees_of_freedom", result.degrees_of_freedom,
+          std::numeric_limits<double>::infinity());
+  v.Field("estimator", result.estimator);
+  v.Field("parameters", result.parameters);
+  v.Field("covariance", result.covariance);
+  v.Field("correlated", result.correlated);
+  v.Field("residuals", result.residuals);
+  v.Optional("workspace", result.workspace);
+  v.Optional("heldout", result.heldout);
+  v.Field("warnings", result.warnings);
+}
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_UNCERTAINTY_UNCERTAINTY_FIELDS_H_

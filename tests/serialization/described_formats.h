@@ -1,0 +1,201 @@
+#ifndef ALIDADE_TESTS_SERIALIZATION_DESCRIBED_FORMATS_H_
+#define ALIDADE_TESTS_SERIALIZATION_DESCRIBED_FORMATS_H_
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "src/serialization/data_section.h"
+#include "src/serialization/field_records.h"
+#include "src/serialization/job_file.h"
+#include "src/serialization/plan_file.h"
+#include "src/serialization/simulation_file.h"
+
+namespace alidade::internal::testing {
+
+using Kind = FieldRecord::Kind;
+
+/// A file format: its own fields, and those of parts that schemas refer to.
+struct DescribedFormat {
+  std::string name;
+  std::vector<FieldRecord> fields;
+};
+
+inline std::vector<DescribedFormat> DescribeFormats() {
+  return {{"job", JobFields()},
+          {"plan", PlanFields()},
+          {"simulation", SimulationFields()}};
+}
+
+/// The fields of a path, "job" or "job.references": those of a format or of one
+/// of its sections; "data" and "simulate" are the maps of a job's data.
+inline std::vector<FieldRecord> FieldsAt(const std::string& path) {
+  if (path == "data") return DataFields();
+  if (path == "simulate") return SimulatedDataFields();
+  if (path == "data.columns") {
+    for (const FieldRecord& field : DataFields()) {
+      if (std::string(field.key.name) == "columns") return field.fields;
+    }
+  }
+  const std::size_t dot = path.find('.');
+  for (const DescribedFormat& format : DescribeFormats()) {
+    if (format.name != path.substr(0, dot)) continue;
+    if (dot == std::string::npos) return format.fields;
+    for (const FieldRecord& field : format.fields) {
+      if (field.key.name == path.substr(dot + 1)) return field.fields;
+    }
+  }
+  ADD_FAILURE() << path << " is not described";
+  return {};
+}
+
+/// "above 0 and at most 180 deg".
+inline std::string RangeOf(const Key& key) {
+  if (!key.dimension) return key.Range();
+  if (*key.dimension == Dimension::kLength) return key.Range(kMillimetre, "mm");
+  const std::string degrees = key.Range(kDegree, "deg");
+  const bool is_round = degrees.find('.') == std::string::npos;
+  return is_round ? degrees : key.Range(1.0, "rad");
+}
+
+/// Rows of a table of docs/files.md, without the fields of the sections in
+/// `collapsed`.
+inline std::string FormatRows(const std::vector<FieldRecord>& fields,
+                              const std::string& prefix,
+                              const std::vector<std::string>& collapsed) {
+  std::string rows;
+  for (const FieldRecord& field : fields) {
+    const Key& key = field.key;
+    const std::string path = prefix + key.name;
+    std::string unit = key.unit_words != nullptr ? key.unit_words : "";
+    if (key.dimension) {
+      unit = *key.dimension == Dimension::kLength ? "length" : "angle";
+    }
+    std::string value = field.default_value;
+    if (field.kind == Kind::kBoolean || field.kind == Kind::kWord) {
+      value = "`" + value + "`";
+    }
+    if (key.default_words != nullptr) value = key.default_words;
+    if (key.is_required) value = "required";
+    const std::string range = RangeOf(key);
+    std::string text = field.text;
+    if (std::string(key.name) == "format") text = "`" + text + "`";
+    if (field.kind == Kind::kItems) text = "list: " + text;
+    const auto cell = [](const std::string& content) {
+      return content.empty() ? " |" : " " + content + " |";
+    };
+    rows += "| `" + path + "` |" + cell(unit) + cell(value) +
+            cell(text + (range.empty() ? "" : " (" + range + ")")) + "\n";
+    const bool is_collapsed =
+        std::find(collapsed.begin(), collapsed.end(), path) != collapsed.end();
+    if (is_collapsed) continue;
+    const char* list = field.kind == Kind::kItems ? "[i]." : ".";
+    rows += FormatRows(field.fields, path + list, collapsed);
+  }
+  return rows;
+}
+
+inline nlohmann::ordered_json SchemaOf(const std::vector<FieldRecord>& fields,
+                                       bool may_inherit);
+
+inline nlohmann::ordered_json SchemaOf(const FieldRecord& field,
+                                       bool may_inherit) {
+  using Json = nlohmann::ordered_json;
+  const Key& key = field.key;
+  Json schema;
+  switch (field.kind) {
+    case Kind::kNumber:
+      schema["type"] = "number";
+      break;
+    case Kind::kInteger:
+      schema["type"] = "integer";
+      break;
+    case Kind::kBoolean:
+      schema["type"] = "boolean";
+      break;
+    case Kind::kText:
+      schema["type"] = "string";
+      break;
+    case Kind::kWord:
+      schema["enum"] = field.words;
+      break;
+    case Kind::kSection:
+      schema = SchemaOf(field.fields, may_inherit);
+      break;
+    case Kind::kItems:
+      schema = {{"type", "array"}, {"items", SchemaOf(field.fields, false)}};
+      break;
+    case Kind::kCustom:
+      schema = Json::parse(key.schema);
+      break;
+  }
+  if (std::string(key.name) == "format") schema = {{"const", field.text}};
+  // Bounds other than zero depend on the file's units.
+  const auto add = [&](const char* what, double bound) {
+    if (!std::isfinite(bound) || (key.dimension && bound != 0.0)) return;
+    if (bound == std::floor(bound)) {
+      schema[what] = static_cast<std::int64_t>(bound);
+    } else {
+      schema[what] = bound;
+    }
+  };
+  if (field.kind == Kind::kNumber || field.kind == Kind::kInteger) {
+    add(key.excludes_lower ? "exclusiveMinimum" : "minimum", key.lower);
+    add(key.excludes_upper ? "exclusiveMaximum" : "maximum", key.upper);
+  }
+  schema["description"] = field.text;
+  return schema;
+}
+
+inline nlohmann::ordered_json SchemaOf(const std::vector<FieldRecord>& fields,
+                                       bool may_inherit) {
+  nlohmann::ordered_json schema = {{"type", "object"}};
+  std::vector<std::string> required;
+  for (const FieldRecord& field : fields) {
+    schema["properties"][field.key.name] = SchemaOf(field, may_inherit);
+    if (field.key.is_required) required.emplace_back(field.key.name);
+  }
+  schema["additionalProperties"] = false;
+  // A file may get what it lacks from the one that it extends.
+  if (!required.empty() && !may_inherit) schema["required"] = required;
+  return schema;
+}
+
+/// The JSON schema of a format, for editors.
+inline std::string FormatSchema(const DescribedFormat& format) {
+  using Json = nlohmann::ordered_json;
+  const bool may_inherit = format.name == "job";
+  Json schema = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
+                 {"title", "Alidade " + format.name}};
+  schema.update(SchemaOf(format.fields, may_inherit));
+  if (may_inherit) {
+    schema["if"] = {{"required", {"extends"}}};
+    schema["else"]["required"] = SchemaOf(format.fields, false)["required"];
+  }
+  const Json one = {
+      {"anyOf",
+       {{{"type", "string"}},
+        SchemaOf(DataFields(), false),
+        {{"type", "object"},
+         {"properties", {{"simulate", SchemaOf(SimulatedDataFields(), false)}}},
+         {"additionalProperties", false},
+         {"required", {"simulate"}}}}}};
+  if (format.name != "simulation") {
+    schema["$defs"] = {
+        {"entry", one},
+        {"data",
+         {{"anyOf",
+           {{{"$ref", "#/$defs/entry"}},
+            {{"type", "array"}, {"items", {{"$ref", "#/$defs/entry"}}}}}}}}};
+  }
+  return schema.dump(1) + "\n";
+}
+
+}  // namespace alidade::internal::testing
+
+#endif  // ALIDADE_TESTS_SERIALIZATION_DESCRIBED_FORMATS_H_
