@@ -20,6 +20,7 @@
 #include "src/calibration/identifiability_cache.h"
 #include "src/calibration/plausibility.h"
 #include "src/calibration/preparation.h"
+#include "src/calibration/sigma_estimation.h"
 #include "src/calibration/verdict.h"
 #include "src/common/format.h"
 #include "src/identifiability/analysis.h"

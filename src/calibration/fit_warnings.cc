@@ -9,6 +9,7 @@
 #include "src/calibration/plausibility.h"
 #include "src/calibration/preparation.h"
 #include "src/calibration/same_data.h"
+#include "src/calibration/sigma_estimation.h"
 #include "src/common/format.h"
 #include "src/kernel/partition.h"
 
