@@ -27,6 +27,7 @@
 #include "src/dataio/dataset_csv.h"
 #include "src/identifiability/analysis.h"
 #include "src/identifiability/rules.h"
+#include "src/job/plan_files.h"
 #include "src/job/run_job.h"
 #include "src/kernel/holdout.h"
 #include "src/planning/candidates.h"
