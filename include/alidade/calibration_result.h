@@ -119,6 +119,10 @@ struct EvaluatedSet {
   Accuracy after;
   Accuracy rotation_before;  ///< (rad); n = 0 without orientations
   Accuracy rotation_after;
+  /// Mean change of the error, after less before, in its standard errors:
+  /// whether the calibration made a difference here. Positive = worse; NaN
+  /// where fewer than two lengths were measured.
+  double change_t = std::numeric_limits<double>::quiet_NaN();
 
   SharedVector ErrorBefore() const;
   SharedVector ErrorAfter() const;

@@ -20,6 +20,8 @@
 #include "src/calibration/identifiability_cache.h"
 #include "src/calibration/plausibility.h"
 #include "src/calibration/preparation.h"
+#include "src/calibration/rejection.h"
+#include "src/calibration/sigma_estimation.h"
 #include "src/calibration/verdict.h"
 #include "src/common/format.h"
 #include "src/identifiability/analysis.h"
@@ -234,7 +236,7 @@ class Calibrator {
                prepared_.misfit.has_value()},
               &result_);
     Assess(fit);
-    Accept();
+    Accept(fit);
   }
 
   void EvaluateSets(const Eigen::VectorXd& nominal,
@@ -261,29 +263,17 @@ class Calibrator {
     }
   }
 
-  void Accept() {
+  void Accept(const FinishedFit& fit) {
     result_.acceptance = CheckAcceptance(task().options.acceptance, result_);
     result_.status = CalibrationStatus::kDone;
-    if (IsStoppedAndWorse()) {
-      Fail(CalibrationStatus::kFailed,
-           "the solver was stopped by the number of iterations, and the poses "
-           "held out are further off than before: the data do not tell this "
-           "many parameters apart, or do not fit this arm. Identify fewer, "
-           "measure more poses, or look for what is wrong with the data");
+    const std::string reason =
+        ReasonToReject(fit, prepared_.frames_fitted, result_);
+    if (!reason.empty()) {
+      Fail(CalibrationStatus::kFailed, reason);
     } else if (!result_.accepted()) {
       Fail(CalibrationStatus::kMissedLimits,
            "acceptance limits missed: " + MissedLimits(result_));
     }
-  }
-
-  // No minimum was reached, and where it stopped is no better elsewhere.
-  bool IsStoppedAndWorse() const {
-    // Every pose is held out of one fold: before, folds are the training poses.
-    const Accuracy& before =
-        result_.heldout ? result_.heldout->before : result_.train.before;
-    return result_.runs.front().summary.status ==
-               SolverStatus::kIterationLimit &&
-           HeldOutErrorsOf(result_).lengths.rms > before.rms;
   }
 
   void ListReferences(const References& references) {

@@ -115,6 +115,30 @@ Accuracy Summarize(const MeasurementModel& model, const Dataset& data,
   });
 }
 
+// The paired t statistic of the lengths.
+double ChangeInStandardErrors(const MeasurementModel& model,
+                              const Dataset& data, const SharedVector& before,
+                              const SharedVector& after) {
+  Lists changes = CountedLengths(after, data);
+  const Lists before_lengths = CountedLengths(before, data);
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    for (std::size_t i = 0; i < changes[k].size(); ++i) {
+      changes[k][i] -= before_lengths[k][i];
+    }
+  }
+  const std::vector<double> all =
+      InOrder(model.communicator(), data, std::move(changes));
+  return ComputeOnRoot(model.communicator(), data, [&] {
+    const auto n = static_cast<Eigen::Index>(all.size());
+    const Eigen::Map<const Eigen::ArrayXd> change(all.data(), n);
+    if (n < 2) return std::numeric_limits<double>::quiet_NaN();
+    const auto count = static_cast<double>(n);
+    const double variance =
+        (change - change.mean()).square().sum() / (count - 1.0);
+    return change.mean() / std::sqrt(variance / count);
+  });
+}
+
 // There is one block of poses at most.
 Lists RotationLists(const SharedVector& errors, const Dataset& data) {
   Lists lists(data.blocks.size());
@@ -293,6 +317,8 @@ EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
   }
   set.before = Summarize(model, data, CountedLengths(errors_before, data));
   set.after = Summarize(model, data, CountedLengths(errors_after, data));
+  set.change_t =
+      ChangeInStandardErrors(model, data, errors_before, errors_after);
   if (data.Has(MeasurementKind::kPose)) {
     set.rotation_before =
         Summarize(model, data, RotationLists(errors_before, data));

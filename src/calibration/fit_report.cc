@@ -12,6 +12,7 @@
 #include "src/calibration/frame_fit.h"
 #include "src/calibration/label_bytes.h"
 #include "src/calibration/preparation.h"
+#include "src/calibration/sigma_estimation.h"
 #include "src/common/bytes.h"
 #include "src/common/distributions.h"
 #include "src/common/format.h"

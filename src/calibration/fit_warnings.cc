@@ -9,6 +9,8 @@
 #include "src/calibration/plausibility.h"
 #include "src/calibration/preparation.h"
 #include "src/calibration/same_data.h"
+#include "src/calibration/sigma_estimation.h"
+#include "src/common/distributions.h"
 #include "src/common/format.h"
 #include "src/kernel/partition.h"
 
@@ -76,6 +78,21 @@ std::string WarnOfFrames(const FinishedFit& fit, bool frames_fitted,
                    "identify them too (`parameters: [joints, base, tool]`)";
 }
 
+// Residuals below any noise are those of exact data, whatever their sigmas.
+bool IsSigmaFarTooLarge(const FinishedFit& fit, double ratio,
+                        const CalibrationResult& result) {
+  constexpr double kMuchSmaller = 0.1;
+  constexpr double kNoNoise = 1e-9;  // m
+  constexpr double kUnlikely = 1e-4;
+  if (fit.task.options.estimate_sigma || !(ratio < kMuchSmaller) ||
+      !(result.train.after.median > kNoNoise)) {
+    return false;
+  }
+  const double freedom = DegreesOfFreedom(fit.problem, fit.values);
+  return freedom > 0.0 &&
+         ChiSquareCdf(ratio * ratio * freedom, freedom) < kUnlikely;
+}
+
 // Where the loss expects outliers, they are not held against the fit.
 std::string WarnOfResiduals(const FinishedFit& fit,
                             const CalibrationResult& result) {
@@ -84,6 +101,13 @@ std::string WarnOfResiduals(const FinishedFit& fit,
       task.options.loss == LossKind::kNone
           ? std::sqrt(result.reduced_chi_square)
           : TypicalResidual(fit.model(), task.data.training, fit.values);
+  if (IsSigmaFarTooLarge(fit, ratio, result)) {
+    return "the stated sigmas are " + FormatSignificant(1.0 / ratio, 2) +
+           " times as large as the residuals: priors weigh that much more "
+           "than they should, and intervals are that much too wide. State "
+           "sigma in the unit of the file, or `measurement: {sigma: "
+           "estimate}`";
+  }
   if (!(ratio > kLargeResiduals)) return "";
   return "the residuals are " + FormatSignificant(ratio, 3) +
          " times as large as the sigmas say: look for wrong units, columns, "
@@ -142,11 +166,6 @@ void WarnOfFit(const FinishedFit& fit, const FitHistory& history,
     warn(
         "these poses leave no degree of freedom: small residuals say nothing "
         "of the arm's accuracy. Measure more poses");
-  }
-  if (result.train.after.rms > result.train.before.rms) {
-    warn(
-        "the calibration made the error at the training poses larger: do not "
-        "use it, and look for what is wrong with the data or the arm");
   }
   if (LeavesSizeOpen(fit.task)) {
     warn(

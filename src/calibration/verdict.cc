@@ -75,10 +75,14 @@ struct Improvement {
     const bool is_length = dimension == Dimension::kLength;
     before = is_length ? set.before : set.rotation_before;
     after = is_length ? set.after : set.rotation_after;
+    if (is_length) change_t = set.change_t;
   }
 
   double ratio() const { return after.mean / before.mean; }
-  bool is_worse() const { return after.mean > before.mean; }
+  // By more than chance, where it is known what chance would do.
+  bool is_worse() const {
+    return after.mean > before.mean && !(change_t <= kBeyondChance);
+  }
   bool is_hardly_better() const {
     return after.mean > kHardlyBetter * before.mean;
   }
@@ -86,6 +90,7 @@ struct Improvement {
   Dimension dimension = Dimension::kLength;
   Accuracy before;
   Accuracy after;
+  double change_t = kNone;
 };
 
 class Judge {
@@ -165,9 +170,9 @@ class Judge {
         by.dimension == Dimension::kLength ? "position" : "orientation";
     std::string text = "The mean " + what + " error at " +
                        Count(by.after.n, Poses()) +
-                       (is_worse ? " grows" : " falls") + " from " +
-                       FormatQuantity(by.before.mean, by.dimension) + " to " +
-                       FormatQuantity(by.after.mean, by.dimension);
+                       (by.after.mean > by.before.mean ? " grows" : " falls") +
+                       " from " + FormatQuantity(by.before.mean, by.dimension) +
+                       " to " + FormatQuantity(by.after.mean, by.dimension);
     const double floor = result_.runs.front().summary.rounding_floor;
     if (by.after.max < kRoundingErrors * floor) {
       text += ", the numerical precision limit";

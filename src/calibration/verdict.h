@@ -7,6 +7,9 @@
 
 namespace alidade::internal {
 
+/// Standard errors of a mean change of errors beyond which it is no chance.
+inline constexpr double kBeyondChance = 3.0;
+
 /// Fills `verdict` and the assessment of every parameter from all else that the
 /// result holds. Everything that shows a result shows these and decides nothing
 /// of its own. The keys of findings are listed in docs/files.md.

@@ -63,10 +63,11 @@ class DataAnalyzer {
         ScaleColumns(model_, kept_, analysis_.whitened_factor);
     analysis_.rank = AnalyzeRank(scaled, options_.relative_tolerance);
     const Elimination elimination =
-        Eliminate(scaled, analysis_.rank.MiddleOfGap());
-    for (const DependentColumn& dependent : elimination.dependent) {
-      AddRelation(
-          ToDependency(model_, scaled, kept_, elimination.kept, dependent));
+        Eliminate(scaled, analysis_.rank.MiddleOfGap(),
+                  NumForced(model_, options_, kept_));
+    for (const Dependency& dependency :
+         ToDependencies(model_, scaled, kept_, elimination)) {
+      AddRelation(dependency);
     }
     if (!analysis_.relations.empty()) Advise();
     if (!analysis_.relations.empty() || !weak_.empty()) {
@@ -253,7 +254,7 @@ FreeAnalysis AnalyzeFree(const MeasurementModel& model, const Dataset& data,
       AnalyzeRank(ScaleColumns(model, free, analysis.whitened_factor),
                   options.relative_tolerance);
   const Eigen::MatrixXd perturbed = JacobianFactor(
-      model, PerturbedValues(model, options.perturbation, 0),
+      model, PerturbedValues(model, options, 0),
       EvenSubset(model.communicator(), data, kEnoughPoses), free);
   analysis.perturbed_rank = AnalyzeRank(ScaleColumns(model, free, perturbed),
                                         options.relative_tolerance);

@@ -41,13 +41,15 @@ class Generic {
     analysis_.generic_rank =
         AnalyzeRank(nominal_factor_, options_.relative_tolerance);
     elimination_ =
-        Eliminate(nominal_factor_, analysis_.generic_rank.MiddleOfGap());
+        Eliminate(nominal_factor_, analysis_.generic_rank.MiddleOfGap(),
+                  NumForced(model_, options_, candidates_));
     for (const int index : elimination_.kept) {
       analysis_.kept.push_back(candidates_[index]);
     }
     FindWeak();
-    for (const DependentColumn& dependent : elimination_.dependent) {
-      AddRelation(dependent);
+    for (const Dependency& dependency :
+         ToDependencies(model_, nominal_factor_, candidates_, elimination_)) {
+      AddRelation(dependency);
     }
     return analysis_;
   }
@@ -64,7 +66,7 @@ class Generic {
     Eigen::MatrixXd best;
     for (int draw = 0; draw < kPerturbations; ++draw) {
       const Eigen::MatrixXd factor =
-          Factor(PerturbedValues(model_, options_.perturbation, draw));
+          Factor(PerturbedValues(model_, options_, draw));
       const RankReport report =
           AnalyzeRank(factor, options_.relative_tolerance);
       if (draw == 0 || report.rank > analysis_.structural_rank.rank) {
@@ -111,9 +113,7 @@ class Generic {
     return indices;
   }
 
-  void AddRelation(const DependentColumn& dependent) {
-    const Dependency dependency = ToDependency(
-        model_, nominal_factor_, candidates_, elimination_.kept, dependent);
+  void AddRelation(const Dependency& dependency) {
     Relation relation;
     relation.parameter = layout_.parameter(dependency.column).name;
     const bool weak = std::find(analysis_.weak.begin(), analysis_.weak.end(),

@@ -6,15 +6,34 @@
 
 namespace alidade::internal {
 
-Eigen::VectorXd PerturbedValues(const MeasurementModel& model, double size,
+namespace {
+
+bool Moves(const IdentifiabilityOptions& options, ParameterKind kind) {
+  switch (kind) {
+    case ParameterKind::kBaseTranslation:
+    case ParameterKind::kBaseRotation:
+      return options.candidates.base;
+    case ParameterKind::kToolTranslation:
+    case ParameterKind::kToolRotation:
+      return options.candidates.tool;
+    default:
+      return ParameterLayout::IsJointKind(kind);
+  }
+}
+
+}  // namespace
+
+Eigen::VectorXd PerturbedValues(const MeasurementModel& model,
+                                const IdentifiabilityOptions& options,
                                 int draw) {
   const double reach = ArmReach(model.nominal());
   Eigen::VectorXd sizes = model.NominalValues();
   for (int c = 0; c < sizes.size(); ++c) {
     const Parameter& parameter = model.layout().parameter(c);
     const bool angle = parameter.dimension == Dimension::kAngle;
-    const bool moves = ParameterLayout::IsJointKind(parameter.kind);
-    sizes[c] = moves ? size * (angle ? 1.0 : reach) : 0.0;
+    sizes[c] = Moves(options, parameter.kind)
+                   ? options.perturbation * (angle ? 1.0 : reach)
+                   : 0.0;
   }
   return PerturbedValues(model, sizes, draw);
 }

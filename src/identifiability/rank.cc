@@ -40,10 +40,8 @@ int CanonicalRank(ParameterKind kind) {
       kCanonicalOrder.begin());
 }
 
-// Terms of less than this part of a column's effect are not told: with poses
-// that are not quite in the plane they were meant for, a relation holds only so
-// far.
-constexpr double kNegligibleTerm = 1e-4;
+// Coefficients that print as 1 in four digits are not printed.
+constexpr double kPrintsAsOne = 5e-5;
 
 std::string FormatNumber(double value) {
   std::array<char, 32> text{};
@@ -52,6 +50,19 @@ std::string FormatNumber(double value) {
 }
 
 }  // namespace
+
+int NumForced(const MeasurementModel& model,
+              const IdentifiabilityOptions& options,
+              const std::vector<int>& columns) {
+  const auto is_forced = [&](int column) {
+    const std::string& name = model.layout().parameter(column).name;
+    return std::find(options.free.begin(), options.free.end(), name) !=
+           options.free.end();
+  };
+  return static_cast<int>(
+      std::find_if_not(columns.begin(), columns.end(), is_forced) -
+      columns.begin());
+}
 
 std::vector<int> InCanonicalOrder(const ParameterLayout& layout,
                                   std::vector<int> columns) {
@@ -62,23 +73,28 @@ std::vector<int> InCanonicalOrder(const ParameterLayout& layout,
   return columns;
 }
 
-Dependency ToDependency(const MeasurementModel& model,
-                        const Eigen::MatrixXd& factor,
-                        const std::vector<int>& order,
-                        const std::vector<int>& kept,
-                        const DependentColumn& dependent) {
-  const int id = order[dependent.index];
-  const double norm = factor.col(dependent.index).norm();
-  Dependency dependency{id, {}};
-  for (Eigen::Index k = 0; k < dependent.coefficients.size(); ++k) {
-    const double coefficient = dependent.coefficients[k];
-    const double effect = std::abs(coefficient) * factor.col(kept[k]).norm();
-    if (dependent.is_zero || effect <= kNegligibleTerm * norm) continue;
-    const int other = order[kept[k]];
-    dependency.terms.emplace_back(other, coefficient * ColumnScale(model, id) /
-                                             ColumnScale(model, other));
+std::vector<Dependency> ToDependencies(const MeasurementModel& model,
+                                       const Eigen::MatrixXd& factor,
+                                       const std::vector<int>& order,
+                                       const Elimination& elimination) {
+  std::vector<Dependency> dependencies;
+  for (const DependentColumn& dependent : elimination.dependent) {
+    const int id = order[dependent.index];
+    const double norm = factor.col(dependent.index).norm();
+    Dependency dependency{id, {}};
+    for (Eigen::Index k = 0; k < dependent.coefficients.size(); ++k) {
+      const double coefficient = dependent.coefficients[k];
+      const int kept = elimination.kept[k];
+      const double effect = std::abs(coefficient) * factor.col(kept).norm();
+      if (dependent.is_zero || effect <= elimination.tolerance * norm) continue;
+      const int other = order[kept];
+      dependency.terms.emplace_back(
+          other,
+          coefficient * ColumnScale(model, id) / ColumnScale(model, other));
+    }
+    dependencies.push_back(std::move(dependency));
   }
-  return dependency;
+  return dependencies;
 }
 
 Eigen::MatrixXd ScaledFactor(const MeasurementModel& model,
@@ -113,13 +129,7 @@ std::vector<Dependency> FindDependencies(const MeasurementModel& model,
                                          double tolerance) {
   const std::vector<int> order = InCanonicalOrder(model.layout(), columns);
   const Eigen::MatrixXd factor = ScaledFactor(model, values, data, order);
-  const Elimination elimination = Eliminate(factor, tolerance);
-  std::vector<Dependency> dependencies;
-  for (const DependentColumn& dependent : elimination.dependent) {
-    dependencies.push_back(
-        ToDependency(model, factor, order, elimination.kept, dependent));
-  }
-  return dependencies;
+  return ToDependencies(model, factor, order, Eliminate(factor, tolerance));
 }
 
 std::string FormatTerm(const ParameterLayout& layout, const Term& term) {
@@ -130,8 +140,8 @@ std::string FormatTerm(const ParameterLayout& layout, const Term& term) {
   const std::string& name = layout.parameter(term.named).name;
   const double value = term.coefficient;
   if (from_angle == to_angle) {
-    if (std::abs(value - 1.0) < kNegligibleTerm) return name;
-    if (std::abs(value + 1.0) < kNegligibleTerm) return "-" + name;
+    if (std::abs(value - 1.0) < kPrintsAsOne) return name;
+    if (std::abs(value + 1.0) < kPrintsAsOne) return "-" + name;
     return FormatNumber(value) + " * " + name;
   }
   if (from_angle) return FormatNumber(value / kMillimetre) + " mm * " + name;

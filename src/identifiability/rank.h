@@ -33,6 +33,12 @@ struct Dependency {
   std::vector<std::pair<int, double>> terms;  ///< empty: no effect at all
 };
 
+/// How many of the first columns the user wants free: those that no basis may
+/// leave out.
+int NumForced(const MeasurementModel& model,
+              const IdentifiabilityOptions& options,
+              const std::vector<int>& columns);
+
 /// The canonical order: base and tool (lengths, then rotations), which are
 /// known worst beforehand, then the joints' lengths before their angles (d, r,
 /// theta, alpha, beta), from the base outwards within each: a parameter is kept
@@ -40,14 +46,14 @@ struct Dependency {
 std::vector<int> InCanonicalOrder(const ParameterLayout& layout,
                                   std::vector<int> columns);
 
-/// A dependent column of a scaled factor in units of the layout. Column i of
-/// the factor belongs to parameter order[i]. Terms below 1e-4 of the column's
-/// effect are left out.
-Dependency ToDependency(const MeasurementModel& model,
-                        const Eigen::MatrixXd& factor,
-                        const std::vector<int>& order,
-                        const std::vector<int>& kept,
-                        const DependentColumn& dependent);
+/// The dependent columns of a scaled factor in units of the layout. Column i of
+/// the factor belongs to parameter order[i]. Terms below the elimination's
+/// tolerance times the column's effect are left out: the relation itself holds
+/// no better.
+std::vector<Dependency> ToDependencies(const MeasurementModel& model,
+                                       const Eigen::MatrixXd& factor,
+                                       const std::vector<int>& order,
+                                       const Elimination& elimination);
 
 /// Eliminates the columns in canonical order and returns those that depend on
 /// the ones kept before them (elimination.h).

@@ -131,8 +131,7 @@ class Pass {
     Eigen::MatrixXd best;
     for (int draw = 0; draw < kPerturbations; ++draw) {
       const Eigen::MatrixXd factor = ScaledFactor(
-          model_, PerturbedValues(model_, options_.perturbation, draw), data_,
-          order);
+          model_, PerturbedValues(model_, options_, draw), data_, order);
       const RankReport report =
           AnalyzeRank(factor, options_.relative_tolerance);
       if (draw == 0 || report.rank > result_.perturbed_rank.rank) {

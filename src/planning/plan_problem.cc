@@ -8,6 +8,7 @@
 #include "alidade/error.h"
 #include "src/calibration/frame_fit.h"
 #include "src/calibration/preparation.h"
+#include "src/calibration/sigma_estimation.h"
 #include "src/data/merge.h"
 #include "src/identifiability/analysis.h"
 #include "src/identifiability/factor.h"

@@ -11,6 +11,7 @@
 #include "src/calibration/fit_uncertainty.h"
 #include "src/calibration/frame_fit.h"
 #include "src/calibration/preparation.h"
+#include "src/calibration/sigma_estimation.h"
 #include "src/common/distributions.h"
 #include "src/common/parallel.h"
 #include "src/common/random.h"

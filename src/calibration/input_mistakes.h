@@ -1,0 +1,34 @@
+#ifndef ALIDADE_SRC_CALIBRATION_INPUT_MISTAKES_H_
+#define ALIDADE_SRC_CALIBRATION_INPUT_MISTAKES_H_
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "alidade/arm.h"
+#include "src/calibration/position_sample.h"
+
+namespace alidade::internal {
+
+/// A mistake that people make with their data, and its cure.
+struct InputMistake {
+  /// Mistakes of the same kind do not go together: an angle is in one unit.
+  enum class Kind { kAngleUnit, kLengthUnit, kMirror, kRow, kJoint };
+
+  Kind kind = Kind::kJoint;
+  std::string text;  ///< what the user should do
+  std::function<void(PositionSample*)> mend;
+};
+
+/// Mistakes of units (deg, rad, grad; m, cm, mm, inches, feet), of axes, of
+/// rows that are one late or early, of joints that count the other way or from
+/// a zero 90 or 180 deg elsewhere, of joints that are swapped, in reversed
+/// order, coupled to the one before, or one row off alone.
+std::vector<InputMistake> SingleMistakes(const Arm& arm);
+
+/// Every two of them that can come together.
+std::vector<InputMistake> DoubleMistakes(const Arm& arm);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_CALIBRATION_INPUT_MISTAKES_H_

@@ -1,0 +1,35 @@
+#ifndef ALIDADE_SRC_CALIBRATION_POSITION_SAMPLE_H_
+#define ALIDADE_SRC_CALIBRATION_POSITION_SAMPLE_H_
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "alidade/communicator.h"
+#include "alidade/dataset.h"
+
+namespace alidade::internal {
+
+/// Joint values and the positions measured there, a column each. The joint
+/// values of the rows before and after are what a reader that is one row off
+/// would have taken.
+struct PositionSample {
+  Eigen::MatrixXd joint_values;
+  Eigen::MatrixXd joint_values_before;
+  Eigen::MatrixXd joint_values_after;
+  Eigen::Matrix3Xd points;  ///< (m)
+
+  Eigen::Index size() const { return points.cols(); }
+};
+
+/// At most 60 fully measured positions of the first target, evenly taken from
+/// those of all ranks, the same on all of them. Nothing where there are fewer
+/// than twelve, or one that is not finite. Collective.
+std::optional<PositionSample> SamplePositions(const Dataset& data,
+                                              Communicator* communicator);
+
+/// How far the positions lie apart: the root mean square about their mean (m).
+double ExtentOf(const Eigen::Matrix3Xd& points);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_CALIBRATION_POSITION_SAMPLE_H_

@@ -1,0 +1,72 @@
+#include "src/calibration/rejection.h"
+
+#include <cmath>
+
+#include "src/calibration/verdict.h"
+#include "src/common/format.h"
+#include "src/kernel/partition.h"
+
+namespace alidade::internal {
+namespace {
+
+bool IsStopped(const CalibrationResult& result) {
+  return result.runs.front().summary.status == SolverStatus::kIterationLimit;
+}
+
+// Errors of robust fits are those of what they reject, too.
+bool IsWorse(const FinishedFit& fit, const EvaluatedSet& set) {
+  return fit.task.options.loss == LossKind::kNone &&
+         set.after.mean > set.before.mean && set.change_t > kBeyondChance;
+}
+
+bool IsUseless(const CalibrationResult& result) {
+  constexpr double kNoBetter = 0.9;
+  constexpr double kTimesSigma = 100.0;
+  return result.train.after.rms > kNoBetter * result.train.before.rms &&
+         std::sqrt(result.reduced_chi_square) > kTimesSigma;
+}
+
+bool IsUndetermined(const FinishedFit& fit) {
+  return fit.problem.priors.size() == 0 &&
+         GlobalEquations(fit.model().communicator(), fit.problem.data) <
+             static_cast<Eigen::Index>(fit.problem.free_columns.size());
+}
+
+std::string GrowsAt(const char* poses, const EvaluatedSet& set) {
+  return std::string("the mean error at the ") + poses + " poses grows from " +
+         FormatLength(set.before.mean, 3) + " to " +
+         FormatLength(set.after.mean, 3) +
+         ", by more than chance: look for what is wrong with the data or the "
+         "arm, or identify fewer parameters";
+}
+
+}  // namespace
+
+std::string ReasonToReject(const FinishedFit& fit, bool frames_fitted,
+                           const CalibrationResult& result) {
+  if (IsUndetermined(fit)) {
+    return "there are fewer equations than free parameters and no priors: "
+           "measure more poses, identify fewer parameters, or use `policy: "
+           "prior`";
+  }
+  if (IsStopped(result)) {
+    return "the solver was stopped by the number of iterations before it "
+           "converged: the data do not determine this many parameters, or do "
+           "not fit this arm. Identify fewer, measure more poses, look for "
+           "what is wrong with the data, or allow more iterations";
+  }
+  if (IsWorse(fit, result.train)) return GrowsAt("training", result.train);
+  if (result.heldout && IsWorse(fit, *result.heldout)) {
+    return GrowsAt("validation", *result.heldout);
+  }
+  if (frames_fitted && IsUseless(result)) {
+    return "the calibrated arm fits no better than the nominal one, and its "
+           "residuals are " +
+           FormatSignificant(std::sqrt(result.reduced_chi_square), 3) +
+           " times as large as the sigmas say: look for wrong units, columns, "
+           "limits, or a wrong arm";
+  }
+  return "";
+}
+
+}  // namespace alidade::internal

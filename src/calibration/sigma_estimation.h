@@ -1,0 +1,42 @@
+#ifndef ALIDADE_SRC_CALIBRATION_SIGMA_ESTIMATION_H_
+#define ALIDADE_SRC_CALIBRATION_SIGMA_ESTIMATION_H_
+
+#include <Eigen/Core>
+
+#include "src/calibration/calibration_task.h"
+#include "src/solve/solve.h"
+
+namespace alidade::internal {
+
+/// Standard deviations that the residuals of a fit agree with.
+struct EstimatedSigmas {
+  double length = 0.0;    ///< median over all rows (m); 0 = none could be found
+  double rotation = 0.0;  ///< the same of orientations (rad); 0 = none measured
+  /// The fit uses up nearly all equations: these are what the nominal geometry
+  /// leaves, more than the true ones.
+  bool is_bound = false;
+};
+
+/// Changes the sigmas of training and held-out data, those of lengths and those
+/// of orientations each, until the residuals of a fit agree with them:
+/// chi-square equals its degrees of freedom or, with a robust loss, the median
+/// of the residual norms that of their distribution. Where the stated sigmas
+/// are too small, what the instrument does not explain is the model's: one
+/// variance is added to all rows, so that rows of different sigmas come closer
+/// in weight. Where they are too large, all are scaled. Priors weigh against
+/// sigma, so that it is iterated. Lengths of 0 where a fit failed or leaves no
+/// freedom.
+EstimatedSigmas EstimateSigmas(CalibrationTask* task);
+
+/// Median standard deviation of the measured lengths (m); 0 = there are none.
+double MedianLengthSigma(const Dataset& data, Communicator* communicator);
+
+/// Degrees of freedom of a fit: equations less the parameters that the data
+/// rather than their priors decide,
+/// p - sum_k [(J^T J + P^-1)^-1]_kk / prior_k^2 (J whitened, at `values`).
+double DegreesOfFreedom(const CalibrationProblem& problem,
+                        const Eigen::VectorXd& values);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_CALIBRATION_SIGMA_ESTIMATION_H_
