@@ -70,6 +70,11 @@ struct Arm {
   }
 };
 
+/// Whether the joint has limits on both sides that mean something. Limits of 0
+/// to 0, which programs write that know none, and those of a revolute joint
+/// that span more than twenty turns are as good as none.
+bool HasLimits(const Joint& joint);
+
 /// An upper bound of the distance between the base and the target (m): the
 /// sum of all lengths of the chain, prismatic travel (where limited) and the
 /// farthest target included. It turns small angles of joints and targets into

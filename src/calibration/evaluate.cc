@@ -35,7 +35,7 @@ void RequireLimitedTravel(const Arm& arm) {
   for (int j = 0; j < arm.num_joints(); ++j) {
     const Joint& joint = arm.joints[j];
     if (joint.type == JointType::kRevolute) continue;
-    if (std::isfinite(joint.lower) && std::isfinite(joint.upper)) continue;
+    if (HasLimits(joint)) continue;
     throw InputError({}, "prismatic joint " + std::to_string(j + 1) +
                              " of the arm \"" + arm.name +
                              "\" has no limits: its workspace is not bounded. "

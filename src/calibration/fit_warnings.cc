@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
 
 #include "src/calibration/plausibility.h"
 #include "src/calibration/preparation.h"
@@ -12,6 +15,7 @@
 #include "src/calibration/sigma_estimation.h"
 #include "src/common/distributions.h"
 #include "src/common/format.h"
+#include "src/common/text.h"
 #include "src/kernel/partition.h"
 
 namespace alidade::internal {
@@ -114,6 +118,56 @@ std::string WarnOfResiduals(const FinishedFit& fit,
          "rotation convention, outliers, sigmas or a wrong arm";
 }
 
+std::string WarnOfMeaninglessLimits(const Arm& arm) {
+  std::string joints;
+  for (int j = 0; j < arm.num_joints(); ++j) {
+    const Joint& joint = arm.joints[j];
+    if (HasLimits(joint) || std::isinf(joint.lower) ||
+        std::isinf(joint.upper)) {
+      continue;
+    }
+    joints += (joints.empty() ? "" : ", ") + std::to_string(j + 1);
+  }
+  return joints.empty() ? ""
+                        : "the limits of joints " + joints +
+                              " are 0 to 0 or span more than twenty turns: "
+                              "they are taken as none";
+}
+
+// By a thousandth of a turn or a millimetre and more.
+std::string WarnOfLimits(const CalibrationTask& task) {
+  constexpr double kBeyond = 2e-3;  // rad, and m for joints that slide
+  const Arm& arm = task.arm;
+  const Dataset& data = task.data.training;
+  std::int64_t count = 0;
+  std::vector<bool> is_beyond(static_cast<std::size_t>(arm.num_joints()));
+  for (Eigen::Index i = 0; i < data.num_poses(); ++i) {
+    bool is_any = false;
+    for (int j = 0; j < arm.num_joints(); ++j) {
+      const Joint& joint = arm.joints[j];
+      const double value = data.joint_values(j, i);
+      if (!HasLimits(joint) ||
+          (value >= joint.lower - kBeyond && value <= joint.upper + kBeyond)) {
+        continue;
+      }
+      is_beyond[static_cast<std::size_t>(j)] = is_any = true;
+    }
+    count += is_any ? 1 : 0;
+  }
+  std::string joints;
+  for (int j = 0; j < arm.num_joints(); ++j) {
+    const bool is_here = is_beyond[static_cast<std::size_t>(j)];
+    if (SumOverRanks(task.communicator, data, is_here ? 1 : 0) == 0) continue;
+    joints += (joints.empty() ? "" : ", ") + std::to_string(j + 1);
+  }
+  count = SumOverRanks(task.communicator, data, count);
+  if (count == 0) return "";
+  return Count(count, "pose") + (count == 1 ? " is" : " are") +
+         " outside the limits of joints " + joints +
+         ": correct the limits, or look for wrong units, signs or zeros. "
+         "Predictions and plans stay within the limits";
+}
+
 std::string Listed(const std::string& before, const std::string& names,
                    const std::string& after) {
   return names.empty() ? "" : before + names + after;
@@ -142,6 +196,8 @@ void WarnOfFit(const FinishedFit& fit, const FitHistory& history,
           DiagnoseZeros(fit.task.data.training, fit.task.communicator)) {
     AddWarning(*zeros, added);
   }
+  warn(WarnOfMeaninglessLimits(fit.task.arm));
+  warn(WarnOfLimits(fit.task));
   if (summary.status == SolverStatus::kIterationLimit) {
     warn("the solver " + summary.solver +
          " was stopped by the number of iterations and may be far from the "

@@ -89,10 +89,12 @@ std::optional<Eigen::VectorXd> SolveInverseKinematics(
 
 bool IsWithinLimits(const Arm& arm, const Eigen::VectorXd& joint_values) {
   for (int j = 0; j < arm.num_joints(); ++j) {
-    if (!(joint_values[j] >= arm.joints[j].lower &&
-          joint_values[j] <= arm.joints[j].upper)) {
-      return false;
-    }
+    const Joint& joint = arm.joints[j];
+    const bool is_within =
+        joint_values[j] >= joint.lower && joint_values[j] <= joint.upper;
+    const bool has_both =
+        std::isfinite(joint.lower) && std::isfinite(joint.upper);
+    if (!is_within && (HasLimits(joint) || !has_both)) return false;
   }
   return true;
 }

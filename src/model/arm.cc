@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "alidade/units.h"
+
 namespace alidade {
 
 namespace {
@@ -16,8 +18,7 @@ double SumOfLengths(const Arm& arm) {
   double sum = farthest;
   for (const Joint& joint : arm.joints) {
     sum += std::abs(joint.d) + std::abs(joint.r);
-    if (joint.type == JointType::kPrismatic && std::isfinite(joint.lower) &&
-        std::isfinite(joint.upper)) {
+    if (joint.type == JointType::kPrismatic && HasLimits(joint)) {
       sum += std::max(std::abs(joint.lower), std::abs(joint.upper));
     }
   }
@@ -25,6 +26,14 @@ double SumOfLengths(const Arm& arm) {
 }
 
 }  // namespace
+
+bool HasLimits(const Joint& joint) {
+  constexpr double kMostTurns = 20.0;
+  if (!std::isfinite(joint.lower) || !std::isfinite(joint.upper)) return false;
+  if (joint.lower == 0.0 && joint.upper == 0.0) return false;
+  return joint.type != JointType::kRevolute ||
+         joint.upper - joint.lower <= kMostTurns * 2.0 * kPi;
+}
 
 double ArmReach(const Arm& arm) {
   const double sum = SumOfLengths(arm);

@@ -1,7 +1,5 @@
 #include "src/model/joint_draw.h"
 
-#include <cmath>
-
 #include "alidade/units.h"
 #include "src/common/random.h"
 
@@ -9,7 +7,7 @@ namespace alidade::internal {
 
 double DrawJointValue(const Arm& arm, int j, Random* random) {
   const Joint& joint = arm.joints[j];
-  if (std::isfinite(joint.lower) && std::isfinite(joint.upper)) {
+  if (HasLimits(joint)) {
     return random->Uniform(joint.lower, joint.upper);
   }
   const double range = joint.type == JointType::kRevolute ? kPi : ArmReach(arm);

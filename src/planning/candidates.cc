@@ -42,7 +42,7 @@ double DrawFaceValue(const Arm& arm, int j, Random* random) {
   const Joint& joint = arm.joints[j];
   const double inside = DrawJointValue(arm, j, random);
   const double choice = random->Uniform(0.0, 3.0);
-  if (!std::isfinite(joint.lower) || !std::isfinite(joint.upper)) return inside;
+  if (!HasLimits(joint)) return inside;
   if (choice < 1.0) return joint.lower;
   return choice < 2.0 ? joint.upper : inside;
 }
@@ -56,13 +56,14 @@ void RoundMotors(const Arm& arm, int decimals, Eigen::VectorXd* joints) {
   for (int j = 0; j < arm.num_joints(); ++j) {
     const Joint& joint = arm.joints[j];
     const bool turns = joint.type == JointType::kRevolute;
+    const bool is_limited = is_direct && HasLimits(joint);
     const auto in_unit = [&](double steps) {
       return turns ? steps / scale * kDegree : steps / (scale * 1000.0);
     };
     double steps =
         std::round(motors[j] / (turns ? kDegree : kMillimetre) * scale);
-    if (is_direct && in_unit(steps) > joint.upper) steps -= 1.0;
-    if (is_direct && in_unit(steps) < joint.lower) steps += 1.0;
+    if (is_limited && in_unit(steps) > joint.upper) steps -= 1.0;
+    if (is_limited && in_unit(steps) < joint.lower) steps += 1.0;
     motors[j] = in_unit(steps);
   }
   *joints = JointsFromMotors(arm, motors);
