@@ -83,6 +83,7 @@ void VisitFields(Visitor& v, Subject<Visitor, EvaluatedSet>& set) {
   v.Field("after", set.after);
   v.Optional("rotation_before", set.rotation_before);
   v.Optional("rotation_after", set.rotation_after);
+  v.Later("change_t", set.change_t);
 }
 
 template <typename Visitor>
