@@ -2,11 +2,11 @@
 
 #include <cmath>
 #include <cstdio>
+#include <random>
 
 #include "alidade/calibration.h"
 #include "alidade/forward_kinematics.h"
 #include "alidade/units.h"
-#include "src/common/random.h"
 
 int main() {
   alidade::Arm arm;
@@ -22,13 +22,14 @@ int main() {
   real.joints[2].d += 1e-3;
   real.joints[1].theta += 2e-3;
   const double sigma = 0.02e-3;
-  alidade::Random random(/*seed=*/1);
-  const Eigen::MatrixXd joint_values = Eigen::MatrixXd::NullaryExpr(
-      3, 40, [&random] { return random.Uniform(-1.5, 1.5); });
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> joint_value(-1.5, 1.5);
+  std::normal_distribution<double> noise(0.0, sigma);
+  const Eigen::MatrixXd joint_values =
+      Eigen::MatrixXd::NullaryExpr(3, 40, [&] { return joint_value(random); });
   const Eigen::Matrix3Xd measured =
       alidade::TargetPositions(real, joint_values) +
-      Eigen::Matrix3Xd::NullaryExpr(3, 40,
-                                    [&] { return sigma * random.Normal(); });
+      Eigen::Matrix3Xd::NullaryExpr(3, 40, [&] { return noise(random); });
 
   alidade::CalibrationOptions options;
   options.holdout = alidade::HoldOutOptions();  // 30 % for validation
