@@ -191,7 +191,7 @@ class SigmaRounds {
         *log++ = sum;
       }
     }
-    return fit.summary.final_cost +
+    return fit.summary.final_cost - ExcessOfPriors(fit) +
            SumInOrder(model_.communicator(), data, logs.Freeze());
   }
 
@@ -200,6 +200,23 @@ class SigmaRounds {
 
  private:
   void Stop() { has_stopped_ = true; }
+
+  // A zero that was set wrong is not drawn from a prior of manufacture: beyond
+  // five standard deviations the prior says that much and no more, as one with
+  // a wide tail of small weight would.
+  double ExcessOfPriors(const Fit& fit) const {
+    constexpr double kMost = 25.0;
+    const CalibrationProblem problem =
+        ProblemOf(task_, model_, fit.identifiability);
+    const Eigen::VectorXd nominal = model_.NominalValues();
+    double excess = 0.0;
+    for (const int column : problem.ColumnsWithPrior()) {
+      const double times =
+          (fit.values[column] - nominal[column]) / problem.priors[column];
+      excess += std::max(0.0, times * times - kMost);
+    }
+    return excess;
+  }
 
   // False where that ends the rounds.
   bool Change(RowClass which, const Fit& fit, CalibrationTask* next) {
