@@ -26,6 +26,12 @@ double SumOfLengths(const Arm& arm) {
 
 }  // namespace
 
+std::vector<Dimension> Arm::JointDimensions() const {
+  std::vector<Dimension> dimensions;
+  for (const Joint& joint : joints) dimensions.push_back(joint.dimension());
+  return dimensions;
+}
+
 double ArmReach(const Arm& arm) {
   const double sum = SumOfLengths(arm);
   return sum > 0.0 ? sum : 1.0;
