@@ -33,6 +33,7 @@
 #include "src/planning/candidates.h"
 #include "src/planning/criterion.h"
 #include "src/planning/exchange.h"
+#include "src/planning/plan_fields.h"
 #include "src/report/svg_chart.h"
 #include "src/serialization/job_file.h"
 #include "src/serialization/plan_config.h"
@@ -185,7 +186,8 @@ class Rv2ajStudy {
            "limits [mm] | condition | time [s] |\n|---|---|---|---|---|\n";
     for (const char* name : {"D", "A", "E", "G", "I", "O2", "O4", "O5"}) {
       const double begin = CpuSeconds();
-      const DesignResult plan = Choose(FindDesignCriterion(name), problem_, n);
+      const DesignResult plan =
+          Choose(ValueOf<DesignCriterion>(name), problem_, n);
       const double time = CpuSeconds() - begin;
       const double condition = std::exp(-CriterionValue(
           DesignCriterion::kO2, plan.information, problem_.region));
@@ -329,7 +331,7 @@ class RealArmStudy {
     std::iota(config.measurement.targets.begin(),
               config.measurement.targets.end(), 0);
     config.given_candidates = pool.joint_values.map();
-    config.design.criterion = FindDesignCriterion(criterion);
+    config.design.criterion = ValueOf<DesignCriterion>(criterion);
     config.design.num_poses = number - static_cast<int>(first.size());
     config.design.allow_repeats = false;
     config.with_curve = false;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "alidade/shared_matrix.h"
+#include "alidade/units.h"
 
 namespace alidade {
 
@@ -31,6 +32,12 @@ struct Joint {
   /// Limits of q; infinite where the arm file gives none.
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
+
+  /// Of q.
+  Dimension dimension() const {
+    return type == JointType::kRevolute ? Dimension::kAngle
+                                        : Dimension::kLength;
+  }
 };
 
 /// What is measured at the end of the arm: a reflector, a ball, a probe.
@@ -61,6 +68,8 @@ struct Arm {
 
   int num_joints() const { return static_cast<int>(joints.size()); }
   int num_targets() const { return static_cast<int>(targets.size()); }
+  /// Of the joints' variables, in their order.
+  std::vector<Dimension> JointDimensions() const;
 
   const Eigen::Isometry3d& last_from_target(int target = 0) const {
     return targets[target].last_from_target;

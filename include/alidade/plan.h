@@ -40,12 +40,6 @@ namespace alidade {
 /// (pose_rows.h).
 enum class DesignCriterion { kD, kA, kE, kG, kI, kO2, kO3, kO4, kO5 };
 
-/// "D", "A", "E", "G", "I", "O2" ... "O5"; "O1" is read as D.
-const std::vector<std::string>& DesignCriterionNames();
-const char* NameOf(DesignCriterion criterion);
-/// @pre the name is one of DesignCriterionNames().
-DesignCriterion FindDesignCriterion(const std::string& name);
-
 /// Whether the criterion looks at a region.
 bool NeedsRegion(DesignCriterion criterion);
 

@@ -291,11 +291,7 @@ EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
   Communicator* const communicator = model.communicator();
   EvaluatedSet set;
   set.name = data.name;
-  for (const Joint& joint : model.nominal().joints) {
-    const bool revolute = joint.type == JointType::kRevolute;
-    set.joint_dimensions.push_back(revolute ? Dimension::kAngle
-                                            : Dimension::kLength);
-  }
+  set.joint_dimensions = model.nominal().JointDimensions();
   set.joint_values = PosesInOrder(communicator, data, data.joint_values);
   if (!IsPlain(data)) {
     set.labels =

@@ -123,15 +123,6 @@ class Validation {
     table_.AddRow(row);
   }
 
-  std::vector<Dimension> JointDimensions() const {
-    std::vector<Dimension> dimensions;
-    for (const Joint& joint : arm_.joints) {
-      const bool revolute = joint.type == JointType::kRevolute;
-      dimensions.push_back(revolute ? Dimension::kAngle : Dimension::kLength);
-    }
-    return dimensions;
-  }
-
   void WriteFiles() const {
     if (!calibrated_) {
       throw InputError({line_.files.front(), 0, 0, ""},
@@ -141,7 +132,7 @@ class Validation {
     std::cout << "\nResults\n";
     for (const std::string& path : WriteResultDirectory(
              line_.out,
-             MakePredictionFiles(JointDimensions(), *map_, check_))) {
+             MakePredictionFiles(arm_.JointDimensions(), *map_, check_))) {
       std::cout << "  " << path << "\n";
     }
   }

@@ -2,8 +2,11 @@
 #define ALIDADE_SRC_COMMON_FIELDS_H_
 
 #include <array>
+#include <cstddef>
+#include <string>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "alidade/units.h"
 
@@ -49,6 +52,23 @@ inline constexpr std::array kWords<Dimension> = {
     std::pair{Dimension::kLength, "m"},
     std::pair{Dimension::kAngle, "rad"},
 };
+
+/// All of them, in the order of the table.
+template <typename Enum>
+std::vector<std::string> WordsOf() {
+  std::vector<std::string> words;
+  for (const auto& [value, word] : kWords<Enum>) words.emplace_back(word);
+  return words;
+}
+
+/// The value of a word. @pre the table of the enum has it.
+template <typename Enum>
+Enum ValueOf(const std::string& wanted) {
+  for (const auto& [value, word] : kWords<Enum>) {
+    if (wanted == word) return value;
+  }
+  return {};
+}
 
 /// The word of a value. @pre the table of the enum has it.
 template <typename Enum>

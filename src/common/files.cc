@@ -24,9 +24,7 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void Fail(const std::string& path, const std::string& what,
                        int error) {
-  SourceLocation location;
-  location.file = path;
-  throw InputError(location,
+  throw InputError({path, 0, 0, ""},
                    what + ": " + std::generic_category().message(error));
 }
 
@@ -230,6 +228,16 @@ std::string Sha256OfFile(const std::string& path) {
     hasher.Add(data, size);
   });
   return hasher.Finish();
+}
+
+SourceLocation LocationOfByte(const std::string& path, const std::string& text,
+                              std::size_t byte) {
+  const std::string before = text.substr(0, byte);
+  const auto breaks = std::count(before.begin(), before.end(), '\n');
+  // Without a line break npos + 1, which is 0.
+  const std::size_t line_begin = before.rfind('\n') + 1;
+  return {path, static_cast<int>(breaks) + 1,
+          static_cast<int>(before.size() - line_begin) + 1, ""};
 }
 
 std::string ResolvePath(const std::string& from_file, const std::string& path) {

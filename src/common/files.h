@@ -44,6 +44,11 @@ std::string Sha256(const std::string& content);
 /// @throws InputError.
 std::string Sha256OfFile(const std::string& path);
 
+/// Line and column, from 1, of a byte of a file, from 0; the column counts
+/// bytes.
+SourceLocation LocationOfByte(const std::string& path, const std::string& text,
+                              std::size_t byte);
+
 /// `path` as seen from the directory of `from_file`; absolute paths stay.
 std::string ResolvePath(const std::string& from_file, const std::string& path);
 

@@ -31,13 +31,6 @@ bool StartsLikeNumber(std::string_view text) {
   return !text.empty() && (IsDigit(text.front()) || text.front() == '.');
 }
 
-std::optional<double> ParseAll(const char* begin, const char* end) {
-  double value = 0.0;
-  const std::from_chars_result result = std::from_chars(begin, end, value);
-  if (result.ec != std::errc() || result.ptr != end) return std::nullopt;
-  return value;
-}
-
 // The exponent behind an 'e', which may have a sign.
 std::optional<int> ParseExponent(std::string_view text) {
   if (!text.empty() && text.front() == '+') {
@@ -45,11 +38,7 @@ std::optional<int> ParseExponent(std::string_view text) {
     if (text.empty() || !IsDigit(text.front())) return std::nullopt;
   }
   constexpr int kMaxExponent = 100000;
-  int value = 0;
-  const char* const end = text.data() + text.size();
-  const std::from_chars_result result =
-      std::from_chars(text.data(), end, value);
-  if (result.ec != std::errc() || result.ptr != end) return std::nullopt;
+  const std::optional<int> value = ParseWhole<int>(text);
   if (value < -kMaxExponent || value > kMaxExponent) return std::nullopt;
   return value;
 }
@@ -158,7 +147,7 @@ std::optional<double> ParseNumber(std::string_view text, int exponent) {
   if (!StartsLikeNumber(text) || text.size() > kMaxNumberSize) {
     return std::nullopt;
   }
-  if (exponent == 0) return ParseAll(text.data(), text.data() + text.size());
+  if (exponent == 0) return ParseWhole<double>(text);
   const std::size_t e = text.find_first_of("eE");
   if (e != std::string_view::npos) {
     const std::optional<int> own = ParseExponent(text.substr(e + 1));
@@ -169,7 +158,8 @@ std::optional<double> ParseNumber(std::string_view text, int exponent) {
   char* end = std::copy_n(text.data(), std::min(e, text.size()), buffer.data());
   *end++ = 'e';
   end = std::to_chars(end, buffer.data() + buffer.size(), exponent).ptr;
-  return ParseAll(buffer.data(), end);
+  return ParseWhole<double>(std::string_view(
+      buffer.data(), static_cast<std::size_t>(end - buffer.data())));
 }
 
 std::optional<double> ParseQuantity(std::string_view text, const Unit& unit) {

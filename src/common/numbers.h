@@ -1,9 +1,12 @@
 #ifndef ALIDADE_SRC_COMMON_NUMBERS_H_
 #define ALIDADE_SRC_COMMON_NUMBERS_H_
 
+#include <charconv>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "alidade/units.h"
@@ -18,6 +21,8 @@ struct Unit {
   Dimension dimension;
   int exponent;
   double factor;
+
+  double InSi() const { return std::pow(10.0, exponent) * factor; }
 };
 
 /// The unit of a name, or null.
@@ -28,6 +33,17 @@ std::vector<std::string> UnitNames(Dimension dimension);
 
 /// "length" or "angle".
 const char* DimensionName(Dimension dimension);
+
+/// The number that all of `text` is, without a plus sign: an integer that fits
+/// its type, or as std::from_chars takes a double.
+template <typename Value>
+std::optional<Value> ParseWhole(std::string_view text) {
+  Value value = 0;
+  const char* const end = text.data() + text.size();
+  const auto result = std::from_chars(text.data(), end, value);
+  if (result.ec != std::errc() || result.ptr != end) return std::nullopt;
+  return value;
+}
 
 /// `text` times 10^exponent, rounded once. Nothing unless all of `text` is one
 /// finite decimal number: an optional '-', digits with at most one decimal

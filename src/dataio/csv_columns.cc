@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 
 #include "src/common/names.h"
+#include "src/common/numbers.h"
 
 namespace alidade::internal {
 namespace {
@@ -118,15 +118,8 @@ std::string DescribeBadUnit(const ColumnSpec& spec, std::string_view header) {
 
 std::optional<int> JointNumber(std::string_view name) {
   if (name.size() < 2 || name.front() != 'q') return std::nullopt;
-  const std::string_view digits = name.substr(1, name.find('_') - 1);
-  int number = 0;
-  const char* const end = digits.data() + digits.size();
-  const std::from_chars_result result =
-      std::from_chars(digits.data(), end, number);
-  if (result.ec != std::errc() || result.ptr != end || number < 1) {
-    return std::nullopt;
-  }
-  return number;
+  const auto number = ParseWhole<int>(name.substr(1, name.find('_') - 1));
+  return number < 1 ? std::nullopt : number;
 }
 
 }  // namespace alidade::internal

@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -23,16 +22,6 @@ constexpr char kGimbalLock[] =
     "the angles are in gimbal lock here: their standard deviations leave a "
     "direction without noise, expected std_wx_deg std_wy_deg std_wz_deg (about "
     "the instrument's axes) instead";
-
-std::optional<int> ParseCount(std::string_view text) {
-  int value = 0;
-  const char* const end = text.data() + text.size();
-  const auto result = std::from_chars(text.data(), end, value);
-  if (result.ec != std::errc() || result.ptr != end || value < 1) {
-    return std::nullopt;
-  }
-  return value;
-}
 
 }  // namespace
 
@@ -193,8 +182,8 @@ void DatasetReader::ReadDifference() {
   const Triple difference = ReadTriple(columns_.difference);
   if (difference.count == 0) return;
   const std::string_view text = rows_.Text(columns_.from);
-  const std::optional<int> from = ParseCount(text);
-  if (!from || *from == rows_.row()) {
+  const std::optional<int> from = ParseWhole<int>(text);
+  if (from < 1 || from == rows_.row()) {
     rows_.FailCell(columns_.from,
                    "expected the number of another data row, counted from 1, "
                    "found " +

@@ -35,6 +35,12 @@ bool HasLimits(const Joint& joint) {
          joint.upper - joint.lower <= kMostTurns * 2.0 * kPi;
 }
 
+std::vector<Dimension> Arm::JointDimensions() const {
+  std::vector<Dimension> dimensions;
+  for (const Joint& joint : joints) dimensions.push_back(joint.dimension());
+  return dimensions;
+}
+
 double ArmReach(const Arm& arm) {
   const double sum = SumOfLengths(arm);
   return sum > 0.0 ? sum : 1.0;

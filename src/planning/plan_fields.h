@@ -9,6 +9,21 @@
 
 namespace alidade::internal {
 
+/// "O1" is read as D.
+template <>
+inline constexpr std::array kWords<DesignCriterion> = {
+    std::pair{DesignCriterion::kD, "D"},
+    std::pair{DesignCriterion::kD, "O1"},
+    std::pair{DesignCriterion::kA, "A"},
+    std::pair{DesignCriterion::kE, "E"},
+    std::pair{DesignCriterion::kG, "G"},
+    std::pair{DesignCriterion::kI, "I"},
+    std::pair{DesignCriterion::kO2, "O2"},
+    std::pair{DesignCriterion::kO3, "O3"},
+    std::pair{DesignCriterion::kO4, "O4"},
+    std::pair{DesignCriterion::kO5, "O5"},
+};
+
 /// How candidates are drawn.
 template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, CandidateOptions>& options) {

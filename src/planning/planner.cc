@@ -14,6 +14,7 @@
 #include "src/common/text.h"
 #include "src/identifiability/factor.h"
 #include "src/planning/plan_evaluation.h"
+#include "src/planning/plan_fields.h"
 #include "src/planning/plan_problem.h"
 #include "src/planning/travel.h"
 
@@ -108,7 +109,7 @@ class Planner {
     plan.arm = config_.job.arm.name;
     plan.seed = config_.seed;
     const PoseMeasurement& measurement = config_.measurement;
-    plan.criterion = NameOf(config_.design.criterion);
+    plan.criterion = WordOf(config_.design.criterion);
     plan.measured = measurement.orientation ? "pose" : "position";
     plan.sigma = measurement.sigma;
     if (measurement.orientation) {
@@ -296,11 +297,7 @@ class Planner {
     plan.travel_before = TravelAlong(chosen, weights, as_drawn);
     plan.travel = TravelAlong(chosen, weights, order);
     plan.joint_values = SelectColumns(chosen, order);
-    for (const Joint& joint : model_.nominal().joints) {
-      plan.joint_dimensions.push_back(joint.type == JointType::kRevolute
-                                          ? Dimension::kAngle
-                                          : Dimension::kLength);
-    }
+    plan.joint_dimensions = model_.nominal().JointDimensions();
     const Eigen::VectorXd variances = PredictedVariances(
         problem_.candidate_positions, design_.information, threads());
     plan.pose_std.resize(chosen.cols());

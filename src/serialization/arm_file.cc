@@ -31,6 +31,7 @@ using internal::OneLine;
 using internal::Quote;
 using internal::ReadConfigFile;
 using internal::ReadDeviations;
+using internal::ReadJointQuantities;
 using internal::Unit;
 using internal::Units;
 using internal::YamlMap;
@@ -56,10 +57,6 @@ constexpr std::array<JointField, 5> kJointFields = {{
     {"r", Dimension::kLength, &Joint::r},
 }};
 
-Dimension DimensionOf(JointType type) {
-  return type == JointType::kRevolute ? Dimension::kAngle : Dimension::kLength;
-}
-
 void ReadQuantity(const YamlMap& map, const std::string& key,
                   Dimension dimension, const Units& units, double* value) {
   const std::optional<YamlValue> found = map.Optional(key);
@@ -68,7 +65,7 @@ void ReadQuantity(const YamlMap& map, const std::string& key,
 
 void ReadLimits(const YamlValue& value, const Units& units, Joint* joint) {
   const std::vector<YamlValue> limits = value.List(2, "lower, upper");
-  const Dimension dimension = DimensionOf(joint->type);
+  const Dimension dimension = joint->dimension();
   joint->lower = limits[0].Limit(dimension, units);
   joint->upper = limits[1].Limit(dimension, units);
   if (joint->upper < joint->lower) {
@@ -122,7 +119,7 @@ JointEntry ReadJoint(const YamlValue& value, const std::string& convention,
   }
   const std::optional<YamlValue> sign = map.Optional("sign");
   if (sign) entry.sign = ReadSign(*sign);
-  ReadQuantity(map, "offset", DimensionOf(joint.type), units, &entry.offset);
+  ReadQuantity(map, "offset", joint.dimension(), units, &entry.offset);
   const std::optional<YamlValue> limits = map.Optional("limits");
   if (limits) ReadLimits(*limits, units, &joint);
   return entry;
@@ -172,11 +169,6 @@ void SetMotorMap(const std::vector<JointEntry>& entries, Arm* arm) {
   if ((offsets.array() != 0.0).any()) arm->motor_offsets = offsets;
 }
 
-double InSi(Dimension dimension, const Units& units) {
-  const Unit& unit = units.Of(dimension);
-  return std::pow(10.0, unit.exponent) * unit.factor;
-}
-
 void ReadMotorMatrix(const YamlValue& value, const Units& units, Arm* arm) {
   const int n = arm->num_joints();
   arm->joints_from_motors.resize(n, n);
@@ -184,10 +176,10 @@ void ReadMotorMatrix(const YamlValue& value, const Units& units, Arm* arm) {
   for (int i = 0; i < n; ++i) {
     const std::vector<YamlValue> row = rows[i].List(n, "one entry per motor");
     for (int j = 0; j < n; ++j) {
-      const Dimension to = DimensionOf(arm->joints[i].type);
-      const Dimension from = DimensionOf(arm->joints[j].type);
+      const Dimension to = arm->joints[i].dimension();
+      const Dimension from = arm->joints[j].dimension();
       double entry = row[j].Number();
-      if (to != from) entry *= InSi(to, units) / InSi(from, units);
+      if (to != from) entry *= units.Of(to).InSi() / units.Of(from).InSi();
       arm->joints_from_motors(i, j) = entry;
     }
   }
@@ -210,13 +202,8 @@ void ReadMotors(const YamlValue& value, const Units& units, Arm* arm) {
   if (matrix) ReadMotorMatrix(*matrix, units, arm);
   const std::optional<YamlValue> offset = map.Optional("offset");
   if (!offset) return;
-  const int n = arm->num_joints();
-  const std::vector<YamlValue> items = offset->List(n, "one per joint");
-  arm->motor_offsets.resize(n);
-  for (int j = 0; j < n; ++j) {
-    arm->motor_offsets[j] =
-        items[j].Quantity(DimensionOf(arm->joints[j].type), units);
-  }
+  arm->motor_offsets =
+      ReadJointQuantities(*offset, units, *arm, "one per joint");
 }
 
 Eigen::Isometry3d FrameOf(const YamlMap& map, const Units& units) {
@@ -348,7 +335,7 @@ std::string FormatJoint(const Joint& joint, int number) {
     text += "  # " + Readable(value, field.dimension) + "\n";
   }
   if (std::isinf(joint.lower) && std::isinf(joint.upper)) return text;
-  const Dimension dimension = DimensionOf(joint.type);
+  const Dimension dimension = joint.dimension();
   return text + "    limits: [" + FormatLimit(joint.lower) + ", " +
          FormatLimit(joint.upper) + "]  # " + Readable(joint.lower, dimension) +
          " to " + Readable(joint.upper, dimension) + "\n";

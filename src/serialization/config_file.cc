@@ -1,37 +1,22 @@
 #include "src/serialization/config_file.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <utility>
 
-#include "alidade/parameter_layout.h"
 #include "src/common/names.h"
+#include "src/dataio/dataset_csv.h"
 #include "src/dataio/file_pattern.h"
 #include "src/serialization/result_json.h"
 
 namespace alidade::internal {
 namespace {
 
-constexpr std::array<std::pair<FileFormat, const char*>, 5> kFormats = {{
-    {FileFormat::kArm, "alidade-arm-1"},
-    {FileFormat::kDeviations, "alidade-deviations-1"},
-    {FileFormat::kJob, "alidade-job-1"},
-    {FileFormat::kSimulation, "alidade-simulation-1"},
-    {FileFormat::kPlan, "alidade-plan-1"},
-}};
-
-std::vector<std::string> FormatNames() {
-  std::vector<std::string> names;
-  for (const auto& [format, name] : kFormats) names.emplace_back(name);
-  return names;
-}
-
 YamlValue FormatEntry(const YamlValue& root) {
   const std::optional<YamlValue> entry = root.Find("format");
   if (!entry) {
     root.Fail("expected a map with the key \"format\", one of " +
-              JoinNames(FormatNames()));
+              JoinNames(WordsOf<FileFormat>()));
   }
   return *entry;
 }
@@ -63,11 +48,7 @@ FileFormat ReadFormat(const YamlValue& root) {
   if (entry.Text() == kPlanResultFormat) {
     entry.Fail(kPlanResultIsForMachines);
   }
-  const std::string text = entry.Choice("format", FormatNames());
-  for (const auto& [format, name] : kFormats) {
-    if (text == name) return format;
-  }
-  return FileFormat::kArm;
+  return ValueOf<FileFormat>(entry.Choice("format", WordsOf<FileFormat>()));
 }
 
 std::string PlaceName(const SourceLocation& location) {
@@ -85,18 +66,21 @@ YamlValue ReadConfigFile(const std::string& path, FileFormat expected) {
   YamlValue root = ReadYaml(path);
   const FileFormat format = ReadFormat(root);
   if (format != expected) {
-    FormatEntry(root).Fail("found " + Quote(NameOf(format)) + ", expected " +
-                           Quote(NameOf(expected)) + " here" +
+    FormatEntry(root).Fail("found " + Quote(WordOf(format)) + ", expected " +
+                           Quote(WordOf(expected)) + " here" +
                            ReaderOf(format));
   }
   return root;
 }
 
-const char* NameOf(FileFormat wanted) {
-  for (const auto& [format, name] : kFormats) {
-    if (format == wanted) return name;
+Eigen::VectorXd ReadJointQuantities(const YamlValue& value, const Units& units,
+                                    const Arm& arm, const std::string& what) {
+  const std::vector<YamlValue> items = value.List(arm.joints.size(), what);
+  Eigen::VectorXd quantities(arm.num_joints());
+  for (int j = 0; j < arm.num_joints(); ++j) {
+    quantities[j] = items[j].Quantity(arm.joints[j].dimension(), units);
   }
-  return "";
+  return quantities;
 }
 
 std::pair<double, double> ReadInterval(const YamlValue& value,
@@ -112,15 +96,19 @@ std::pair<double, double> ReadInterval(const YamlValue& value,
   return {lower, upper};
 }
 
-Eigen::VectorXd ReadDeviations(const YamlValue& value, const Units& units,
-                               const Arm& arm) {
-  const ParameterLayout layout(arm);
+std::vector<std::string> NamesOf(const ParameterLayout& layout) {
   std::vector<std::string> names;
   for (const Parameter& parameter : layout.parameters()) {
     names.push_back(parameter.name);
   }
+  return names;
+}
+
+Eigen::VectorXd ReadDeviations(const YamlValue& value, const Units& units,
+                               const Arm& arm) {
+  const ParameterLayout layout(arm);
   Eigen::VectorXd deviations = Eigen::VectorXd::Zero(layout.size());
-  const YamlMap map = value.Map(names);
+  const YamlMap map = value.Map(NamesOf(layout));
   for (const auto& [name, deviation] : map.entries()) {
     const int column = layout.Find(name).value();
     const Dimension dimension = layout.parameter(column).dimension;
@@ -140,12 +128,19 @@ Arm NamedFiles::ReadArm(const YamlValue& value,
   return arm;
 }
 
+Eigen::MatrixXd NamedFiles::ReadJointValues(const YamlValue& value,
+                                            const Arm& arm) {
+  return Read(value, [&](const std::string& path) {
+    return LoadJointValues(path, arm);
+  });
+}
+
 void NamedFiles::Remember(const std::string& path) {
   if (std::find(paths_.begin(), paths_.end(), path) != paths_.end()) return;
   paths_.push_back(path);
 }
 
-std::vector<std::string> NamedFiles::Expand(const YamlValue& value) {
+std::vector<std::string> NamedFiles::PathsOf(const YamlValue& value) {
   const std::string path = Resolve(value);
   if (!IsPattern(path)) return {path};
   std::vector<std::string> found = MatchingFiles(path);

@@ -2,12 +2,14 @@
 #define ALIDADE_SRC_SERIALIZATION_CONFIG_FILE_H_
 
 #include <Eigen/Core>
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "alidade/arm.h"
 #include "alidade/error.h"
+#include "alidade/parameter_layout.h"
 #include "src/common/files.h"
 #include "src/serialization/yaml_fields.h"
 #include "src/serialization/yaml_reader.h"
@@ -17,6 +19,15 @@ namespace alidade::internal {
 /// What a YAML file says it is in its `format` key.
 enum class FileFormat { kArm, kDeviations, kJob, kSimulation, kPlan };
 
+template <>
+inline constexpr std::array kWords<FileFormat> = {
+    std::pair{FileFormat::kArm, "alidade-arm-1"},
+    std::pair{FileFormat::kDeviations, "alidade-deviations-1"},
+    std::pair{FileFormat::kJob, "alidade-job-1"},
+    std::pair{FileFormat::kSimulation, "alidade-simulation-1"},
+    std::pair{FileFormat::kPlan, "alidade-plan-1"},
+};
+
 /// @throws InputError where the file is no YAML map or its format is unknown.
 FileFormat DetectFormat(const std::string& path);
 
@@ -24,13 +35,10 @@ FileFormat DetectFormat(const std::string& path);
 /// @throws InputError.
 YamlValue ReadConfigFile(const std::string& path, FileFormat expected);
 
-/// What a file says it is.
-const char* NameOf(FileFormat format);
-
 /// The first keys of every file.
 template <typename Visitor>
 void VisitHead(Visitor& v, FileFormat format) {
-  v.Custom(Key("format").Required().Schema(kTextSchema), NameOf(format),
+  v.Custom(Key("format").Required().Schema(kTextSchema), WordOf(format),
            ReadElsewhere);
   v.Custom(
       Key("units").Required().Schema(
@@ -38,12 +46,19 @@ void VisitHead(Visitor& v, FileFormat format) {
       "of all numbers", ReadElsewhere);
 }
 
+/// One quantity of every joint; `what` describes the list. @throws InputError.
+Eigen::VectorXd ReadJointQuantities(const YamlValue& value, const Units& units,
+                                    const Arm& arm, const std::string& what);
+
 inline constexpr char kIntervalSchema[] =
     R"({"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2})";
 
 /// [lower, upper]. @throws InputError.
 std::pair<double, double> ReadInterval(const YamlValue& value,
                                        Dimension dimension, const Units& units);
+
+/// The names of all parameters of the layout.
+std::vector<std::string> NamesOf(const ParameterLayout& layout);
 
 /// A map from parameter names to deviations: one entry per column of the layout
 /// of the arm alone, zero where the map names none. @throws InputError.
@@ -69,34 +84,19 @@ class NamedFiles {
   /// load(path) of the path that `value` names. @throws InputError.
   template <typename Load>
   auto Read(const YamlValue& value, const Load& load) {
-    const std::string path = Resolve(value);
-    Remember(path);
-    try {
-      return load(path);
-    } catch (const InputError& error) {
-      throw Explain(error, value);
-    }
+    return ReadPath(Resolve(value), value, load);
   }
 
   /// The paths of all files that `value` names, as ReadEach takes them.
   /// @throws InputError where there is none.
-  std::vector<std::string> PathsOf(const YamlValue& value) const {
-    return Expand(value);
-  }
+  static std::vector<std::string> PathsOf(const YamlValue& value);
 
   /// load(path) of every file that `value` names: one, or all that the '*' in
   /// its name stands for, in the order of their names. @throws InputError, also
   /// where there is none.
   template <typename Load>
   void ReadEach(const YamlValue& value, const Load& load) {
-    for (const std::string& path : Expand(value)) {
-      Remember(path);
-      try {
-        load(path);
-      } catch (const InputError& error) {
-        throw Explain(error, value);
-      }
-    }
+    for (const std::string& path : PathsOf(value)) ReadPath(path, value, load);
   }
 
   /// The arm that `value` names, and the files that it names; `load` is LoadArm
@@ -105,12 +105,24 @@ class NamedFiles {
               Arm (*load)(const std::string& path,
                           std::vector<std::string>* input_files));
 
+  /// The joint values of the data set that `value` names. @throws InputError.
+  Eigen::MatrixXd ReadJointValues(const YamlValue& value, const Arm& arm);
+
   /// Every file read so far, the config file first, each once.
   const std::vector<std::string>& paths() const { return paths_; }
 
  private:
+  template <typename Load>
+  auto ReadPath(const std::string& path, const YamlValue& value,
+                const Load& load) {
+    Remember(path);
+    try {
+      return load(path);
+    } catch (const InputError& error) {
+      throw Explain(error, value);
+    }
+  }
   void Remember(const std::string& path);
-  static std::vector<std::string> Expand(const YamlValue& value);
   static std::string ExpandVariable(const YamlValue& value);
   InputError Explain(const InputError& error, const YamlValue& value) const;
 

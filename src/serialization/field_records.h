@@ -59,7 +59,7 @@ class FieldCollector {
     if constexpr (std::is_enum_v<T>) {
       record.kind = Kind::kWord;
       record.default_value = WordOf(value);
-      for (const auto& [one, word] : kWords<T>) record.words.emplace_back(word);
+      record.words = WordsOf<T>();
     } else if constexpr (std::is_same_v<T, bool>) {
       record.kind = Kind::kBoolean;
       record.default_value = value ? "true" : "false";

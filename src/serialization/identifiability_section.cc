@@ -37,14 +37,6 @@ void CheckMethod(const IdentifiabilityOptions& options, const YamlMap& map) {
 
 }  // namespace
 
-std::vector<std::string> NamesOf(const ParameterLayout& layout) {
-  std::vector<std::string> names;
-  for (const Parameter& parameter : layout.parameters()) {
-    names.push_back(parameter.name);
-  }
-  return names;
-}
-
 CandidateGroups ReadCandidates(const YamlValue& value) {
   CandidateGroups groups{false, false, false};
   for (const std::string& name :

@@ -11,9 +11,6 @@
 
 namespace alidade::internal {
 
-/// The names of all parameters of the layout.
-std::vector<std::string> NamesOf(const ParameterLayout& layout);
-
 /// The groups that are named. @throws InputError.
 CandidateGroups ReadCandidates(const YamlValue& value);
 

@@ -21,12 +21,12 @@ std::string Canonical(const std::string& path) {
 }
 
 void CheckUnits(const YamlDocument& document, const YamlDocument& base) {
-  const YamlNode* const own = FindAt("units", document.root);
-  const YamlNode* const inherited = FindAt("units", base.root);
+  const YamlNode* const own = document.root.Find("units");
+  const YamlNode* const inherited = base.root.Find("units");
   if (own == nullptr || inherited == nullptr) return;
   for (const char* key : {"length", "angle"}) {
-    const YamlNode* const a = FindAt(key, *own);
-    const YamlNode* const b = FindAt(key, *inherited);
+    const YamlNode* const a = own->Find(key);
+    const YamlNode* const b = inherited->Find(key);
     if (a == nullptr || b == nullptr || a->text == b->text) continue;
     throw InputError(LocationOf(document, *a, std::string("units.") + key),
                      "found " + Quote(a->text) + ", but the numbers of " +

@@ -126,10 +126,7 @@ class JsonValue {
 
   [[noreturn]] void Fail(const std::string& path,
                          const std::string& message) const {
-    SourceLocation location;
-    location.file = file_;
-    location.key = path;
-    throw InputError(location, message);
+    throw InputError({file_, 0, 0, path}, message);
   }
 
   const std::string& file_;

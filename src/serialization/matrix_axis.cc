@@ -99,7 +99,10 @@ void MatrixAxis::ReadRange(const YamlValue& range) {
   }
   is_range_ = true;
   size_ = last - first_ + 1;
-  place_ = range.node();
+  place_.kind = YamlNode::Kind::kScalar;
+  place_.file = range.node().file;
+  place_.place = range.node().place;
+  place_.key_place = key_place_;
 }
 
 void MatrixAxis::ReadList(const YamlValue& list) {
@@ -149,11 +152,7 @@ void MatrixAxis::Apply(std::int64_t value, YamlDocument* job) const {
     SetAt(name_, values_[value], &job->root);
     return;
   }
-  YamlNode number;
-  number.kind = YamlNode::Kind::kScalar;
-  number.file = place_.file;
-  number.place = place_.place;
-  number.key_place = key_place_;
+  YamlNode number = place_;
   number.text = std::to_string(first_ + value);
   SetAt(name_, number, &job->root);
 }

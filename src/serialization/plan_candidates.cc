@@ -1,7 +1,5 @@
 #include "src/serialization/plan_candidates.h"
 
-#include "src/dataio/dataset_csv.h"
-
 namespace alidade::internal {
 
 void RefuseEmptyList(const YamlMap& map, const std::string& key) {
@@ -20,13 +18,6 @@ void RefuseDrawing(const YamlMap& map) {
   }
 }
 
-Eigen::MatrixXd ReadJointValues(const YamlValue& value, const Arm& arm,
-                                NamedFiles* files) {
-  return files->Read(value, [&](const std::string& path) {
-    return LoadJointValues(path, arm);
-  });
-}
-
 std::vector<std::pair<double, double>> ReadJointLimits(const YamlValue& value,
                                                        const Units& units,
                                                        const Arm& arm) {
@@ -34,9 +25,7 @@ std::vector<std::pair<double, double>> ReadJointLimits(const YamlValue& value,
       value.List(arm.joints.size(), "[lower, upper] of every joint");
   std::vector<std::pair<double, double>> limits;
   for (int j = 0; j < arm.num_joints(); ++j) {
-    const bool turns = arm.joints[j].type == JointType::kRevolute;
-    limits.push_back(ReadInterval(
-        items[j], turns ? Dimension::kAngle : Dimension::kLength, units));
+    limits.push_back(ReadInterval(items[j], arm.joints[j].dimension(), units));
   }
   return limits;
 }

@@ -19,9 +19,6 @@ void RefuseEmptyList(const YamlMap& map, const std::string& key);
 /// What goes with candidates that are drawn. @throws InputError.
 void RefuseDrawing(const YamlMap& map);
 
-/// The joint values of a file that `value` names. @throws InputError.
-Eigen::MatrixXd ReadJointValues(const YamlValue& value, const Arm& arm,
-                                NamedFiles* files);
 /// @throws InputError where the list has not one interval for every joint.
 std::vector<std::pair<double, double>> ReadJointLimits(const YamlValue& value,
                                                        const Units& units,
@@ -105,7 +102,7 @@ void VisitCandidates(Visitor& v, JobContext* context, PlanConfig* plan) {
            "columns are ignored",
            [plan, context](const YamlValue& value) {
              plan->given_candidates =
-                 ReadJointValues(value, plan->job.arm, &context->files);
+                 context->files.ReadJointValues(value, plan->job.arm);
            });
   v.Check(RefuseDrawing);
   VisitConstraints(v, &plan->constraints);

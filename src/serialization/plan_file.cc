@@ -250,28 +250,15 @@ void ReadSpeeds(const YamlValue& value, const Units& units, PlanConfig* plan) {
       value.List(arm.joints.size(), "the speed of every joint");
   plan->speeds.resize(arm.num_joints());
   for (int j = 0; j < arm.num_joints(); ++j) {
-    const bool turns = arm.joints[j].type == JointType::kRevolute;
-    const Key key =
-        QuantityKey("", turns ? Dimension::kAngle : Dimension::kLength);
+    const Key key = QuantityKey("", arm.joints[j].dimension());
     plan->speeds[j] = ReadNumber(items[j], key.Above(0), units);
   }
 }
 
-DesignCriterion ReadCriterion(const YamlValue& value) {
-  return FindDesignCriterion(value.Choice("criterion", DesignCriterionNames()));
-}
-
 template <typename Visitor>
 void VisitSearch(Visitor& v, PlanConfig* plan) {
-  v.Custom(
-      Key("criterion")
-          .Default("`D`")
-          .Schema(
-              R"({"enum": ["D", "O1", "A", "E", "G", "I", "O2", "O3", "O4", "O5"]})"),
-      "`D` (or `O1`), `A`, `E`, `G`, `I`, `O2` ... `O5`",
-      [plan](const YamlValue& value) {
-        plan->design.criterion = ReadCriterion(value);
-      });
+  v.Field(Key("criterion"), plan->design.criterion,
+          "`D` (or `O1`), `A`, `E`, `G`, `I`, `O2` ... `O5`");
   v.Section(Key("search"), "how the exchange searches", plan->design);
   v.Custom(Key("curve").Default("about the plan's").Schema(kNumbersSchema),
            "list of numbers of poses that accuracy is shown for; `[]` for none",

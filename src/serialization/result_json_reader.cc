@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "alidade/error.h"
@@ -14,34 +15,17 @@ namespace {
 
 using Json = nlohmann::json;
 
-// The parser gives the number of bytes read.
-SourceLocation LocationOfByte(const std::string& path, const std::string& text,
-                              std::size_t byte) {
-  SourceLocation location;
-  location.file = path;
-  location.line = 1;
-  location.column = 1;
-  for (std::size_t i = 0; i + 1 < byte && i < text.size(); ++i) {
-    ++location.column;
-    if (text[i] == '\n') {
-      ++location.line;
-      location.column = 1;
-    }
-  }
-  return location;
-}
-
 Json ParseJson(const std::string& path, const std::string& text) {
   try {
     return Json::parse(text);
   } catch (const Json::parse_error& error) {
-    throw InputError(LocationOfByte(path, text, error.byte),
+    // The parser gives the number of bytes read.
+    const std::size_t byte = std::max<std::size_t>(error.byte, 1) - 1;
+    throw InputError(LocationOfByte(path, text, byte),
                      "not valid JSON, expected a file that Alidade wrote; the "
                      "file may be cut off");
   } catch (const Json::out_of_range&) {
-    SourceLocation location;
-    location.file = path;
-    throw InputError(location, "a number in it does not fit a double");
+    throw InputError({path, 0, 0, ""}, "a number in it does not fit a double");
   }
 }
 

@@ -39,19 +39,6 @@ void VisitRange(Visitor& v, const char* name, const char* text,
   });
 }
 
-Eigen::VectorXd ReadStart(const YamlValue& value, const Arm& arm,
-                          const Units& units) {
-  const std::vector<YamlValue> items =
-      value.List(arm.joints.size(), "a value for every joint of the arm");
-  Eigen::VectorXd start(arm.num_joints());
-  for (int j = 0; j < arm.num_joints(); ++j) {
-    const bool is_revolute = arm.joints[j].type == JointType::kRevolute;
-    start[j] = items[j].Quantity(
-        is_revolute ? Dimension::kAngle : Dimension::kLength, units);
-  }
-  return start;
-}
-
 void ReadElevation(const YamlValue& value, const Units& units,
                    CylinderGrid* grid) {
   std::tie(grid->elevation_from, grid->elevation_to) =
@@ -90,7 +77,8 @@ void VisitCylinder(Visitor& v, const Arm& arm, CylinderGrid* grid) {
       "joint values that the search begins from, one per joint: they choose "
       "the posture",
       [grid, &arm](const YamlValue& value, const Units& units) {
-        grid->start = ReadStart(value, arm, units);
+        grid->start = ReadJointQuantities(value, units, arm,
+                                          "a value for every joint of the arm");
       });
   v.Check([grid](const YamlMap& map) { CheckCylinder(map, *grid); });
 }
@@ -111,13 +99,6 @@ void CheckOneKind(const YamlMap& map) {
   if (map.entries().size() == 1) return;
   map.Fail("expected exactly one of cylinder, random, file, found " +
            std::to_string(map.entries().size()));
-}
-
-PosesFromFile ReadFromFile(const YamlValue& value, const Arm& arm,
-                           NamedFiles* files) {
-  return files->Read(value, [&](const std::string& path) {
-    return PosesFromFile{path, LoadJointValues(path, arm)};
-  });
 }
 
 template <typename Visitor>
@@ -151,7 +132,9 @@ void VisitPoses(Visitor& v, const SimulationReading& reading) {
   v.Custom(Key("file").In("path").Schema(kTextSchema),
            "the joint values of a data set; its other columns are ignored",
            [reading, config](const YamlValue& value) {
-             config->poses = ReadFromFile(value, config->arm, reading.files);
+             config->poses = PosesFromFile{
+                 NamedFiles::Resolve(value),
+                 reading.files->ReadJointValues(value, config->arm)};
            });
 }
 

@@ -1,13 +1,13 @@
 #include "src/serialization/validation_section.h"
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <optional>
 #include <utility>
 
 #include "src/common/bytes.h"
 #include "src/common/names.h"
+#include "src/common/numbers.h"
 #include "src/kernel/holdout.h"
 #include "src/kernel/partition.h"
 #include "src/serialization/partitioned_data.h"
@@ -115,19 +115,11 @@ void ReadSets(const YamlValue& value, const std::vector<std::string>& sets,
   HoldOutChosen(is_heldout, value, job);
 }
 
-std::optional<int> ParseIndex(const std::string& text) {
-  int index = 0;
-  const char* const end = text.data() + text.size();
-  const auto result = std::from_chars(text.data(), end, index);
-  if (result.ec != std::errc() || result.ptr != end) return std::nullopt;
-  return index;
-}
-
 // Whether the text names the job's data file number i (from 0): by its place in
 // the list, its path, or its name without folders.
 bool NamesFile(const std::string& text, const std::string& resolved,
                const Dataset& data, int i) {
-  const std::optional<int> index = ParseIndex(text);
+  const std::optional<int> index = ParseWhole<int>(text);
   if (index) return *index == i + 1;
   const std::string& path = data.files[i];
   return path == resolved ||

@@ -16,10 +16,6 @@ namespace {
              ", found " + value.Text());
 }
 
-double InSi(const Unit& unit) {
-  return std::pow(10.0, unit.exponent) * unit.factor;
-}
-
 }  // namespace
 
 double ReadNumber(const YamlValue& value, const Key& key, const Units& units) {
@@ -33,7 +29,7 @@ double ReadNumber(const YamlValue& value, const Key& key, const Units& units) {
   const bool is_length = *key.dimension == Dimension::kLength;
   const Unit& unit = units.Of(*key.dimension);
   FailRange(value, is_length ? "a length" : "an angle",
-            key.Range(InSi(unit), unit.name));
+            key.Range(unit.InSi(), unit.name));
 }
 
 int ReadInteger(const YamlValue& value, const Key& key) {

@@ -27,21 +27,6 @@ std::vector<std::string> ReadNames(const YamlValue& value,
                                    const std::string& what,
                                    const std::vector<std::string>& names);
 
-template <typename Enum>
-std::vector<std::string> WordsOf() {
-  std::vector<std::string> words;
-  for (const auto& [one, word] : kWords<Enum>) words.emplace_back(word);
-  return words;
-}
-
-template <typename Enum>
-Enum ValueOf(const std::string& text) {
-  for (const auto& [one, word] : kWords<Enum>) {
-    if (text == word) return one;
-  }
-  return {};
-}
-
 /// The visitor (src/common/option_fields.h) that reads a map. Keys that are not
 /// there leave their members alone. @throws InputError.
 class YamlFields {

@@ -10,12 +10,6 @@ namespace {
 
 using Kind = YamlNode::Kind;
 
-YamlNode* Child(const std::string& key, YamlNode* map) {
-  const auto found = std::find(map->keys.begin(), map->keys.end(), key);
-  if (found == map->keys.end()) return nullptr;
-  return &map->items[found - map->keys.begin()];
-}
-
 YamlNode* AddChild(const std::string& key, YamlNode value, YamlNode* map) {
   map->keys.push_back(key);
   map->items.push_back(std::move(value));
@@ -24,7 +18,7 @@ YamlNode* AddChild(const std::string& key, YamlNode value, YamlNode* map) {
 
 void TakeAway(const YamlDocument& document, const std::string& path,
               const std::string& key, const YamlNode& null, YamlNode* map) {
-  if (Child(key, map) == nullptr) {
+  if (map->Find(key) == nullptr) {
     throw InputError(
         LocationOf(document, null, path),
         "null takes an inherited key away, and there is none of this name");
@@ -69,16 +63,6 @@ void AppendCanonical(const YamlNode& node, std::string* out) {
 
 }  // namespace
 
-SourceLocation LocationOf(const YamlDocument& document, const YamlNode& node,
-                          const std::string& path) {
-  SourceLocation location;
-  location.file = document.files[node.file];
-  location.line = node.place.line;
-  location.column = node.place.column;
-  location.key = path;
-  return location;
-}
-
 void RemoveKey(const std::string& key, YamlNode* map) {
   const auto found = std::find(map->keys.begin(), map->keys.end(), key);
   if (found == map->keys.end()) return;
@@ -99,7 +83,7 @@ void Overlay(const YamlDocument& document, const std::string& path,
     const std::string& key = over.keys[i];
     const YamlNode& value = over.items[i];
     const std::string child_path = path.empty() ? key : path + "." + key;
-    YamlNode* const child = Child(key, under);
+    YamlNode* const child = under->Find(key);
     if (value.says_null) {
       TakeAway(document, child_path, key, value, under);
     } else if (child == nullptr) {
@@ -124,25 +108,11 @@ void SetAt(const std::string& path, const YamlNode& value, YamlNode* root) {
       map.key_place = value.key_place;
       *node = std::move(map);
     }
-    YamlNode* const child = Child(key, node);
+    YamlNode* const child = node->Find(key);
     node = child != nullptr ? child : AddChild(key, YamlNode(), node);
     begin = end + 1;
   }
   *node = value;
-}
-
-const YamlNode* FindAt(const std::string& path, const YamlNode& root) {
-  const YamlNode* node = &root;
-  std::size_t begin = 0;
-  while (begin <= path.size()) {
-    const std::size_t end = std::min(path.find('.', begin), path.size());
-    const auto found = std::find(node->keys.begin(), node->keys.end(),
-                                 path.substr(begin, end - begin));
-    if (found == node->keys.end()) return nullptr;
-    node = &node->items[found - node->keys.begin()];
-    begin = end + 1;
-  }
-  return node;
 }
 
 void Inherit(YamlDocument base, YamlDocument* document) {

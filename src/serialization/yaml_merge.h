@@ -3,7 +3,6 @@
 
 #include <string>
 
-#include "alidade/error.h"
 #include "src/serialization/yaml_tree.h"
 
 namespace alidade::internal {
@@ -21,9 +20,6 @@ void Overlay(const YamlDocument& document, const std::string& path,
 /// on the way that are missing are made, at the places of `value` and its key.
 void SetAt(const std::string& path, const YamlNode& value, YamlNode* root);
 
-/// The value at a dotted path, or nullptr.
-const YamlNode* FindAt(const std::string& path, const YamlNode& root);
-
 /// Takes a map's key away, where it is there.
 void RemoveKey(const std::string& key, YamlNode* map);
 
@@ -33,10 +29,6 @@ void Inherit(YamlDocument base, YamlDocument* document);
 
 /// A text that two trees share if and only if they say the same.
 std::string CanonicalText(const YamlNode& node);
-
-/// The place of a node, and its dotted path, for a message.
-SourceLocation LocationOf(const YamlDocument& document, const YamlNode& node,
-                          const std::string& path);
 
 }  // namespace alidade::internal
 

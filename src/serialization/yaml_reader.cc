@@ -1,10 +1,8 @@
 #include "src/serialization/yaml_reader.h"
 
 #include <algorithm>
-#include <charconv>
 #include <limits>
 #include <string_view>
-#include <system_error>
 
 #include "src/common/files.h"
 #include "src/common/names.h"
@@ -35,16 +33,6 @@ const char* KindName(const YamlNode& node) {
 
 std::string ChildPath(const std::string& parent, const std::string& key) {
   return parent.empty() ? key : parent + "." + key;
-}
-
-template <typename Integer>
-std::optional<Integer> ParseInteger(const std::string& text) {
-  Integer value = 0;
-  const char* const end = text.data() + text.size();
-  const std::from_chars_result result =
-      std::from_chars(text.data(), end, value);
-  if (result.ec != std::errc() || result.ptr != end) return std::nullopt;
-  return value;
 }
 
 // A quoted number is text: the quotes are as likely an error as the number.
@@ -108,12 +96,7 @@ YamlValue::YamlValue(std::shared_ptr<const YamlDocument> document,
     : document_(std::move(document)), node_(node), path_(std::move(path)) {}
 
 SourceLocation YamlValue::location() const {
-  SourceLocation location;
-  location.file = document_->files[node_->file];
-  location.line = node_->place.line;
-  location.column = node_->place.column;
-  location.key = path_;
-  return location;
+  return LocationOf(*document_, *node_, path_);
 }
 
 void YamlValue::Fail(const std::string& message) const {
@@ -181,7 +164,7 @@ double YamlValue::Limit(Dimension dimension, const Units& units) const {
 std::int64_t YamlValue::Integer(std::int64_t lower, std::int64_t upper) const {
   const std::string& text = Scalar("an integer");
   RefuseQuoted(*this, *node_, "an integer");
-  const std::optional<std::int64_t> value = ParseInteger<std::int64_t>(text);
+  const std::optional<std::int64_t> value = ParseWhole<std::int64_t>(text);
   if (!value) Fail("expected an integer, found " + Quote(text));
   if (*value < lower || *value > upper) {
     Fail("expected an integer from " + std::to_string(lower) + " to " +
@@ -194,7 +177,7 @@ std::uint64_t YamlValue::Seed() const {
   const std::string expected = "an integer from 0 to 18446744073709551615";
   const std::string& text = Scalar(expected);
   RefuseQuoted(*this, *node_, expected);
-  const std::optional<std::uint64_t> value = ParseInteger<std::uint64_t>(text);
+  const std::optional<std::uint64_t> value = ParseWhole<std::uint64_t>(text);
   if (!value) Fail("expected " + expected + ", found " + Quote(text));
   return *value;
 }
@@ -251,11 +234,9 @@ YamlMap YamlValue::AnyMap(const std::string& what) const {
 }
 
 std::optional<YamlValue> YamlValue::Find(const std::string& key) const {
-  for (std::size_t i = 0; i < node_->keys.size(); ++i) {
-    if (node_->keys[i] != key) continue;
-    return YamlValue(document_, &node_->items[i], ChildPath(path_, key));
-  }
-  return std::nullopt;
+  const YamlNode* const found = node_->Find(key);
+  if (found == nullptr) return std::nullopt;
+  return YamlValue(document_, found, ChildPath(path_, key));
 }
 
 YamlMap::YamlMap(YamlValue map,
@@ -265,10 +246,7 @@ YamlMap::YamlMap(YamlValue map,
 void YamlMap::Fail(const std::string& message) const { map_.Fail(message); }
 
 std::optional<YamlValue> YamlMap::Optional(const std::string& key) const {
-  for (const auto& [name, value] : entries_) {
-    if (name == key) return value;
-  }
-  return std::nullopt;
+  return map_.Find(key);
 }
 
 YamlValue YamlMap::Required(const std::string& key) const {

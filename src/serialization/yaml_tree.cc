@@ -8,7 +8,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "alidade/error.h"
+#include "src/common/files.h"
 #include "src/common/names.h"
 
 namespace alidade::internal {
@@ -24,13 +24,8 @@ YamlPlace PlaceOf(const YAML::Mark& mark) {
 }
 
 SourceLocation LocationOf(const std::string& file, const YAML::Mark& mark) {
-  SourceLocation location;
-  location.file = file;
-  if (!mark.is_null()) {
-    location.line = PlaceOf(mark).line;
-    location.column = PlaceOf(mark).column;
-  }
-  return location;
+  if (mark.is_null()) return {file, 0, 0, ""};
+  return {file, PlaceOf(mark).line, PlaceOf(mark).column, ""};
 }
 
 // yaml-cpp puts an empty value where the next token is, but one that says null
@@ -147,12 +142,10 @@ class TreeBuilder : public YAML::EventHandler {
 
   void AddKey(const YAML::Mark& mark, const std::string& key) {
     YamlNode* const map = open_.back();
-    const auto first = std::find(map->keys.begin(), map->keys.end(), key);
-    if (first != map->keys.end()) {
-      const YamlNode& item = map->items[first - map->keys.begin()];
+    if (const YamlNode* const first = map->Find(key)) {
       Fail(mark, "key " + Quote(key) +
                      " is repeated, expected once (it is in line " +
-                     std::to_string(item.key_place.line) + " already)");
+                     std::to_string(first->key_place.line) + " already)");
     }
     map->keys.push_back(key);
     key_place_ = PlaceOf(mark);
@@ -186,23 +179,16 @@ class TreeBuilder : public YAML::EventHandler {
 // yaml-cpp ends a file silently at a byte 4 and reads other control characters
 // as text.
 void RefuseBinary(const std::string& text, const std::string& file) {
-  SourceLocation location;
-  location.file = file;
-  location.line = 1;
-  location.column = 1;
-  for (const char c : text) {
+  const auto found = std::find_if(text.begin(), text.end(), [](char c) {
     const unsigned char byte = static_cast<unsigned char>(c);
-    if ((byte < 0x20 && c != '\n' && c != '\r' && c != '\t') || byte == 0x7f) {
-      throw InputError(location, "not a text file: found a byte of value " +
-                                     std::to_string(byte) +
-                                     ", expected YAML in UTF-8");
-    }
-    ++location.column;
-    if (c == '\n') {
-      ++location.line;
-      location.column = 1;
-    }
-  }
+    return (byte < 0x20 && c != '\n' && c != '\r' && c != '\t') || byte == 0x7f;
+  });
+  if (found == text.end()) return;
+  throw InputError(
+      LocationOfByte(file, text,
+                     static_cast<std::size_t>(found - text.begin())),
+      "not a text file: found a byte of value " + std::to_string(*found) +
+          ", expected YAML in UTF-8");
 }
 
 void BuildTree(const std::string& text, YamlDocument* document) {
@@ -220,6 +206,21 @@ void BuildTree(const std::string& text, YamlDocument* document) {
 
 }  // namespace
 
+const YamlNode* YamlNode::Find(const std::string& key) const {
+  const auto found = std::find(keys.begin(), keys.end(), key);
+  return found == keys.end() ? nullptr : &items[found - keys.begin()];
+}
+
+YamlNode* YamlNode::Find(const std::string& key) {
+  const auto found = std::find(keys.begin(), keys.end(), key);
+  return found == keys.end() ? nullptr : &items[found - keys.begin()];
+}
+
+SourceLocation LocationOf(const YamlDocument& document, const YamlNode& node,
+                          const std::string& path) {
+  return {document.files[node.file], node.place.line, node.place.column, path};
+}
+
 YamlDocument ParseYamlDocument(const std::string& text,
                                const std::string& file) {
   YamlDocument document;
@@ -227,9 +228,7 @@ YamlDocument ParseYamlDocument(const std::string& text,
   RefuseBinary(text, file);
   BuildTree(text, &document);
   if (document.root.kind == Kind::kEmpty) {
-    SourceLocation location;
-    location.file = file;
-    throw InputError(location,
+    throw InputError({file, 0, 0, ""},
                      "the file is empty, expected keys and values in YAML");
   }
   return document;

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "alidade/error.h"
+
 namespace alidade::internal {
 
 /// Line and column, 1-based; the column counts bytes.
@@ -26,6 +28,10 @@ struct YamlNode {
   std::string text;               ///< of a scalar
   std::vector<std::string> keys;  ///< of a map, one per item
   std::vector<YamlNode> items;    ///< of a list or a map
+
+  /// The value of a map's key; nullptr where there is none.
+  const YamlNode* Find(const std::string& key) const;
+  YamlNode* Find(const std::string& key);
 };
 
 /// What a file says, and the files that it inherits from (job_tree.h).
@@ -33,6 +39,10 @@ struct YamlDocument {
   std::vector<std::string> files;  ///< the first is the document's own
   YamlNode root;
 };
+
+/// The place of a node, and its dotted path, for a message.
+SourceLocation LocationOf(const YamlDocument& document, const YamlNode& node,
+                          const std::string& path);
 
 /// Parses one document. @throws InputError for what yaml_reader.h lists.
 YamlDocument ParseYamlDocument(const std::string& text,

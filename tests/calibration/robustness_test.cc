@@ -7,6 +7,7 @@
 #include <cmath>
 #include <string>
 
+#include "src/calibration/evaluate.h"
 #include "src/job/run_job.h"
 #include "src/model/joint_draw.h"
 #include "tests/calibration/kinds_util.h"

@@ -9,6 +9,7 @@
 
 #include "src/common/random.h"
 #include "src/identifiability/observability.h"
+#include "src/planning/plan_fields.h"
 #include "tests/planning/planning_test_util.h"
 
 namespace alidade::internal {
@@ -23,7 +24,8 @@ Eigen::MatrixXd Stacked(const PoseRows& rows) {
 class CriterionTest : public ::testing::Test {
  protected:
   double Value(const std::string& name) const {
-    return CriterionValue(FindDesignCriterion(name), information_, region_);
+    return CriterionValue(ValueOf<DesignCriterion>(name), information_,
+                          region_);
   }
 
   Random random_{5};
@@ -66,8 +68,8 @@ TEST_F(CriterionTest, SingularInformationIsMinusInfinity) {
   Eigen::MatrixXd singular = information_;
   singular.row(2).setZero();
   singular.col(2).setZero();
-  for (const std::string& name : DesignCriterionNames()) {
-    EXPECT_EQ(CriterionValue(FindDesignCriterion(name), singular, region_),
+  for (const std::string& name : WordsOf<DesignCriterion>()) {
+    EXPECT_EQ(CriterionValue(ValueOf<DesignCriterion>(name), singular, region_),
               -INFINITY)
         << name;
   }
@@ -79,7 +81,7 @@ TEST_F(CriterionTest, SlopesAreDerivatives) {
   constexpr double kStep = 1e-7;
   const PoseRows candidates = RandomRows(4, 3, 5, &random_);
   for (const char* name : {"A", "I", "O5"}) {
-    const DesignCriterion criterion = FindDesignCriterion(name);
+    const DesignCriterion criterion = ValueOf<DesignCriterion>(name);
     const DesignSlope slope = SlopeOf(criterion, information_, region_);
     double first_ratio = 0.0;
     for (int k = 0; k < candidates.size(); ++k) {

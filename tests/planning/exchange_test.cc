@@ -12,6 +12,7 @@
 
 #include "src/common/random.h"
 #include "src/planning/criterion.h"
+#include "src/planning/plan_fields.h"
 #include "src/planning/plan_state.h"
 #include "tests/planning/planning_test_util.h"
 
@@ -71,7 +72,7 @@ double BestNeighbour(const DesignProblem& problem, const DesignOptions& options,
 class BestPlanTest : public ::testing::TestWithParam<std::string> {};
 
 INSTANTIATE_TEST_SUITE_P(All, BestPlanTest,
-                         ::testing::ValuesIn(DesignCriterionNames()));
+                         ::testing::ValuesIn(WordsOf<DesignCriterion>()));
 
 // Small enough to try all plans: with and without repeats, with and without
 // something known, one and two rows a pose. All nine candidates are on the
@@ -82,7 +83,7 @@ INSTANTIATE_TEST_SUITE_P(All, BestPlanTest,
 TEST_P(BestPlanTest, IsFound) {
   Random random(3);
   DesignOptions options;
-  options.criterion = FindDesignCriterion(GetParam());
+  options.criterion = ValueOf<DesignCriterion>(GetParam());
   options.num_poses = 4;
   options.starts = 8;
   for (int trial = 0; trial < 8; ++trial) {
