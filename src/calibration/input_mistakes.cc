@@ -1,5 +1,6 @@
 #include "src/calibration/input_mistakes.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "alidade/units.h"
@@ -156,8 +157,15 @@ std::vector<InputMistake> SingleMistakes(const Arm& arm) {
   return mistakes;
 }
 
-std::vector<InputMistake> DoubleMistakes(const Arm& arm) {
-  const std::vector<InputMistake> singles = SingleMistakes(arm);
+std::vector<InputMistake> DoubleMistakes(
+    const Arm& arm, const std::vector<std::string>& without) {
+  std::vector<InputMistake> singles = SingleMistakes(arm);
+  const auto is_left_out = [&without](const InputMistake& mistake) {
+    return std::find(without.begin(), without.end(), mistake.text) !=
+           without.end();
+  };
+  singles.erase(std::remove_if(singles.begin(), singles.end(), is_left_out),
+                singles.end());
   std::vector<InputMistake> doubles;
   for (std::size_t a = 0; a < singles.size(); ++a) {
     for (std::size_t b = a + 1; b < singles.size(); ++b) {

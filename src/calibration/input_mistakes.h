@@ -26,8 +26,9 @@ struct InputMistake {
 /// order, coupled to the one before, or one row off alone.
 std::vector<InputMistake> SingleMistakes(const Arm& arm);
 
-/// Every two of them that can come together.
-std::vector<InputMistake> DoubleMistakes(const Arm& arm);
+/// Every two of them that can come together, but for those of these texts.
+std::vector<InputMistake> DoubleMistakes(
+    const Arm& arm, const std::vector<std::string>& without);
 
 }  // namespace alidade::internal
 

@@ -117,17 +117,20 @@ double SolvedMisfit(const Arm& arm, const PositionSample& sample) {
   return *middle;
 }
 
-// A cure and the error that it leaves.
+// A cure and the error that it leaves. Cures compare by the part of how far the
+// positions then lie apart: a smaller unit makes every error smaller.
 struct Cure {
   const InputMistake* mistake = nullptr;
   PositionSample mended;
   double misfit = kInfinity;
+
+  double Relative() const { return misfit / ExtentOf(mended.points); }
 };
 
 void KeepBest(std::size_t count, std::vector<Cure>* cures) {
   std::stable_sort(
       cures->begin(), cures->end(),
-      [](const Cure& a, const Cure& b) { return a.misfit < b.misfit; });
+      [](const Cure& a, const Cure& b) { return a.Relative() < b.Relative(); });
   if (cures->size() > count) cures->resize(count);
 }
 
@@ -155,9 +158,15 @@ class Diagnosis {
         FormatLength(misfit, 3) + " off";
     const std::vector<InputMistake> singles = SingleMistakes(arm_);
     std::vector<Cure> cures = FindCures(singles);
-    const std::vector<InputMistake> doubles =
-        cures.empty() ? DoubleMistakes(arm_) : std::vector<InputMistake>();
-    if (cures.empty()) cures = FindCures(doubles);
+    // Two that explain it as well are as possible: a joint that counts the
+    // other way may be two others that do.
+    std::vector<std::string> found;
+    for (const Cure& cure : cures) found.push_back(cure.mistake->text);
+    const std::vector<InputMistake> doubles = DoubleMistakes(arm_, found);
+    const double best = cures.empty() ? kInfinity : cures.front().Relative();
+    for (Cure& cure : FindCures(doubles)) {
+      if (cure.Relative() <= kAlike * best) cures.push_back(std::move(cure));
+    }
     finding.sentence += Describe(cures);
     return {finding, !cures.empty()};
   }
@@ -187,11 +196,13 @@ class Diagnosis {
     KeepBest(kMostSolved, &cures);
     for (Cure& cure : cures) cure.misfit = SolvedMisfit(arm_, cure.mended);
     KeepBest(kMostSolved, &cures);
+    const Cure as_read{nullptr, sample_, solved_};
+    const double best = cures.front().Relative();
     std::vector<Cure> explaining;
     for (Cure& cure : cures) {
       if (IsExplained(cure.mended, cure.misfit) &&
-          kClearlyBetter * cure.misfit < solved_ &&
-          cure.misfit <= kAlike * cures.front().misfit) {
+          kClearlyBetter * cure.Relative() < as_read.Relative() &&
+          cure.Relative() <= kAlike * best) {
         explaining.push_back(std::move(cure));
       }
     }
@@ -212,8 +223,15 @@ class Diagnosis {
     if (cures.size() == 1) {
       return ". They fit" + how + " if " + cures.front().mistake->text;
     }
+    constexpr std::size_t kMostNamed = 4;
     std::vector<std::string> texts;
-    for (const Cure& cure : cures) texts.push_back(cure.mistake->text);
+    for (const Cure& cure : cures) {
+      if (texts.size() == kMostNamed) {
+        texts.emplace_back("others");
+        break;
+      }
+      texts.push_back(cure.mistake->text);
+    }
     return ". Several mistakes explain it alike" + how +
            ", since base and tool can imitate one by another; look which is "
            "there: " +
