@@ -13,13 +13,13 @@ namespace {
 std::pair<const char*, const char*> LookOf(FindingLevel level) {
   switch (level) {
     case FindingLevel::kPassed:
-      return {"good", "✓ "};
+      return {"good", "✓\u00a0"};
     case FindingLevel::kNote:
-      return {"plain", "· "};
+      return {"plain", "·\u00a0"};
     case FindingLevel::kAttention:
-      return {"warn", "! "};
+      return {"warn", "!\u00a0"};
     case FindingLevel::kFailed:
-      return {"bad", "✗ "};
+      return {"bad", "✗\u00a0"};
   }
   return {"plain", ""};
 }
