@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "src/calibration/preparation.h"
 #include "src/calibration/verdict.h"
 #include "src/common/format.h"
 #include "src/kernel/partition.h"
@@ -19,11 +20,22 @@ bool IsWorse(const FinishedFit& fit, const EvaluatedSet& set) {
          set.after.mean > set.before.mean && set.change_t > kBeyondChance;
 }
 
-bool IsUseless(const CalibrationResult& result) {
+// Residuals in sigmas; of a robust fit those of a typical observation.
+double ResidualRatio(const FinishedFit& fit, const CalibrationResult& result) {
+  return fit.task.options.loss == LossKind::kNone
+             ? std::sqrt(result.reduced_chi_square)
+             : TypicalResidual(fit.model(), fit.task.data.training, fit.values);
+}
+
+bool IsUseless(const FinishedFit& fit, const CalibrationResult& result) {
   constexpr double kNoBetter = 0.9;
   constexpr double kTimesSigma = 100.0;
-  return result.train.after.rms > kNoBetter * result.train.before.rms &&
-         std::sqrt(result.reduced_chi_square) > kTimesSigma;
+  const bool is_robust = fit.task.options.loss != LossKind::kNone;
+  const Accuracy& before = result.train.before;
+  const Accuracy& after = result.train.after;
+  const bool is_better = is_robust ? after.median < kNoBetter * before.median
+                                   : after.rms < kNoBetter * before.rms;
+  return !is_better && ResidualRatio(fit, result) > kTimesSigma;
 }
 
 bool IsUndetermined(const FinishedFit& fit) {
@@ -59,10 +71,10 @@ std::string ReasonToReject(const FinishedFit& fit, bool frames_fitted,
   if (result.heldout && IsWorse(fit, *result.heldout)) {
     return GrowsAt("validation", *result.heldout);
   }
-  if (frames_fitted && IsUseless(result)) {
+  if (frames_fitted && IsUseless(fit, result)) {
     return "the calibrated arm fits no better than the nominal one, and its "
            "residuals are " +
-           FormatSignificant(std::sqrt(result.reduced_chi_square), 3) +
+           FormatSignificant(ResidualRatio(fit, result), 3) +
            " times as large as the sigmas say: look for wrong units, columns, "
            "limits, or a wrong arm";
   }

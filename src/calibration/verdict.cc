@@ -31,6 +31,9 @@ constexpr double kRoundingErrors = 1e4;
 constexpr double kSmallPart = 0.1;
 constexpr double kImpossiblePart = 1.5;
 
+// An observation of less weight was rejected by the robust loss.
+constexpr double kRejected = 0.5;
+
 // Beyond this part of the information a prior dominates.
 constexpr double kDominantPrior = 0.5;
 
@@ -65,7 +68,8 @@ std::string QuantityTitle(const std::string& key) {
          (has("train") ? "training" : "validation") + " poses";
 }
 
-// Mean errors before and after, of positions, or of orientations alone.
+// Mean errors before and after, of positions, or of orientations alone; where a
+// robust loss has rejected observations, which means would be of, medians.
 struct Improvement {
   explicit Improvement(const CalibrationResult& result) {
     const EvaluatedSet& set = JudgedSet(result);
@@ -76,21 +80,29 @@ struct Improvement {
     before = is_length ? set.before : set.rotation_before;
     after = is_length ? set.after : set.rotation_after;
     if (is_length) change_t = set.change_t;
+    is_robust = std::any_of(
+        result.outliers.begin(), result.outliers.end(),
+        [](const Outlier& outlier) { return outlier.weight < kRejected; });
   }
 
-  double ratio() const { return after.mean / before.mean; }
+  const char* statistic() const { return is_robust ? "median" : "mean"; }
+  double error_before() const {
+    return is_robust ? before.median : before.mean;
+  }
+  double error_after() const { return is_robust ? after.median : after.mean; }
+
+  double ratio() const { return error_after() / error_before(); }
   // By more than chance, where it is known what chance would do.
   bool is_worse() const {
-    return after.mean > before.mean && !(change_t <= kBeyondChance);
+    return ratio() > 1.0 && (is_robust || !(change_t <= kBeyondChance));
   }
-  bool is_hardly_better() const {
-    return after.mean > kHardlyBetter * before.mean;
-  }
+  bool is_hardly_better() const { return ratio() > kHardlyBetter; }
 
   Dimension dimension = Dimension::kLength;
   Accuracy before;
   Accuracy after;
   double change_t = kNone;
+  bool is_robust = false;
 };
 
 class Judge {
@@ -168,11 +180,11 @@ class Judge {
     const bool is_worse = by.is_worse();
     const std::string what =
         by.dimension == Dimension::kLength ? "position" : "orientation";
-    std::string text = "The mean " + what + " error at " +
-                       Count(by.after.n, Poses()) +
-                       (by.after.mean > by.before.mean ? " grows" : " falls") +
-                       " from " + FormatQuantity(by.before.mean, by.dimension) +
-                       " to " + FormatQuantity(by.after.mean, by.dimension);
+    std::string text = std::string("The ") + by.statistic() + " " + what +
+                       " error at " + Count(by.after.n, Poses()) +
+                       (by.ratio() > 1.0 ? " grows" : " falls") + " from " +
+                       FormatQuantity(by.error_before(), by.dimension) +
+                       " to " + FormatQuantity(by.error_after(), by.dimension);
     const double floor = result_.runs.front().summary.rounding_floor;
     if (by.after.max < kRoundingErrors * floor) {
       text += ", the numerical precision limit";

@@ -7,6 +7,7 @@
 #include "alidade/calibration_options.h"
 #include "alidade/parameter_layout.h"
 #include "src/identifiability/identifiability_fields.h"
+#include "src/serialization/config_file.h"
 #include "src/serialization/yaml_fields.h"
 
 namespace alidade::internal {
