@@ -93,7 +93,8 @@ PositionSample Part(const PositionSample& sample, bool held_out) {
 
 // The median error at a third of the positions of the arm that is calibrated
 // with the others, base and tool with it (m).
-double SolvedMisfit(const Arm& arm, const PositionSample& sample) {
+double SolvedMisfit(const Arm& arm, const PositionSample& sample,
+                    bool with_wide_priors = false) {
   const PositionSample fitted = Part(sample, false);
   const PositionSample others = Part(sample, true);
   const auto data = [](const PositionSample& part) {
@@ -105,7 +106,9 @@ double SolvedMisfit(const Arm& arm, const PositionSample& sample) {
   task.options.identifiability.candidates = {true, true, true};
   if (!FitFrames(&task)) return kInfinity;
   const MeasurementModel model(task.arm);
-  const Fit fit = FitPart(task, model, task.options.identifiability);
+  const IdentifiabilityOptions& options = task.options.identifiability;
+  const Fit fit =
+      FitPart(task, model, with_wide_priors ? WidenPriors(options) : options);
   if (!fit.summary.IsSolutionUsable()) return kInfinity;
   Eigen::VectorXd errors =
       (model.Predict(fit.values, others.joint_values) - others.points)
@@ -166,6 +169,11 @@ class Diagnosis {
     const double best = cures.empty() ? kInfinity : cures.front().Relative();
     for (Cure& cure : FindCures(doubles)) {
       if (cure.Relative() <= kAlike * best) cures.push_back(std::move(cure));
+    }
+    // A zero that is degrees off, which the calibration itself will find.
+    if (cures.empty() &&
+        IsExplained(sample_, SolvedMisfit(arm_, sample_, true))) {
+      return {};
     }
     finding.sentence += Describe(cures);
     return {finding, !cures.empty()};

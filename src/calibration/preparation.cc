@@ -102,6 +102,16 @@ Fit FitPart(const CalibrationTask& task, const MeasurementModel& model,
   return fit;
 }
 
+IdentifiabilityOptions WidenPriors(IdentifiabilityOptions options) {
+  constexpr double kWider = 100.0;
+  PriorTolerances& priors = options.priors;
+  for (double* prior :
+       {&priors.beta, &priors.alpha, &priors.d, &priors.theta, &priors.r}) {
+    *prior *= kWider;
+  }
+  return options;
+}
+
 IdentifiabilityOptions FramesOnly(const IdentifiabilityOptions& options,
                                   const ParameterLayout& layout) {
   IdentifiabilityOptions frames = options;

@@ -34,6 +34,10 @@ Fit FitOnce(const CalibrationTask& task, const MeasurementModel& model,
 Fit FitPart(const CalibrationTask& task, const MeasurementModel& model,
             const IdentifiabilityOptions& options);
 
+/// The options with priors of the joints a hundred times as wide: for a first
+/// fit where the arm may be far from its nominal geometry.
+IdentifiabilityOptions WidenPriors(IdentifiabilityOptions options);
+
 /// What a typical residual is in sigmas: the median of the norms over that of
 /// their distribution, for observations of any dimension. 0 for no data.
 double TypicalResidual(const MeasurementModel& model, const Dataset& data,

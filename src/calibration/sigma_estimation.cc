@@ -278,16 +278,6 @@ class SigmaRounds {
   bool has_stopped_ = false;
 };
 
-IdentifiabilityOptions WidenPriors(IdentifiabilityOptions options) {
-  constexpr double kWider = 100.0;
-  PriorTolerances& priors = options.priors;
-  for (double* prior :
-       {&priors.beta, &priors.alpha, &priors.d, &priors.theta, &priors.r}) {
-    *prior *= kWider;
-  }
-  return options;
-}
-
 // Where a joint's zero is degrees off, the nominal residuals are so large that
 // with sigmas of their size the priors hold the arm there, and sigmas and
 // values agree with each other: the posterior has two maxima. Rounds that begin

@@ -202,4 +202,53 @@ Arm ArmFromChain(const std::vector<ChainJoint>& chain) {
   return converter.Finish();
 }
 
+bool HasFarNormals(const Arm& arm) {
+  constexpr double kFar = 10.0;  // m
+  for (std::size_t j = 1; j < arm.joints.size(); ++j) {
+    const Joint& joint = arm.joints[j];
+    const double sine = std::abs(std::sin(joint.alpha));
+    const bool is_nearly_parallel =
+        joint.beta == 0.0 && sine > 0.0 && sine < std::sin(kNearlyParallel);
+    if (is_nearly_parallel && std::abs(joint.r) > kFar) return true;
+  }
+  return false;
+}
+
+Arm WithoutFarNormals(const Arm& arm) {
+  std::vector<ChainJoint> chain;
+  Isometry3d last_from_link = Isometry3d::Identity();
+  for (const Joint& joint : arm.joints) {
+    ChainJoint link;
+    link.type = joint.type == JointType::kRevolute
+                    ? ChainJoint::Type::kRevolute
+                    : ChainJoint::Type::kPrismatic;
+    link.axis = Vector3d::UnitZ();
+    link.lower = joint.lower;
+    link.upper = joint.upper;
+    Isometry3d frame = last_from_link;
+    frame.rotate(AngleAxisd(joint.beta, Vector3d::UnitY()));
+    frame.rotate(AngleAxisd(joint.alpha, Vector3d::UnitX()));
+    frame.translate(Vector3d(joint.d, 0.0, 0.0));
+    frame.rotate(AngleAxisd(joint.theta, Vector3d::UnitZ()));
+    link.parent_from_joint = frame;
+    chain.push_back(link);
+    last_from_link = Isometry3d::Identity();
+    last_from_link.translation().z() = joint.r;
+  }
+  ChainJoint end;
+  end.type = ChainJoint::Type::kFixed;
+  end.parent_from_joint = last_from_link;
+  chain.push_back(end);
+  const Arm converted = ArmFromChain(chain);
+  Arm result = arm;
+  result.joints = converted.joints;
+  result.instrument_from_base =
+      arm.instrument_from_base * converted.instrument_from_base;
+  for (Target& target : result.targets) {
+    target.last_from_target =
+        converted.last_from_target() * target.last_from_target;
+  }
+  return result;
+}
+
 }  // namespace alidade::internal

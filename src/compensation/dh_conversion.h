@@ -89,6 +89,16 @@ inline constexpr double kNearlyParallel = 5.0 * kDegree;
 /// numbers are finite.
 Arm ArmFromChain(const std::vector<ChainJoint>& chain);
 
+/// Whether consecutive axes of the arm are nearly parallel without a beta, and
+/// their common normal is so far away (more than 10 m) that the table says
+/// nothing of the arm's size: what some controllers hold of a calibrated arm.
+bool HasFarNormals(const Arm& arm);
+
+/// The same arm with such axes joined by beta, as ArmFromChain joins them: the
+/// same poses at all joint values, but for rounding, with lengths of the arm's
+/// own size. Motors, limits and targets are kept.
+Arm WithoutFarNormals(const Arm& arm);
+
 }  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_COMPENSATION_DH_CONVERSION_H_

@@ -1,5 +1,7 @@
 #include "alidade/arm_file.h"
 
+#include <glog/logging.h>
+
 #include <Eigen/LU>
 #include <array>
 #include <cmath>
@@ -428,7 +430,12 @@ Arm LoadArm(const std::string& path, std::vector<std::string>* input_files) {
   }
   input_files->insert(input_files->end(), files.paths().begin() + 1,
                       files.paths().end());
-  return arm;
+  if (!internal::HasFarNormals(arm)) return arm;
+  LOG(WARNING) << "warning: " << path
+               << ": axes are nearly parallel, and their common normals more "
+                  "than 10 m away: they are joined by beta instead, which "
+                  "gives the same poses; parameters are those of that table";
+  return internal::WithoutFarNormals(arm);
 }
 
 std::string FormatArm(const Arm& arm, const std::string& comment) {

@@ -214,5 +214,41 @@ TEST(ArmFromChainTest, KeepsLimits) {
   EXPECT_EQ(arm.joints[0].upper, 2.0);
 }
 
+// The table of a controller, calibrated in the factory: axes 2 to 4 are within
+// 0.004 rad of parallel, and their common normals hundreds of metres away.
+TEST(DhConversionTest, FarNormalsBecomeBetas) {
+  std::vector<DhRow> rows(6);
+  const double theta[] = {0.0, -1.7403766, 2.3274941, -0.5872360, 0.0, 0.0};
+  const double d[] = {0.0889, 574.1, -507.3, -66.691, 0.09497, 0.08256};
+  const double a[] = {0.00028, 0.0716631, -0.326565, 0.0, 0.0, 0.0};
+  const double alpha[] = {1.5703, -0.00073, 0.00326, 1.5704, -1.571, 0.0};
+  for (int j = 0; j < 6; ++j) {
+    rows[j].theta = theta[j];
+    rows[j].d = d[j];
+    rows[j].a = a[j];
+    rows[j].alpha = alpha[j];
+  }
+  const Arm table = ArmFromStandardDh(rows);
+  ASSERT_TRUE(HasFarNormals(table));
+  const Arm converted = WithoutFarNormals(table);
+  EXPECT_FALSE(HasFarNormals(converted));
+  EXPECT_LT(ArmReach(converted), 3.0);
+  Random random(3);
+  for (int k = 0; k < 20; ++k) {
+    const Eigen::VectorXd q = RandomValues(6, &random);
+    const Matrix4l difference = testing::MatrixTargetFrame(table, q.data()) -
+                                testing::MatrixTargetFrame(converted, q.data());
+    // Lengths of 574 m in double: some tens of roundings of 6e-14 m.
+    EXPECT_LT(static_cast<double>(difference.cwiseAbs().maxCoeff()), 5e-12);
+  }
+}
+
+TEST(DhConversionTest, OrdinaryTablesHaveNoFarNormals) {
+  Random random(4);
+  for (int k = 0; k < 20; ++k) {
+    EXPECT_FALSE(HasFarNormals(ArmFromStandardDh(RandomRows(&random))));
+  }
+}
+
 }  // namespace
 }  // namespace alidade::internal
