@@ -1,3 +1,5 @@
+#include "alidade/plan.h"
+
 #include <glog/logging.h>
 
 #include <algorithm>
@@ -8,7 +10,6 @@
 #include <utility>
 
 #include "alidade/error.h"
-#include "alidade/plan.h"
 #include "alidade/version.h"
 #include "src/common/format.h"
 #include "src/common/text.h"

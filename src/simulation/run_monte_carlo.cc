@@ -1,3 +1,5 @@
+#include "alidade/monte_carlo.h"
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -6,7 +8,6 @@
 #include <vector>
 
 #include "alidade/error.h"
-#include "alidade/monte_carlo.h"
 #include "src/calibration/calibration_task.h"
 #include "src/calibration/fit_uncertainty.h"
 #include "src/calibration/frame_fit.h"

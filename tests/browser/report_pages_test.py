@@ -439,7 +439,7 @@ class Pages(unittest.TestCase):
         rows = self.table("fleet")
         self.assertEqual(7, len(rows))
         self.assertEqual("arm_4", rows[0][0][0])
-        self.assertEqual([True] + [False] * 6, ["! outlier" == row[1][0] for row in rows])
+        self.assertEqual([True] + [False] * 6, ["!\u00a0outlier" == row[1][0] for row in rows])
         self.assertAlmostEqual(8.0, rows[0][2][1], delta=1e-9)
         self.assertIn("d3", rows[0][9][0])
         self.assertEqual("./arm_4/report.html", self.js(

@@ -153,7 +153,7 @@ TEST(ComparisonPageTest, HasResultsFailuresAndWhatWasDecided) {
   // 0.1 mm from the median, of which 0.01 mm is a standard deviation.
   const std::vector<std::string> arms = RowsOf(html, "fleet");
   ASSERT_EQ(arms.size(), 3U);
-  EXPECT_THAT(arms[0], HasSubstr("third|! |outlier|"));
+  EXPECT_THAT(arms[0], HasSubstr("third|!\u00a0|outlier|"));
   EXPECT_THAT(arms[0], HasSubstr("d1 +0.400 mm (z\u00a0=\u00a010)"));
   EXPECT_THAT(arms[1], HasSubstr("typical"));
   EXPECT_THAT(html, HasSubstr("above 3.5 is an outlier"));
@@ -161,8 +161,9 @@ TEST(ComparisonPageTest, HasResultsFailuresAndWhatWasDecided) {
   // The surest first: 0.1 mm with twice a variance of 1e-10 m^2.
   const std::vector<std::string> changes = RowsOf(html, "changes");
   ASSERT_EQ(changes.size(), 2U);
-  EXPECT_THAT(changes[0], HasSubstr("d1|second|third|250.3000|250.4000|"
-                                    "+0.1000|0.014|mm|+7.1|! |significant"));
+  EXPECT_THAT(changes[0],
+              HasSubstr("d1|second|third|250.3000|250.4000|"
+                        "+0.1000|0.014|mm|+7.1|!\u00a0|significant"));
   EXPECT_THAT(changes[1], HasSubstr("not significant"));
   EXPECT_THAT(RowsOf(html, "failures")[0],
               HasSubstr("fourth|the solver &lt;/script&gt; failed"));
