@@ -1,5 +1,3 @@
-#include "alidade/plan.h"
-
 #include <glog/logging.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include <utility>
 
 #include "alidade/error.h"
+#include "alidade/plan.h"
 #include "alidade/version.h"
 #include "src/common/format.h"
 #include "src/common/text.h"

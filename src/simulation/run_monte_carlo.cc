@@ -1,5 +1,3 @@
-#include "alidade/monte_carlo.h"
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <vector>
 
 #include "alidade/error.h"
+#include "alidade/monte_carlo.h"
 #include "src/calibration/calibration_task.h"
 #include "src/calibration/fit_uncertainty.h"
 #include "src/calibration/frame_fit.h"
