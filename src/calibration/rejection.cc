@@ -10,10 +10,6 @@
 namespace alidade::internal {
 namespace {
 
-bool IsStopped(const CalibrationResult& result) {
-  return result.runs.front().summary.status == SolverStatus::kIterationLimit;
-}
-
 // Errors of robust fits are those of what they reject, too.
 bool IsWorse(const FinishedFit& fit, const EvaluatedSet& set) {
   return fit.task.options.loss == LossKind::kNone &&
@@ -36,6 +32,15 @@ bool IsUseless(const FinishedFit& fit, const CalibrationResult& result) {
   const bool is_better = is_robust ? after.median < kNoBetter * before.median
                                    : after.rms < kNoBetter * before.rms;
   return !is_better && ResidualRatio(fit, result) > kTimesSigma;
+}
+
+// Along directions that hardly matter a solver may creep for ever and be right.
+bool IsStoppedAway(const FinishedFit& fit, const CalibrationResult& result) {
+  constexpr double kLargeResiduals = 2.5;
+  const EvaluatedSet& judged = JudgedSet(result);
+  return result.runs.front().summary.status == SolverStatus::kIterationLimit &&
+         (ResidualRatio(fit, result) > kLargeResiduals ||
+          judged.after.rms > judged.before.rms);
 }
 
 bool IsUndetermined(const FinishedFit& fit) {
@@ -61,7 +66,7 @@ std::string ReasonToReject(const FinishedFit& fit, bool frames_fitted,
            "measure more poses, identify fewer parameters, or use `policy: "
            "prior`";
   }
-  if (IsStopped(result)) {
+  if (IsStoppedAway(fit, result)) {
     return "the solver was stopped by the number of iterations before it "
            "converged: the data do not determine this many parameters, or do "
            "not fit this arm. Identify fewer, measure more poses, look for "

@@ -10,7 +10,8 @@ namespace alidade::internal {
 /// Why a finished fit is no success and its arm must not be used, with what to
 /// do about it; empty where it may be used. One of:
 ///
-///   - the solver stopped before it converged;
+///   - the solver was stopped before it converged, and its residuals are not
+///     those of the measurement, or the error is no smaller than before;
 ///   - the error grew at training or validation poses by more than chance
 ///     (EvaluatedSet::change_t beyond kBeyondChance);
 ///   - it is no smaller than at nominal, base and tool fitted, and yet a

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <filesystem>
 #include <optional>
+#include <regex>
 #include <string_view>
 #include <system_error>
 #include <vector>
@@ -172,6 +173,18 @@ void SyncDirectory(const std::string& path) {
   FileDescriptor directory(path, O_RDONLY | O_DIRECTORY);
   if (directory.get() < 0 || fsync(directory.get()) != 0) {
     Fail(path, "directory cannot be synced", errno);
+  }
+}
+
+void RemoveTemporaries(const std::string& directory) {
+  static const std::regex kName(R"(.*\.tmp-\d+-\d+)");
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(directory, error)) {
+    std::error_code ignored;
+    if (std::regex_match(entry.path().filename().string(), kName) &&
+        entry.is_regular_file(ignored)) {
+      fs::remove(entry.path(), ignored);
+    }
   }
 }
 

@@ -34,6 +34,11 @@ std::uint64_t WriteNewFile(const std::string& path, const TextSource& content);
 /// @throws InputError.
 void SyncDirectory(const std::string& path);
 
+/// Removes what killed processes have left half written in a directory: files
+/// of the names that WriteFileAtomically uses meanwhile. @pre nobody else
+/// writes there now.
+void RemoveTemporaries(const std::string& directory);
+
 /// Creates a directory and its parents. @throws InputError.
 void MakeDirectories(const std::string& path);
 

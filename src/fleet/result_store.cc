@@ -75,6 +75,7 @@ ResultStore::ResultStore(const std::string& directory)
   const std::string& work_directory = staging_.path();
   TakeLock(work_directory + "/lock", lock_);
   staging_.Clear();
+  RemoveTemporaries(directory);
   const std::string journal = work_directory + "/journal.jsonl";
   records_ = ReadJournal(journal);
   journal_ = std::make_unique<JournalWriter>(journal);

@@ -65,8 +65,8 @@ class DataAnalyzer {
     const Elimination elimination =
         Eliminate(scaled, analysis_.rank.MiddleOfGap(),
                   NumForced(model_, options_, kept_));
-    for (const Dependency& dependency :
-         ToDependencies(model_, scaled, kept_, elimination)) {
+    for (const Dependency& dependency : ToDependencies(
+             model_, scaled, kept_, elimination, kSmallestMeasuredTerm)) {
       AddRelation(dependency);
     }
     if (!analysis_.relations.empty()) Advise();

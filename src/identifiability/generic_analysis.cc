@@ -47,8 +47,8 @@ class Generic {
       analysis_.kept.push_back(candidates_[index]);
     }
     FindWeak();
-    for (const Dependency& dependency :
-         ToDependencies(model_, nominal_factor_, candidates_, elimination_)) {
+    for (const Dependency& dependency : ToDependencies(
+             model_, nominal_factor_, candidates_, elimination_, 0.0)) {
       AddRelation(dependency);
     }
     return analysis_;

@@ -76,7 +76,9 @@ std::vector<int> InCanonicalOrder(const ParameterLayout& layout,
 std::vector<Dependency> ToDependencies(const MeasurementModel& model,
                                        const Eigen::MatrixXd& factor,
                                        const std::vector<int>& order,
-                                       const Elimination& elimination) {
+                                       const Elimination& elimination,
+                                       double smallest) {
+  const double negligible = std::max(smallest, elimination.tolerance);
   std::vector<Dependency> dependencies;
   for (const DependentColumn& dependent : elimination.dependent) {
     const int id = order[dependent.index];
@@ -86,7 +88,7 @@ std::vector<Dependency> ToDependencies(const MeasurementModel& model,
       const double coefficient = dependent.coefficients[k];
       const int kept = elimination.kept[k];
       const double effect = std::abs(coefficient) * factor.col(kept).norm();
-      if (dependent.is_zero || effect <= elimination.tolerance * norm) continue;
+      if (dependent.is_zero || effect <= negligible * norm) continue;
       const int other = order[kept];
       dependency.terms.emplace_back(
           other,
@@ -129,7 +131,8 @@ std::vector<Dependency> FindDependencies(const MeasurementModel& model,
                                          double tolerance) {
   const std::vector<int> order = InCanonicalOrder(model.layout(), columns);
   const Eigen::MatrixXd factor = ScaledFactor(model, values, data, order);
-  return ToDependencies(model, factor, order, Eliminate(factor, tolerance));
+  return ToDependencies(model, factor, order, Eliminate(factor, tolerance),
+                        kSmallestMeasuredTerm);
 }
 
 std::string FormatTerm(const ParameterLayout& layout, const Term& term) {

@@ -47,13 +47,18 @@ std::vector<int> InCanonicalOrder(const ParameterLayout& layout,
                                   std::vector<int> columns);
 
 /// The dependent columns of a scaled factor in units of the layout. Column i of
-/// the factor belongs to parameter order[i]. Terms below the elimination's
-/// tolerance times the column's effect are left out: the relation itself holds
-/// no better.
+/// the factor belongs to parameter order[i]. Terms below `smallest` times the
+/// column's effect are left out, or below the elimination's tolerance if that
+/// is larger: the relation itself holds no better.
 std::vector<Dependency> ToDependencies(const MeasurementModel& model,
                                        const Eigen::MatrixXd& factor,
                                        const std::vector<int>& order,
-                                       const Elimination& elimination);
+                                       const Elimination& elimination,
+                                       double smallest);
+
+/// `smallest` over measured poses: with some that are not quite in the plane
+/// that they were meant for, a relation holds only so far.
+inline constexpr double kSmallestMeasuredTerm = 1e-4;
 
 /// Eliminates the columns in canonical order and returns those that depend on
 /// the ones kept before them (elimination.h).

@@ -259,5 +259,16 @@ TEST(WriteFileAtomicallyTest, LinksStayAndTheirTargetsAreWritten) {
   unlink(target.c_str());
 }
 
+TEST(RemoveTemporariesTest, RemovesWhatKilledProcessesLeftAndNothingElse) {
+  const TestDirectory directory;
+  const std::string half = directory.Write("summary.json.tmp-123-4", "{");
+  const std::string mine = directory.Write("notes.tmp-today", "kept");
+  const std::string whole = directory.Write("summary.json", "{}");
+  RemoveTemporaries(fs::path(half).parent_path().string());
+  EXPECT_FALSE(std::filesystem::exists(half));
+  EXPECT_TRUE(std::filesystem::exists(mine));
+  EXPECT_TRUE(std::filesystem::exists(whole));
+}
+
 }  // namespace
 }  // namespace alidade::internal

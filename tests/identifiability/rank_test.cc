@@ -363,7 +363,7 @@ TEST(FindDependenciesTest, ToleranceIsTheSineBetweenAColumnAndThoseKept) {
 
 // r1 points along (0, -sin angle, cos angle), so that it acts as
 // -sin angle * base_y + cos angle * base_z.
-TEST(FindDependenciesTest, LeavesOutTermsBelowTheTolerance) {
+TEST(FindDependenciesTest, LeavesOutTermsBelowOneTenThousandth) {
   for (const double angle : {0.9e-4, 1.1e-4}) {
     Arm arm = AlmostParallelAxes(0.1).nominal();
     arm.instrument_from_base.linear() =
@@ -371,7 +371,7 @@ TEST(FindDependenciesTest, LeavesOutTermsBelowTheTolerance) {
     const MeasurementModel model(arm);
     const std::vector<Dependency> dependencies = FindDependencies(
         model, model.NominalValues(), TwoJointPoses(model),
-        ColumnsOf(model.layout(), {"r1", "base_y", "base_z"}), 1e-4);
+        ColumnsOf(model.layout(), {"r1", "base_y", "base_z"}), 1e-8);
     ASSERT_EQ(dependencies.size(), 1U);
     const auto& terms = dependencies[0].terms;
     ASSERT_EQ(terms.size(), angle < 1e-4 ? 1U : 2U);
