@@ -77,7 +77,7 @@ class Exchange {
       Swap(out, in);
       has_exchanged = true;
     }
-    if (!has_exchanged) return;
+    if (!has_exchanged) return SetLeadingCoefficients();
     while (ReturnToOrder()) {
     }
     std::sort(choice_.kept.begin(), choice_.kept.end());
@@ -90,6 +90,23 @@ class Exchange {
     coefficients_ = Select(factor_, choice_.kept)
                         .colPivHouseholderQr()
                         .solve(Select(factor_, choice_.dependent));
+  }
+
+  // In the order given, a column depends on those before it alone.
+  void SetLeadingCoefficients() {
+    coefficients_.setZero();
+    for (Eigen::Index d = 0; d < coefficients_.cols(); ++d) {
+      const int column = choice_.dependent[d];
+      const auto before =
+          std::lower_bound(choice_.kept.begin(), choice_.kept.end(), column) -
+          choice_.kept.begin();
+      if (before == 0) continue;
+      const std::vector<int> leading(choice_.kept.begin(),
+                                     choice_.kept.begin() + before);
+      coefficients_.col(d).head(before) = Select(factor_, leading)
+                                              .colPivHouseholderQr()
+                                              .solve(factor_.col(column));
+    }
   }
 
   bool IsProtected(Eigen::Index kept) const {

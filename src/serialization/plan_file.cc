@@ -258,7 +258,7 @@ void ReadSpeeds(const YamlValue& value, const Units& units, PlanConfig* plan) {
 template <typename Visitor>
 void VisitSearch(Visitor& v, PlanConfig* plan) {
   v.Field(Key("criterion"), plan->design.criterion,
-          "`D` (or `O1`), `A`, `E`, `G`, `I`, `O2` ... `O5`");
+          "`D` (or `O1`), `A`, `E`, `G`, `I`, `O2`, `O3`, `O4`, `O5`");
   v.Section(Key("search"), "how the exchange searches", plan->design);
   v.Custom(Key("curve").Default("about the plan's").Schema(kNumbersSchema),
            "list of numbers of poses that accuracy is shown for; `[]` for none",
