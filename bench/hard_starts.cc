@@ -295,9 +295,10 @@ void InputMistakes(const Bench& bench, int count) {
           random.Uniform(0.0, static_cast<double>(all.size())));
     };
     const std::size_t first = pick();
-    std::size_t second = k % 2 == 0 ? first : pick();
-    all[first].make(&joints, &points);
-    if (second != first) all[second].make(&joints, &points);
+    const std::size_t second = k % 2 == 0 ? first : pick();
+    // Units come last: a zero is off in the units of the arm.
+    all[std::max(first, second)].make(&joints, &points);
+    if (second != first) all[std::min(first, second)].make(&joints, &points);
     std::string text;
     try {
       CalibrationResult result =
