@@ -44,6 +44,19 @@ TEST(EliminateTest, KeepsTheOrderWhereNothingIsGained) {
   EXPECT_EQ(found.kept, (std::vector<int>{0, 1}));
 }
 
+// As r2, r3 and r4 of three axes that are nearly parallel, and two betas: any
+// of the three may stay, so that the first one does, whichever left first.
+TEST(EliminateTest, ReturnsToTheOrderAmongEquals) {
+  Eigen::MatrixXd factor(3, 5);
+  factor.col(0) << 0.5, 0.0, 0.0;  // so that it leaves first
+  factor.col(1) << 1.0, 1e-3, 0.0;
+  factor.col(2) << 1.0, 0.0, 2e-3;
+  factor.col(3) << 0.0, 1.0, 0.0;
+  factor.col(4) << 0.0, 0.0, 1.0;
+  const Elimination found = Eliminate(factor, 1e-9);
+  EXPECT_EQ(found.kept, (std::vector<int>{0, 3, 4}));
+}
+
 // Every coefficient of a random matrix of low rank is bounded, whatever the
 // order, and the dependent columns are what they say.
 TEST(EliminateTest, CoefficientsAreBoundedAndReproduceTheColumns) {
