@@ -22,7 +22,7 @@ namespace alidade::internal {
 namespace {
 
 constexpr int kPoses = 60;
-constexpr int kHeldOut = 40;
+constexpr int kValidation = 40;
 constexpr int kThreads = 2;
 constexpr std::uint64_t kSeed = 301;
 constexpr std::uint64_t kSeedsOfArm = 4;
@@ -54,9 +54,9 @@ JobConfig JobOf(const FactoryArm& arm, const std::string& label,
       MeasureArm(arm.real, MeasurementKind::kPosition, kPoses, seed);
   job.data.training.name = "simulated, " + std::to_string(kPoses) + " poses";
   job.data.validation = MeasureArm(arm.real, MeasurementKind::kPosition,
-                                   kHeldOut, seed + kSeedsOfArm / 2);
+                                   kValidation, seed + kSeedsOfArm / 2);
   job.data.validation->name =
-      "simulated, " + std::to_string(kHeldOut) + " poses";
+      "simulated, " + std::to_string(kValidation) + " poses";
   job.options.identifiability.candidates = {true, true, true};
   job.options.num_threads = kThreads;
   return job;

@@ -12,9 +12,9 @@
 #include "alidade/arm_file.h"
 #include "bench/study_columns.h"
 #include "src/kernel/aligned.h"
-#include "src/kernel/compression.h"
 #include "src/kernel/kernel.h"
 #include "src/kernel/lane_factor.h"
+#include "src/kernel/reduction.h"
 #include "src/kernel/sine.h"
 #include "src/kernel/tile_rows.h"
 #include "src/kernel/tiles.h"
@@ -40,27 +40,26 @@ struct Problem {
   std::vector<int> columns;
 };
 
-void Compress(benchmark::State& state, Factorization factorization) {
+void Reduce(benchmark::State& state, Factorization factorization) {
   const Problem problem(static_cast<int>(state.range(0)));
-  CompressorOptions options;
+  ReducerOptions options;
   options.factorization = factorization;
-  Compressor compressor(problem.model, problem.data, problem.columns, {},
-                        options);
-  CompressedProblem compressed;
+  Reducer reducer(problem.model, problem.data, problem.columns, {}, options);
+  ReducedLeastSquares reduced;
   for (auto unused : state) {
-    compressor.Compress(problem.values, &compressed);
-    benchmark::DoNotOptimize(compressed.factor.data());
+    reducer.Reduce(problem.values, &reduced);
+    benchmark::DoNotOptimize(reduced.factor.data());
   }
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }
 
 void Summarize(benchmark::State& state) {
   const Problem problem(static_cast<int>(state.range(0)));
-  Compressor compressor(problem.model, problem.data, problem.columns);
+  Reducer reducer(problem.model, problem.data, problem.columns);
   Eigen::VectorXd values = problem.values;
   for (auto unused : state) {
     values[0] += 1e-12;
-    benchmark::DoNotOptimize(compressor.Summarize(values).cost);
+    benchmark::DoNotOptimize(reducer.Summarize(values).cost);
   }
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }
@@ -154,13 +153,13 @@ BENCHMARK(AddRows);
 BENCHMARK(AddProducts);
 BENCHMARK(MergeLanes);
 BENCHMARK(SineAndCosine);
-BENCHMARK_CAPTURE(Compress, orthogonal, Factorization::kOrthogonal)
+BENCHMARK_CAPTURE(Reduce, orthogonal, Factorization::kOrthogonal)
     ->Arg(56)
     ->Arg(1000)
     ->Arg(10000)
     ->Arg(100000)
     ->Arg(1000000);
-BENCHMARK_CAPTURE(Compress, gram, Factorization::kGram)
+BENCHMARK_CAPTURE(Reduce, gram, Factorization::kGram)
     ->Arg(56)
     ->Arg(1000)
     ->Arg(10000)

@@ -2,7 +2,7 @@
 """The plain least-squares fit that Alidade is compared against.
 
 The geometry of an arm is fitted to the training rows of every set and split;
-the errors of all points at the held-out rows are written, one CSV line each.
+the errors of all points at the validation rows are written, one CSV line each.
 Parameters: base frame (6), target (3 per reflector, 6 for a pose), a, alpha,
 d and theta offset of every joint, and one more rotation beta between
 consecutive joint axes that are nearly parallel.  Balls in sockets and cable
@@ -55,7 +55,7 @@ ANCHOR_GRID = (-0.8, 0.0, 0.8)  # m, per axis: starts for the anchor
 UNITS = {"deg": np.pi / 180.0, "rad": 1.0, "m": 1.0, "mm": 1e-3}
 JOINT_COLUMN = re.compile(r"q\d+(_cmd|_prismatic)?_(deg|rad|m)")
 HEADER = (
-    "set,seed,n_train,n_heldout,before_mean_mm,before_median_mm,"
+    "set,seed,n_train,n_validation,before_mean_mm,before_median_mm,"
     "after_mean_mm,after_rms_mm,after_median_mm,after_max_mm,"
     "after_rotation_mean_deg,rank,seconds"
 ).split(",")
@@ -429,14 +429,14 @@ def errors(model: Model, x: Array, data: Data) -> tuple[Array, Array]:
 
 
 def run_split(
-    source: Source, arm: Steps, data: Data, heldout: Array
+    source: Source, arm: Steps, data: Data, validation: Array
 ) -> list[str]:
     """Fits one split; the columns of HEADER after set and seed."""
     begin = time.perf_counter()
-    train = np.setdiff1d(np.arange(len(data.joints)), heldout)
+    train = np.setdiff1d(np.arange(len(data.joints)), validation)
     model = Model(source, arm, data)
     data, guesses = starts(model, arm, data, train)
-    known, unseen = data.rows(train), data.rows(heldout)
+    known, unseen = data.rows(train), data.rows(validation)
     fits = [model.fit(x, model.frames, known) for x in guesses]
     nominal, _ = min(fits, key=lambda fit: fit[1])
     fitted, _ = model.fit(nominal, np.arange(model.size), known)
@@ -448,14 +448,14 @@ def run_split(
     texts = [f"{value:.5f}" for value in values]
     texts.append(f"{turns.mean():.5f}" if len(turns) else "")
     texts += [str(model.rank(fitted, known)), f"{seconds:.2f}"]
-    return [str(len(train)), str(len(heldout)), *texts]
+    return [str(len(train)), str(len(validation)), *texts]
 
 
 def arguments() -> argparse.Namespace:
     """The command line."""
     style = argparse.RawDescriptionHelpFormatter
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=style)
-    splits = "folder of SET_SEED.txt: held-out rows of the data, from 0"
+    splits = "folder of SET_SEED.txt: validation rows of the data, from 0"
     parser.add_argument("--splits", type=Path, required=True, help=splits)
     parser.add_argument("--out", type=Path, required=True, help="CSV file")
     sets = "names with commas between (default: %(default)s)"
@@ -477,8 +477,8 @@ def run_set(root: Path, splits: Path, name: str) -> Iterator[list[str]]:
         if not split.exists():
             print(f"{split} is not there: skipped", file=sys.stderr)
             continue
-        heldout = np.loadtxt(split, dtype=int, ndmin=1)
-        yield [name, str(seed), *run_split(source, arm, data, heldout)]
+        validation = np.loadtxt(split, dtype=int, ndmin=1)
+        yield [name, str(seed), *run_split(source, arm, data, validation)]
 
 
 def main() -> None:

@@ -143,8 +143,8 @@ class Rv2ajStudy {
 
   void PrintRow(const std::string& name, double worst, double dense, double rms,
                 double bound) const {
-    if (worst > kUntold * bound) {
-      std::cout << "| " << name << " | tells less than all | | | | |"
+    if (worst > kRankTolerance * bound) {
+      std::cout << "| " << name << " | determines less than all | | | | |"
                 << std::endl;
       return;
     }
@@ -219,7 +219,7 @@ class Rv2ajStudy {
   }
 
   // Times the bound: the poses leave directions to rounding.
-  static constexpr double kUntold = 1e4;
+  static constexpr double kRankTolerance = 1e4;
 
   const std::string root_;
   const PlanConfig config_;
@@ -363,11 +363,11 @@ class RealArmStudy {
                  Errors* errors) const {
     JobConfig job = job_;
     job.data.training = SelectPoses(parts.train, poses);
-    job.data.validation = parts.heldout;
+    job.data.validation = parts.validation;
     job.options.num_threads = kThreads;
     const CalibrationResult outcome = RunJob(job, "plan_study");
-    if (!outcome.heldout) return;
-    errors->means.push_back(outcome.heldout->after.mean / kMillimetre);
+    if (!outcome.validation) return;
+    errors->means.push_back(outcome.validation->after.mean / kMillimetre);
   }
 
   const std::string name_;
@@ -377,7 +377,7 @@ class RealArmStudy {
 void RunReal(const std::string& root, const std::string& images,
              const std::string& name) {
   LineChart chart;
-  chart.title = "Held-out error of " + name + " by the number of poses";
+  chart.title = "Validation error of " + name + " by the number of poses";
   chart.subtitle =
       "mean error on half of the configurations: medians and 95th "
       "percentiles";

@@ -2,7 +2,7 @@
 // the tables and figures of docs/real_arms.md.
 //
 // Usage: real_arms splits SOURCE_DIRECTORY DIRECTORY
-//          writes the held-out rows of every set and split, for a fit by
+//          writes the validation rows of every set and split, for a fit by
 //          another program (plain_fit.py)
 //        real_arms report SOURCE_DIRECTORY PLAIN.csv IMAGE_DIRECTORY
 //          prints the tables, with the other program's results beside ours
@@ -33,7 +33,7 @@ namespace alidade::internal {
 namespace {
 
 constexpr int kSeeds = 10;  // 1 to 10
-constexpr double kHeldOut = 0.3;
+constexpr double kValidation = 0.3;
 constexpr int kThreads = 2;
 constexpr std::array<int, 4> kFewPoses = {10, 15, 20, 30};
 
@@ -69,13 +69,13 @@ std::vector<std::uint64_t> Seeds() {
   return seeds;
 }
 
-// Rows are counted from 0 behind the header, which is the first line.
+// Rows are counted from 0 after the header, which is the first line.
 void WriteSplits(const RealArm& arm, const std::string& directory) {
   for (const std::uint64_t seed : Seeds()) {
     const HoldOut split =
-        HoldOutFraction(arm.job.data.training, kHeldOut, seed);
+        HoldOutFraction(arm.job.data.training, kValidation, seed);
     std::string text;
-    const PoseSources& sources = split.heldout.sources;
+    const PoseSources& sources = split.validation.sources;
     for (std::size_t pose = 0; pose < sources.size(); ++pose) {
       text += std::to_string(sources[pose].line - 2) + "\n";
     }
@@ -96,15 +96,15 @@ struct Means {
   double rotation = 0.0;
 
   void Add(const CalibrationResult& result) {
-    const EvaluatedSet& heldout = *result.heldout;
+    const EvaluatedSet& validation = *result.validation;
     ++done;
     rank = result.identifiability.num_free;
-    if (heldout.after.mean > heldout.before.mean) ++worse_than_before;
-    before += heldout.before.mean / kMillimetre;
-    mean += heldout.after.mean / kMillimetre;
-    median += heldout.after.median / kMillimetre;
-    max += heldout.after.max / kMillimetre;
-    rotation += heldout.rotation_after.mean / kDegree;
+    if (validation.after.mean > validation.before.mean) ++worse_than_before;
+    before += validation.before.mean / kMillimetre;
+    mean += validation.after.mean / kMillimetre;
+    median += validation.after.median / kMillimetre;
+    max += validation.after.max / kMillimetre;
+    rotation += validation.rotation_after.mean / kDegree;
   }
 
   void Divide() {
@@ -121,10 +121,10 @@ Means OverSeeds(const RealArm& arm, const JobConfig& options, double share) {
   for (const std::uint64_t seed : Seeds()) {
     HoldOut split = HoldOutFraction(arm.job.data.training, share, seed);
     job.data.training = std::move(split.train);
-    job.data.validation = std::move(split.heldout);
+    job.data.validation = std::move(split.validation);
     job.options.num_threads = kThreads;
     const CalibrationResult outcome = RunJob(job, "real_arms");
-    if (outcome.heldout) means.Add(outcome);
+    if (outcome.validation) means.Add(outcome);
   }
   means.Divide();
   return means;
@@ -170,7 +170,7 @@ std::string Number(double value) {
 }
 
 void PrintAccuracy(const RealArm& arm, const PlainFit& plain) {
-  const Means ours = OverSeeds(arm, arm.job, kHeldOut);
+  const Means ours = OverSeeds(arm, arm.job, kValidation);
   const std::string rotation =
       ours.rotation > 0.0 ? Number(ours.rotation) : "-";
   std::cout << "| `" << arm.name << "` | " << arm.job.data.training.num_poses()

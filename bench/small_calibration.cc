@@ -16,7 +16,7 @@
 #include "bench/study_columns.h"
 #include "src/common/random.h"
 #include "src/identifiability/analysis.h"
-#include "src/kernel/compression.h"
+#include "src/kernel/reduction.h"
 #include "src/model/joint_draw.h"
 #include "src/simulation/repeated_calibration.h"
 #include "src/solve/solve.h"
@@ -121,17 +121,17 @@ void Calibrate(benchmark::State& state) {
 }
 
 // What an iteration asks of our own code.
-void Compress(benchmark::State& state) {
+void Reduce(benchmark::State& state) {
   const Problem problem;
-  Compressor compressor(problem.model, problem.data, problem.columns);
+  Reducer reducer(problem.model, problem.data, problem.columns);
   Eigen::VectorXd values = problem.model.NominalValues();
-  CompressedProblem compressed;
-  compressor.Compress(values, &compressed);
+  ReducedLeastSquares reduced;
+  reducer.Reduce(values, &reduced);
   const long before = allocations;
   for (auto unused : state) {
     values[0] += 1e-12;
-    benchmark::DoNotOptimize(compressor.Summarize(values).cost);
-    compressor.Compress(values, &compressed);
+    benchmark::DoNotOptimize(reducer.Summarize(values).cost);
+    reducer.Reduce(values, &reduced);
   }
   CountAllocations(state, before);
 }
@@ -140,15 +140,15 @@ void SetUp(benchmark::State& state) {
   const Problem problem;
   const long before = allocations;
   for (auto unused : state) {
-    const Compressor compressor(problem.model, problem.data, problem.columns);
-    benchmark::DoNotOptimize(&compressor);
+    const Reducer reducer(problem.model, problem.data, problem.columns);
+    benchmark::DoNotOptimize(&reducer);
   }
   CountAllocations(state, before);
 }
 
 BENCHMARK(Identify)->Unit(benchmark::kMicrosecond);
 BENCHMARK(SetUp)->Unit(benchmark::kMicrosecond);
-BENCHMARK(Compress)->Unit(benchmark::kMicrosecond);
+BENCHMARK(Reduce)->Unit(benchmark::kMicrosecond);
 BENCHMARK(Solve)->Unit(benchmark::kMicrosecond);
 BENCHMARK(Calibrate)->Unit(benchmark::kMicrosecond);
 

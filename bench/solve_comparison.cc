@@ -117,9 +117,8 @@ class Comparison {
       Time({{"analytic", 1, [&] { return Analytic(); }}});
       Time({{"pseudo-inverse", 1, [&] { return PseudoInverse(); }}});
     }
-    Time(
-        {{"compressed", 1, [&] { return Ceres(Evaluation::kCompressed, 1); }},
-         {"compressed", 2, [&] { return Ceres(Evaluation::kCompressed, 2); }}});
+    Time({{"reduced", 1, [&] { return Ceres(Evaluation::kReduced, 1); }},
+          {"reduced", 2, [&] { return Ceres(Evaluation::kReduced, 2); }}});
   }
 
   void Write(const std::string& directory) const {

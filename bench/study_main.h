@@ -10,7 +10,7 @@
 
 namespace alidade::internal::bench {
 
-/// The main() of a study: `run` gets what stands behind the program's name, and
+/// The main() of a study: `run` gets what stands after the program's name, and
 /// returns false where that is not what `usage` says. What goes wrong is told
 /// in a line; the exit status is then 2, as of wrong arguments.
 inline int StudyMain(

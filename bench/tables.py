@@ -17,8 +17,8 @@ METHODS = [
     ("analytic", "1", "analytic Ceres"),
     ("pseudo-inverse", "1", "pseudo-inverse"),
     ("scipy", "1", "scipy trf"),
-    ("compressed", "1", "compressed"),
-    ("compressed", "2", "compressed, 2 threads"),
+    ("reduced", "1", "reduced"),
+    ("reduced", "2", "reduced, 2 threads"),
 ]
 
 
@@ -40,7 +40,7 @@ def check_costs(path: Path) -> None:
 
 
 def solve_tables(path: Path) -> str:
-    """Times, and how many times faster the compressed solve is."""
+    """Times, and how many times faster the reduced solve is."""
     times: dict[tuple[str, int], dict[tuple[str, str], float]] = defaultdict(dict)
     with open(path, newline="", encoding="utf-8") as file:
         for arm, poses, method, threads, seconds, _, _ in csv.reader(file):
@@ -62,10 +62,10 @@ def solve_tables(path: Path) -> str:
     iterations: dict[tuple[str, int], int] = {}
     with open(path, newline="", encoding="utf-8") as file:
         for arm, poses, method, threads, _, count, _ in csv.reader(file):
-            if (method, threads) == ("compressed", "1"):
+            if (method, threads) == ("reduced", "1"):
                 iterations[arm, int(poses)] = int(count)
     for key, row in sorted(times.items()):
-        ours = row["compressed", "1"]
+        ours = row["reduced", "1"]
         cells = [
             f"{row[method, threads] / ours:.3g}" if (method, threads) in row else "-"
             for method, threads, _ in others

@@ -20,7 +20,7 @@
 #include "src/identifiability/observability.h"
 #include "src/identifiability/rules.h"
 #include "src/job/run_job.h"
-#include "src/kernel/compression.h"
+#include "src/kernel/reduction.h"
 #include "src/model/joint_draw.h"
 
 namespace alidade::internal {

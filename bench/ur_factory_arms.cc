@@ -75,7 +75,7 @@ std::vector<FactoryArm> LoadFactoryArms(const std::string& directory) {
   std::vector<FactoryArm> arms;
   for (const Json& robot : factory.at("robots")) {
     FactoryArm arm;
-    // Some carry a note behind a comma.
+    // Some carry a note after a comma.
     arm.repository = robot.at("repository");
     if (const std::size_t comma = arm.repository.find(',');
         comma < arm.repository.size()) {

@@ -20,7 +20,7 @@ Arm LoadArm(const std::string& path, std::vector<std::string>* input_files);
 /// The text of an arm file that LoadArm reads back to the same bits (rotations
 /// of base and targets to about 1e-15). Numbers are in m and rad, with mm and
 /// deg beside them in comments for people. `comment` goes on top, each of its
-/// lines behind "# ".
+/// lines after "# ".
 std::string FormatArm(const Arm& arm, const std::string& comment);
 
 /// Reads deviations from nominal (docs/files.md, "alidade-deviations-1"): one

@@ -42,7 +42,7 @@ struct HoldOutOptions {
 };
 
 /// Cross-validation: the fit is repeated for every fold, and the errors of the
-/// poses held out of each are pooled. The result itself is of the fit to all
+/// poses left out of each are pooled. The result itself is of the fit to all
 /// poses.
 struct FoldsOptions {
   int folds = 5;  ///< >= 2
@@ -60,13 +60,13 @@ struct ParameterBounds {
 struct AcceptanceLimits {
   std::optional<double> train_rms;
   std::optional<double> train_max;
-  std::optional<double> heldout_rms;
-  std::optional<double> heldout_max;
+  std::optional<double> validation_rms;
+  std::optional<double> validation_max;
   /// Of orientations (rad).
   std::optional<double> train_rotation_rms;
   std::optional<double> train_rotation_max;
-  std::optional<double> heldout_rotation_rms;
-  std::optional<double> heldout_rotation_max;
+  std::optional<double> validation_rotation_rms;
+  std::optional<double> validation_rotation_max;
 };
 
 /// How an arm is calibrated. The defaults suit an industrial arm whose base and

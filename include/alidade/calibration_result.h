@@ -33,7 +33,7 @@ const char* ToString(FindingLevel level);
 
 /// One judgement: what was computed, what it was compared with, and in words.
 struct Finding {
-  /// "solver", "improvement", "acceptance.heldout_max" ... (docs/files.md).
+  /// "solver", "improvement", "acceptance.validation_max" ... (docs/files.md).
   std::string key;
   /// SI units, or a ratio, a p-value or a number of standard deviations; NaN
   /// where no number decides.
@@ -137,7 +137,7 @@ struct SolverRun {
 
 /// One acceptance limit of the job (m, rad).
 struct AcceptanceCheck {
-  std::string quantity;  ///< "train_max", "heldout_rms" ...
+  std::string quantity;  ///< "train_max", "validation_rms" ...
   double limit = 0.0;
   double obtained = 0.0;
   Dimension dimension = Dimension::kLength;
@@ -149,9 +149,9 @@ struct StageResult {
   std::string name;  ///< "frames only", "joint offsets", "all geometry"
   int num_free = 0;  ///< parameters solved for
   Accuracy train;
-  Accuracy heldout;         ///< n = 0 without held-out poses
+  Accuracy validation;      ///< n = 0 without validation poses
   Accuracy train_rotation;  ///< (rad); n = 0 without orientations
-  Accuracy heldout_rotation;
+  Accuracy validation_rotation;
 };
 
 /// A point or a plane that was measured against, in the instrument's frame.
@@ -165,7 +165,7 @@ struct ReferenceResult {
   double offset = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// Errors of poses that were each held out of one fit.
+/// Errors of poses that were each left out of one fit.
 struct CrossValidation {
   int folds = 0;
   Accuracy position;
@@ -177,12 +177,13 @@ struct CrossValidation {
 /// was repeated.
 struct RepeatSpread {
   double length = 0.0;  ///< standard deviation of a coordinate (m)
-  std::int64_t length_freedom = 0;
+  std::int64_t length_degrees_of_freedom = 0;
   double rotation = 0.0;  ///< of a component of the rotation vector (rad)
-  std::int64_t rotation_freedom = 0;
+  std::int64_t rotation_degrees_of_freedom = 0;
 };
 
-/// An observation of the training data whose residual is beyond chance.
+/// An observation of the training data whose residual is beyond what chance
+/// allows.
 struct Outlier {
   std::int64_t observation = 0;  ///< of the data that was fitted, from 0
   ObservationLabel label;
@@ -246,7 +247,7 @@ struct CalibrationResult {
   /// those it is compared with.
   std::vector<SolverRun> runs;
   EvaluatedSet train;
-  std::optional<EvaluatedSet> heldout;
+  std::optional<EvaluatedSet> validation;
   /// What "before" is where it is not the nominal arm as it stands in its file.
   std::string before_note;
   /// Where base or tool are fitted: what each part of a calibration brings.

@@ -30,7 +30,7 @@ class PoseSources {
   };
 
   void push_back(const PoseSource& source);
-  /// `count` poses, of `first` and the lines behind it.
+  /// `count` poses, of `first` and the lines after it.
   void Append(const PoseSource& first, std::size_t count);
   /// All of others, whose files are numbered from `first_file` on here.
   void Append(const PoseSources& others, int first_file);

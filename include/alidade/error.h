@@ -21,7 +21,7 @@ struct SourceLocation {
 /// what() is one line, "file:line:column: key: message". The message says
 /// what was found, what was expected and what to do.
 ///
-/// Numerical outcomes are not errors; a solver's Summary tells them.
+/// Numerical outcomes are not errors; a solver's Summary reports them.
 /// Programming errors are CHECKed.
 class InputError : public std::runtime_error {
  public:

@@ -17,7 +17,7 @@ enum class IdentifiabilityMethod {
   kRank,   ///< ranks over generic and given poses (analysis.h)
 };
 
-/// What is done with directions that the measurements tell badly.
+/// What is done with directions that the measurements determine badly.
 enum class WeakPolicy {
   kAutomatic,  ///< keep for the rules, as published; prior for the ranks
   kFreeze,     ///< hold them at their nominal values
@@ -64,7 +64,7 @@ struct IdentifiabilityOptions {
   PriorTolerances priors;
   /// Parameters the user holds at their nominal values, by name.
   std::vector<std::string> fix;
-  /// Go on although more parameters are kept than can be told apart. The
+  /// Go on although more parameters are kept than can be distinguished. The
   /// solver then finds one of infinitely many equal solutions.
   bool proceed_beyond_rank = false;
   /// An angle counts as zero, and two axes as parallel, below this (rad). The
@@ -87,12 +87,12 @@ struct IdentifiabilityOptions {
 };
 
 enum class ParameterState {
-  kFree,    ///< identified
-  kFrozen,  ///< held at its nominal value by the analysis or by the user
-  kGiven,   ///< not among the parameters to identify (a known base or tool)
+  kFree,   ///< identified
+  kFixed,  ///< held at its nominal value by the analysis or by the user
+  kGiven,  ///< not among the parameters to identify (a known base or tool)
 };
 
-/// "free", "frozen", "given".
+/// "free", "fixed", "given".
 const char* ToString(ParameterState state);
 
 /// What the analysis decided about one parameter, and why.
@@ -107,14 +107,14 @@ struct ParameterDecision {
   std::string rule;
   /// A sentence for people.
   std::string reason;
-  /// What a free parameter stands for once others are frozen
+  /// What a free parameter identifies once others are fixed
   /// ("r2 + r3 + r4"), or empty.
-  std::string stands_for;
-  /// Known beforehand, of all that the parameter stands for; NaN where no prior
+  std::string identified_combination;
+  /// Known beforehand, of its whole combination; NaN where no prior
   /// applies.
   double prior_std = std::numeric_limits<double>::quiet_NaN();
   /// Predicted from these poses and their sigmas, priors included where the
-  /// policy uses them; infinite where nothing tells, NaN where frozen.
+  /// policy uses them; infinite where nothing determines it, NaN where fixed.
   double predicted_std = std::numeric_limits<double>::quiet_NaN();
 };
 
@@ -126,7 +126,7 @@ struct Relation {
   std::string
       level;  ///< "no_effect", "structural", "at_geometry", "not_excited"
   std::vector<std::pair<std::string, double>> terms;
-  std::string text;  ///< "alpha5 acts as -72 mm * r2"
+  std::string text;  ///< "alpha5 is linearly dependent on -72 mm * r2"
   /// The parameters were moved along it and the points stayed, but for
   /// second-order terms.
   bool verified = false;
@@ -167,10 +167,10 @@ struct IdentifiabilityResult {
   /// Of the kept parameters, at the nominal geometry and these poses.
   RankReport nominal_rank;
   /// Of the kept parameters, at seeded perturbations of the geometry and these
-  /// poses: what a solver can tell apart by second-order effects.
+  /// poses: what a solver can distinguish by second-order effects.
   RankReport perturbed_rank;
   int num_free = 0;
-  /// More parameters are kept than any solver could tell apart; `refusal`
+  /// More parameters are kept than any solver could distinguish; `refusal`
   /// names them. Solving needs a choice by the user.
   bool exceeds_rank = false;
   std::string refusal;
@@ -184,7 +184,7 @@ struct IdentifiabilityResult {
   RankReport generic_rank;
   RankReport structural_rank;
   std::vector<Relation> relations;
-  /// Joint motions that would tell apart what these poses do not.
+  /// Joint motions that would distinguish what these poses do not.
   std::vector<std::string> advice;
 
   /// Of the free parameters over these poses, columns as they are (m and m/rad)

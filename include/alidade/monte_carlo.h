@@ -50,7 +50,7 @@ struct SimulatedParameter {
   double bias = 0.0;        ///< mean of estimate - truth
   double bias_error = 0.0;  ///< standard error of it
   double spread = 0.0;      ///< standard deviation of estimate - truth
-  /// Root mean square of the standard deviations that the trials told.
+  /// Root mean square of the standard deviations that the trials predicted.
   double predicted_std = 0.0;
   /// The least that an unbiased estimate can have (Cramer and Rao), from the
   /// sigmas and priors, without outliers.
@@ -104,8 +104,9 @@ using TrialProgress = std::function<void(int done, int wanted)>;
 /// thread it runs and however many trials there are. The identifiability pass
 /// is made once: it depends on poses and sigmas alone.
 ///
-/// The truth of a free parameter that stands for frozen ones which are not at
-/// their nominal values is what exact measurements would give it.
+/// The truth of a free parameter that identifies a combination with fixed ones
+/// which are not at their nominal values is what exact measurements would give
+/// it.
 ///
 /// @throws InputError where the data hold contacts, which cannot be simulated
 /// at given joint values, or where the job itself, whose result is to be the

@@ -25,7 +25,7 @@ namespace alidade {
 ///
 ///   kD    det M                    all parameters together; O1 is its root
 ///   kA    1 / trace M^-1           mean variance of the scaled parameters
-///   kE    l_p                      the worst told combination
+///   kE    l_p                      the worst determined combination
 ///   kG    1 / max_x trace W_x M^-1 W_x^T    worst predicted position variance
 ///   kI    1 / mean_x trace W_x M^-1 W_x^T   mean predicted position variance
 ///   kO2   s_p / s_1                condition number
@@ -114,8 +114,8 @@ struct CandidateOptions {
 struct DesignOptions {
   DesignCriterion criterion = DesignCriterion::kD;
   int num_poses = 0;
-  /// A pose may be chosen several times: measured again, it tells as much as a
-  /// new one, and where theory puts the best plan there are often fewer
+  /// A pose may be chosen several times: measured again, it determines as much
+  /// as a new one, and where theory puts the best plan there are often fewer
   /// different poses than are to be measured.
   bool allow_repeats = true;
   /// Starts of the exchange, the best counts. The first is greedy; others draw
@@ -168,13 +168,13 @@ struct PlanOptions {
 /// Predicted standard deviations of the position of the first target after a
 /// calibration from some poses, the root of the sum of the three axes'
 /// variances (m): the largest and the root mean square over many poses.
-/// Infinite where the poses do not tell all parameters apart.
+/// Infinite where the poses do not determine all parameters.
 struct PredictedAccuracy {
   double worst = std::numeric_limits<double>::infinity();
   double rms = std::numeric_limits<double>::infinity();
 };
 
-/// Some poses to measure, and what they would tell.
+/// Some poses to measure, and what they would determine.
 struct PlanEvaluation {
   std::string name;  ///< "planned", "greedy", "random (median of 20)"
   PredictedAccuracy candidates;
@@ -197,7 +197,7 @@ struct PlannedParameter {
   double prior_std = std::numeric_limits<double>::infinity();
   double planned_std = 0.0;  ///< predicted (rad, m)
   double random_std = 0.0;   ///< the median of several draws of as many poses
-  std::string stands_for;
+  std::string identified_combination;
 };
 
 enum class PlanStatus {

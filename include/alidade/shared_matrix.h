@@ -71,7 +71,7 @@ class BasicSharedMatrix {
   static BasicSharedMatrix Repeated(const Eigen::VectorXd& column, Index count);
 
   /// The same numbers in the same order as columns of `rows` each.
-  /// @pre columns are stored one behind the other; rows divides their size.
+  /// @pre columns are stored one after the other; rows divides their size.
   BasicSharedMatrix<Eigen::MatrixXd> Reshaped(Index rows) const {
     return {first_, rows, size() / rows, rows};
   }

@@ -10,7 +10,7 @@ namespace alidade {
 enum class SolverStatus {
   kNotRun,          ///< sentinel: nothing has happened yet
   kConverged,       ///< a tolerance of the options was met
-  kRoundingFloor,   ///< further steps are below the model's rounding error
+  kPrecisionLimit,  ///< further steps are below the model's rounding error
   kIterationLimit,  ///< stopped by the number of iterations; may be usable
   kFailed,          ///< the iteration diverged or could not take a step
   kUnusable,        ///< the problem cannot be solved: see the message
@@ -27,7 +27,7 @@ struct IterationRecord {
   double rms_error = 0.0;  ///< root mean square of the same (m)
   /// Norm of the step in the parameters (mixed m and rad); 0 at entry 0.
   double step_norm = 0.0;
-  bool accepted = true;  ///< false: the step was tried and taken back
+  bool accepted = true;  ///< false: the step was rejected
   double time_s = 0.0;   ///< wall time since the solve began
 };
 
@@ -37,7 +37,7 @@ struct SolverSummary {
   SolverStatus status = SolverStatus::kNotRun;
   std::string message;  ///< one sentence: why it stopped, and what to try
 
-  /// How residuals were evaluated: "autodiff", "compressed" or, of other
+  /// How residuals were evaluated: "autodiff", "reduced" or, of other
   /// solvers, nothing.
   std::string evaluation;
 
@@ -64,7 +64,7 @@ struct SolverSummary {
   /// -1 for other solvers.
   int first_step_rank = -1;
   /// The floor that was used: largest rounding error of a coordinate (m).
-  double rounding_floor = 0.0;
+  double precision_limit = 0.0;
 
   double setup_time_s = 0.0;
   double solve_time_s = 0.0;
@@ -82,11 +82,11 @@ struct SolverSummary {
 /// How Levenberg-Marquardt gets residuals and Jacobians. Both have the same
 /// cost, gradient and Gauss-Newton matrix.
 enum class Evaluation {
-  /// The faster one: the compressed one, which is so from the first pose on
+  /// The faster one: the reduced one, which is so from the first pose on
   /// (docs/benchmarks.md).
   kAutomatic,
-  kAutodiff,    ///< one autodiff residual per observation: the reference
-  kCompressed,  ///< the triangular factor of all observations (compression.h)
+  kAutodiff,  ///< one autodiff residual per observation: the reference
+  kReduced,   ///< the triangular factor of all observations (reduction.h)
 };
 
 /// Options of every solver; each states which solvers read it. Lengths in m.
@@ -96,15 +96,15 @@ struct SolverOptions {
 
   /// Converged when the predicted relative decrease of the cost by a step,
   /// accepted or not, falls below this. All solvers. The default asks for all
-  /// that double precision can tell in a cost with noise; exact data stop at
-  /// the rounding floor instead. >= 0; 0 = never.
+  /// that double precision can resolve in a cost with noise; exact data stop at
+  /// the numerical precision limit instead. >= 0; 0 = never.
   double function_tolerance = 1e-15;
 
   /// Stop where rounding begins: when the change of the residuals that a step
   /// predicts is in the root mean square below this many times the rounding
   /// error of the model (eps * reach). All solvers. Past that point steps are
   /// noise. >= 0; 0 = never stop there.
-  double rounding_floor_factor = 4.0;
+  double precision_limit_factor = 4.0;
 
   /// Converged when the largest position error falls below this (m). All
   /// solvers. The study's "wanted precision". >= 0; 0 = not asked for.

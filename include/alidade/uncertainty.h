@@ -20,7 +20,7 @@ enum class IntervalMethod {
   kProfile,  ///< profile likelihood for every parameter
 };
 
-/// How the uncertainty of a calibration is told.
+/// How the uncertainty of a calibration is stated.
 struct UncertaintyOptions {
   double confidence = 0.95;  ///< of intervals and ellipsoids; in (0, 1)
   IntervalMethod intervals = IntervalMethod::kAutomatic;
@@ -42,11 +42,11 @@ struct ConfidenceInterval {
   bool is_profile = false;
 };
 
-/// How far to trust one free parameter.
+/// The uncertainty of one free parameter.
 struct ParameterUncertainty {
   std::string name;
-  /// Of the parameter, which is that of the combination it stands for where
-  /// others are frozen; infinite where nothing tells it.
+  /// Of the parameter, which is that of the combination that it identifies
+  /// where others are fixed; infinite where nothing determines it.
   double std = std::numeric_limits<double>::quiet_NaN();
   ConfidenceInterval interval;
   /// Root mean square of the second-order part of the estimate over its first
@@ -57,7 +57,7 @@ struct ParameterUncertainty {
   double prior_share = 0.0;
 };
 
-/// Two parameters that the data hardly tell apart.
+/// Two parameters that are strongly correlated.
 struct CorrelatedPair {
   std::string first;
   std::string second;
@@ -152,7 +152,7 @@ struct PredictionCheck {
   std::string verdict;
 };
 
-/// How far to trust a calibration.
+/// The uncertainty of a calibration.
 struct UncertaintyResult {
   double confidence = 0.95;
   /// Of Student's t; infinite where sigma is given.
@@ -165,7 +165,7 @@ struct UncertaintyResult {
   std::vector<CorrelatedPair> correlated;
   ResidualDiagnostics residuals;
   std::optional<PredictedMap> workspace;
-  std::optional<PredictionCheck> heldout;
+  std::optional<PredictionCheck> validation;
   std::vector<std::string> warnings;
 };
 

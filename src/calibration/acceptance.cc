@@ -15,9 +15,9 @@ double OrInfinity(const Accuracy& accuracy, double value) {
 
 }  // namespace
 
-HeldOutErrors HeldOutErrorsOf(const CalibrationResult& result) {
-  if (result.heldout) {
-    return {result.heldout->after, result.heldout->rotation_after};
+ValidationErrors ValidationErrorsOf(const CalibrationResult& result) {
+  if (result.validation) {
+    return {result.validation->after, result.validation->rotation_after};
   }
   if (result.cross_validation) {
     return {result.cross_validation->position,
@@ -53,11 +53,11 @@ std::vector<AcceptanceCheck> CheckAcceptance(const AcceptanceLimits& limits,
   add_lengths("train", result.train.after, limits.train_rms, limits.train_max);
   add_rotations("train", result.train.rotation_after, limits.train_rotation_rms,
                 limits.train_rotation_max);
-  const HeldOutErrors heldout = HeldOutErrorsOf(result);
-  add_lengths("heldout", heldout.lengths, limits.heldout_rms,
-              limits.heldout_max);
-  add_rotations("heldout", heldout.rotations, limits.heldout_rotation_rms,
-                limits.heldout_rotation_max);
+  const ValidationErrors validation = ValidationErrorsOf(result);
+  add_lengths("validation", validation.lengths, limits.validation_rms,
+              limits.validation_max);
+  add_rotations("validation", validation.rotations,
+                limits.validation_rotation_rms, limits.validation_rotation_max);
   return checks;
 }
 

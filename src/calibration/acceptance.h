@@ -9,19 +9,19 @@
 
 namespace alidade::internal {
 
-/// Errors of the poses held out of the fit, or of each fold; n = 0 without.
-struct HeldOutErrors {
+/// Errors of the poses left out of the fit, or of each fold; n = 0 without.
+struct ValidationErrors {
   Accuracy lengths;
   Accuracy rotations;
 };
-HeldOutErrors HeldOutErrorsOf(const CalibrationResult& result);
+ValidationErrors ValidationErrorsOf(const CalibrationResult& result);
 
 /// Each limit that is asked for beside what was obtained. A limit on what was
 /// not measured is missed.
 std::vector<AcceptanceCheck> CheckAcceptance(const AcceptanceLimits& limits,
                                              const CalibrationResult& result);
 
-/// "heldout_max 0.071 mm, at most 0.01 mm; ...": the limits that are missed.
+/// "validation_max 0.071 mm, at most 0.01 mm; ...": the limits that are missed.
 std::string MissedLimits(const CalibrationResult& result);
 
 }  // namespace alidade::internal

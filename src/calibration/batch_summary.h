@@ -21,7 +21,7 @@ enum class BatchStatus {
   kFailed,        ///< refused, or no usable solution: a numerical failure
 };
 
-/// What is told of one job in the summary of a batch; all of it but times, so
+/// What stands of one job in the summary of a batch; all of it but times, so
 /// that the same jobs give the same summary. Lengths in m.
 struct BatchEntry {
   std::string name;      ///< "fleet/left_seed-17"
@@ -37,8 +37,8 @@ struct BatchEntry {
   std::string data;  ///< file of the poses that were fitted
   Accuracy train_before;
   Accuracy train_after;
-  Accuracy heldout_before;  ///< n = 0 without held-out poses
-  Accuracy heldout_after;
+  Accuracy validation_before;  ///< n = 0 without validation poses
+  Accuracy validation_after;
   int num_free = 0;
   int iterations = 0;
   std::string solver_status;  ///< "converged" ...

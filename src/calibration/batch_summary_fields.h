@@ -30,10 +30,11 @@ void VisitFields(Visitor& v, Subject<Visitor, BatchEntry>& entry) {
     train.Field("before", entry.train_before);
     train.Field("after", entry.train_after);
   });
-  v.NullableGroup("heldout", entry.heldout_after.n > 0, [&](auto& heldout) {
-    heldout.Field("before", entry.heldout_before);
-    heldout.Field("after", entry.heldout_after);
-  });
+  v.NullableGroup("validation", entry.validation_after.n > 0,
+                  [&](auto& validation) {
+                    validation.Field("before", entry.validation_before);
+                    validation.Field("after", entry.validation_after);
+                  });
   v.Field("num_free", entry.num_free);
   v.Field("iterations", entry.iterations);
   v.Field("solver_status", entry.solver_status);

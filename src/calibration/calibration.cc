@@ -215,7 +215,7 @@ class Calibrator {
     ListParameters(nominal, values);
     ListReferences(model_.ReferencesAt(values));
     EvaluateSets(nominal, values);
-    const FinishedFit fit{task(), *problem_, values};
+    const CalibrationSolution fit{task(), *problem_, values};
     if (prepared_.frames_fitted) {
       result_.stages = ListStages(fit, result_.identifiability.num_free);
     }
@@ -244,15 +244,15 @@ class Calibrator {
     const CalibrationData& data = task().data;
     result_.train = EvaluateSet(model_, data.training, nominal, values);
     if (!data.validation) return;
-    result_.heldout = EvaluateSet(model_, *data.validation, nominal, values);
+    result_.validation = EvaluateSet(model_, *data.validation, nominal, values);
     // Without orientations in the fit nothing determines the target's own.
     if (!data.training.Has(MeasurementKind::kPose)) {
-      result_.heldout->rotation_before = {};
-      result_.heldout->rotation_after = {};
+      result_.validation->rotation_before = {};
+      result_.validation->rotation_after = {};
     }
   }
 
-  void Assess(const FinishedFit& fit) {
+  void Assess(const CalibrationSolution& fit) {
     result_.uncertainty = AssessFit(fit, result_.identifiability,
                                     result_.runs.front().summary.final_cost);
     for (const ParameterUncertainty& one : result_.uncertainty->parameters) {
@@ -263,7 +263,7 @@ class Calibrator {
     }
   }
 
-  void Accept(const FinishedFit& fit) {
+  void Accept(const CalibrationSolution& fit) {
     result_.acceptance = CheckAcceptance(task().options.acceptance, result_);
     result_.status = CalibrationStatus::kDone;
     const std::string reason =

@@ -39,23 +39,25 @@ void VisitFields(Visitor& v, Subject<Visitor, FoldsOptions>& options) {
 template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, AcceptanceLimits>& limits) {
   const auto train = "of the position error at the poses of `data`";
-  const auto heldout =
+  const auto validation =
       "likewise at those of `validation`; with `folds`, of "
-      "the errors of the poses held out of each fit";
+      "the errors of the poses left out of each fit";
   const auto rotation =
       "likewise of the orientation error, where orientations are measured";
   v.Field(LengthKey("train_rms").Above(0), limits.train_rms, train);
   v.Field(LengthKey("train_max").Above(0), limits.train_max, train);
-  v.Field(LengthKey("heldout_rms").Above(0), limits.heldout_rms, heldout);
-  v.Field(LengthKey("heldout_max").Above(0), limits.heldout_max, heldout);
+  v.Field(LengthKey("validation_rms").Above(0), limits.validation_rms,
+          validation);
+  v.Field(LengthKey("validation_max").Above(0), limits.validation_max,
+          validation);
   v.Field(AngleKey("train_rotation_rms").Above(0), limits.train_rotation_rms,
           rotation);
   v.Field(AngleKey("train_rotation_max").Above(0), limits.train_rotation_max,
           rotation);
-  v.Field(AngleKey("heldout_rotation_rms").Above(0),
-          limits.heldout_rotation_rms, rotation);
-  v.Field(AngleKey("heldout_rotation_max").Above(0),
-          limits.heldout_rotation_max, rotation);
+  v.Field(AngleKey("validation_rotation_rms").Above(0),
+          limits.validation_rotation_rms, rotation);
+  v.Field(AngleKey("validation_rotation_max").Above(0),
+          limits.validation_rotation_max, rotation);
 }
 
 }  // namespace alidade::internal

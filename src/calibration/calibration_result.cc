@@ -61,8 +61,8 @@ std::string CalibrationResult::BriefReport() const {
   std::string text = arm_name + ": " + ToString(status);
   if (!message.empty()) text += ": " + message;
   if (!IsUsable()) return text;
-  const EvaluatedSet& set = heldout ? *heldout : train;
-  return text + "; rms error at " + (heldout ? "validation" : "training") +
+  const EvaluatedSet& set = validation ? *validation : train;
+  return text + "; rms error at " + (validation ? "validation" : "training") +
          " poses " + FormatLength(set.before.rms) + " before, " +
          FormatLength(set.after.rms) + " after";
 }
@@ -75,7 +75,7 @@ std::string CalibrationResult::FullReport() const {
             "\n" + set + " after:  " + FormatAccuracy(errors.after) + "\n";
   };
   add("training poses", train);
-  if (heldout) add("validation poses", *heldout);
+  if (validation) add("validation poses", *validation);
   using Align = TextTable::Align;
   TextTable table({{"parameter"},
                    {"nominal", Align::kRight},

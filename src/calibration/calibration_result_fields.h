@@ -69,7 +69,7 @@ void VisitFields(Visitor& v, Subject<Visitor, ParameterResult>& parameter) {
   v.Later("assessment", parameter.assessment);
   v.Field("rule", decision.rule);
   v.Field("reason", decision.reason);
-  v.Field("stands_for", decision.stands_for);
+  v.Field("identified_combination", decision.identified_combination);
   v.Field("prior_std", decision.prior_std);
   v.Field("predicted_std", decision.predicted_std);
 }
@@ -108,9 +108,9 @@ void VisitFields(Visitor& v, Subject<Visitor, StageResult>& stage) {
   v.Field("name", stage.name);
   v.Field("free", stage.num_free);
   v.Field("train", stage.train);
-  v.Optional("heldout", stage.heldout);
+  v.Optional("validation", stage.validation);
   v.Optional("train_rotation", stage.train_rotation);
-  v.Optional("heldout_rotation", stage.heldout_rotation);
+  v.Optional("validation_rotation", stage.validation_rotation);
 }
 
 template <typename Visitor>
@@ -133,9 +133,9 @@ void VisitFields(Visitor& v, Subject<Visitor, CrossValidation>& validation) {
 template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, RepeatSpread>& repeats) {
   v.Field("length", repeats.length);
-  v.Field("length_freedom", repeats.length_freedom);
+  v.Field("length_degrees_of_freedom", repeats.length_degrees_of_freedom);
   v.Field("rotation", repeats.rotation);
-  v.Field("rotation_freedom", repeats.rotation_freedom);
+  v.Field("rotation_degrees_of_freedom", repeats.rotation_degrees_of_freedom);
 }
 
 template <typename Visitor>
@@ -179,7 +179,7 @@ void VisitFields(Visitor& v, Subject<Visitor, CalibrationResult>& result) {
   v.Field("identifiability", result.identifiability);
   v.Group("accuracy", [&](auto& accuracy) {
     accuracy.Field("train", result.train);
-    accuracy.Optional("heldout", result.heldout);
+    accuracy.Optional("validation", result.validation);
     accuracy.Later("before_note", result.before_note);
   });
   v.Later("stages", result.stages);

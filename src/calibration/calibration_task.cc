@@ -43,13 +43,14 @@ void CheckAndHoldOut(CalibrationTask* task) {
     const HoldOutOptions& options = *task->options.holdout;
     HoldOut split = HoldOutFraction(data.training, options.fraction,
                                     options.seed, task->communicator);
-    if (split.train.global_poses() == 0 || split.heldout.global_poses() == 0) {
+    if (split.train.global_poses() == 0 ||
+        split.validation.global_poses() == 0) {
       throw InputError({},
                        "holdout.fraction leaves no configuration on one side: "
                        "the data have too few different ones for it");
     }
     data.training = std::move(split.train);
-    data.validation = std::move(split.heldout);
+    data.validation = std::move(split.validation);
   }
   if (data.validation) RequireFinite(*data.validation);
 }

@@ -18,7 +18,7 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 // The standard deviation of normal values over their MAD.
 constexpr double kMadToSigma = 1.4826;
 
-// A tenth of the median error: arms are not told apart by less.
+// A tenth of the median error: arms are not distinguished by less.
 constexpr double kRelativeFloor = 0.1;
 constexpr double kGeometryFloor = 0.3;
 // Of parameters whose standard deviation nobody knows (m, rad).

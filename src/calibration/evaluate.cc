@@ -238,7 +238,7 @@ void AddSpread(const ObservationBlock& block,
   for (const Eigen::Index i : repeats) {
     spread->length += (block.measured.col(i).head<3>() - mean).squaredNorm();
   }
-  spread->length_freedom += 3 * (n - 1);
+  spread->length_degrees_of_freedom += 3 * (n - 1);
   if (block.kind != MeasurementKind::kPose) return;
   // Rotation vectors from the first, which are small, less their mean.
   const Eigen::Vector3d first = block.measured.col(repeats[0]).tail<3>();
@@ -249,7 +249,7 @@ void AddSpread(const ObservationBlock& block,
                                       RotationFromVector<double>(-first));
   }
   spread->rotation += (turns.colwise() - turns.rowwise().mean()).squaredNorm();
-  spread->rotation_freedom += 3 * (n - 1);
+  spread->rotation_degrees_of_freedom += 3 * (n - 1);
 }
 
 }  // namespace
@@ -384,8 +384,8 @@ RepeatSpread MeasureRepeats(const Dataset& data, Communicator* communicator) {
     return freedom > 0 ? std::sqrt(squares / static_cast<double>(freedom))
                        : 0.0;
   };
-  spread.length = root(spread.length, spread.length_freedom);
-  spread.rotation = root(spread.rotation, spread.rotation_freedom);
+  spread.length = root(spread.length, spread.length_degrees_of_freedom);
+  spread.rotation = root(spread.rotation, spread.rotation_degrees_of_freedom);
   return spread;
 }
 

@@ -30,7 +30,7 @@ constexpr double kChanceOfOutlier = 0.05;
 // A parameter so many prior standard deviations away was not drawn from it.
 constexpr double kFarFromPrior = 5.0;
 
-StageResult MakeStage(const FinishedFit& fit, const std::string& name,
+StageResult MakeStage(const CalibrationSolution& fit, const std::string& name,
                       int num_free, const Eigen::VectorXd& values) {
   const MeasurementModel& model = fit.model();
   StageResult stage;
@@ -40,8 +40,9 @@ StageResult MakeStage(const FinishedFit& fit, const std::string& name,
   stage.train_rotation =
       EvaluateRotations(model, fit.task.data.training, values);
   if (fit.task.data.validation) {
-    stage.heldout = EvaluateAccuracy(model, *fit.task.data.validation, values);
-    stage.heldout_rotation =
+    stage.validation =
+        EvaluateAccuracy(model, *fit.task.data.validation, values);
+    stage.validation_rotation =
         EvaluateRotations(model, *fit.task.data.validation, values);
   }
   return stage;
@@ -73,9 +74,9 @@ std::set<std::string> ObjectsIn(const Dataset& data) {
 
 bool CoversObjects(const HoldOut& split) {
   const std::set<std::string> train = ObjectsIn(split.train);
-  const std::set<std::string> heldout = ObjectsIn(split.heldout);
-  return std::includes(train.begin(), train.end(), heldout.begin(),
-                       heldout.end());
+  const std::set<std::string> validation = ObjectsIn(split.validation);
+  return std::includes(train.begin(), train.end(), validation.begin(),
+                       validation.end());
 }
 
 // Those of all ranks, on the root.
@@ -109,7 +110,8 @@ std::vector<Outlier> WithThoseOfOthers(Communicator* communicator,
 
 }  // namespace
 
-std::vector<StageResult> ListStages(const FinishedFit& fit, int num_free) {
+std::vector<StageResult> ListStages(const CalibrationSolution& fit,
+                                    int num_free) {
   const IdentifiabilityOptions& options = fit.task.options.identifiability;
   const IdentifiabilityResult frames =
       AnalyzeIdentifiability(fit.model(), fit.task.data.training,
@@ -127,7 +129,8 @@ std::vector<StageResult> ListStages(const FinishedFit& fit, int num_free) {
   return stages;
 }
 
-std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit) {
+std::vector<Outlier> ListOutliers(const CalibrationSolution& fit,
+                                  double* limit) {
   const Dataset& data = fit.task.data.training;
   const SharedVector errors = fit.model().Errors(fit.values, data);
   const SharedVector squared = SquaredNorms(errors, data);
@@ -169,7 +172,7 @@ std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit) {
   return outliers;
 }
 
-double ReducedChiSquare(const FinishedFit& fit) {
+double ReducedChiSquare(const CalibrationSolution& fit) {
   const double freedom = DegreesOfFreedom(fit.problem, fit.values);
   if (freedom < 1.0) return 0.0;
   const Dataset& data = fit.task.data.training;
@@ -198,18 +201,18 @@ std::optional<CrossValidation> CrossValidate(const CalibrationTask& task) {
                                  fold.execution());
     const Fit fit = FitOnce(fold, model, fold.options.identifiability);
     if (!fit.summary.IsSolutionUsable()) return std::nullopt;
-    const SharedVector errors = model.Errors(fit.values, split.heldout);
+    const SharedVector errors = model.Errors(fit.values, split.validation);
     for (const std::vector<double>& norms :
-         CountedLengths(errors, split.heldout)) {
+         CountedLengths(errors, split.validation)) {
       lengths.insert(lengths.end(), norms.begin(), norms.end());
     }
-    AppendTo(RotationErrors(errors, split.heldout), &rotations);
+    AppendTo(RotationErrors(errors, split.validation), &rotations);
   }
   return CrossValidation{task.options.folds->folds, Summarize(lengths),
                          Summarize(rotations)};
 }
 
-std::string FarFromPriors(const FinishedFit& fit) {
+std::string FarFromPriors(const CalibrationSolution& fit) {
   const Eigen::VectorXd nominal = fit.model().NominalValues();
   std::string names;
   for (const int column : fit.problem.ColumnsWithPrior()) {
@@ -223,7 +226,7 @@ std::string FarFromPriors(const FinishedFit& fit) {
   return names;
 }
 
-std::string AtBounds(const FinishedFit& fit) {
+std::string AtBounds(const CalibrationSolution& fit) {
   if (fit.problem.lower.size() == 0) return "";
   std::string names;
   for (const int column : fit.problem.free_columns) {

@@ -13,8 +13,8 @@
 
 namespace alidade::internal {
 
-/// A finished fit, for what is told of it.
-struct FinishedFit {
+/// A finished fit, for what is reported of it.
+struct CalibrationSolution {
   const CalibrationTask& task;
   const CalibrationProblem& problem;
   const Eigen::VectorXd& values;
@@ -24,17 +24,19 @@ struct FinishedFit {
 
 /// What each part of a calibration brings: frames only (the nominal values of
 /// the model), joint offsets, all geometry.
-std::vector<StageResult> ListStages(const FinishedFit& fit, int num_free);
+std::vector<StageResult> ListStages(const CalibrationSolution& fit,
+                                    int num_free);
 
 /// The observations that are farther off than one of all would be by chance in
 /// 5 % of calibrations, worst first. `limit` receives how far that is, in
 /// sigmas, for an observation of three rows; those of other dimensions have
 /// limits of the same probability.
-std::vector<Outlier> ListOutliers(const FinishedFit& fit, double* limit);
+std::vector<Outlier> ListOutliers(const CalibrationSolution& fit,
+                                  double* limit);
 
 /// Chi-square of the fit over its degrees of freedom, priors accounted for; 0
 /// where fewer than one is left.
-double ReducedChiSquare(const FinishedFit& fit);
+double ReducedChiSquare(const CalibrationSolution& fit);
 
 /// Fits all folds of the job's data, frames and all, and pools the errors of
 /// the poses held out. Nothing where one of the fits is not usable.
@@ -42,10 +44,10 @@ std::optional<CrossValidation> CrossValidate(const CalibrationTask& task);
 
 /// Free parameters further from nominal than their priors allow, as
 /// "d3 (6.1), ...", in standard deviations; empty where there are none.
-std::string FarFromPriors(const FinishedFit& fit);
+std::string FarFromPriors(const CalibrationSolution& fit);
 
 /// Free parameters at one of their bounds, by name.
-std::string AtBounds(const FinishedFit& fit);
+std::string AtBounds(const CalibrationSolution& fit);
 
 }  // namespace alidade::internal
 

@@ -25,7 +25,7 @@ double PriorCost(const CalibrationProblem& problem, int column,
   return deviation * deviation;
 }
 
-// A frozen parameter and those that stand for it, moved so that no measured
+// A fixed parameter and those that it depends on, moved so that no measured
 // quantity changes: 1 and what its relation takes back.
 Eigen::VectorXd DirectionOf(const Relation& relation,
                             const ParameterLayout& layout) {
@@ -37,13 +37,13 @@ Eigen::VectorXd DirectionOf(const Relation& relation,
   return direction;
 }
 
-// Frozen parameters that nothing measured could tell, but that move positions,
-// within what is known of them beforehand by `counts` (m, root mean square) or
-// more: of one axis or of distances there are some.
-std::string FrozenThatMovePositions(const MeasurementModel& model,
-                                    const IdentifiabilityResult& pass,
-                                    const PriorTolerances& priors,
-                                    double counts) {
+// Fixed parameters that nothing measured could determine, but that move
+// positions, within what is known of them beforehand by `counts` (m, root mean
+// square) or more: of one axis or of distances there are some.
+std::string FixedThatMovePositions(const MeasurementModel& model,
+                                   const IdentifiabilityResult& pass,
+                                   const PriorTolerances& priors,
+                                   double counts) {
   constexpr int kPoses = 50;
   // Relations leave small coefficients out.
   constexpr double kLeftOut = 1e-3;
@@ -62,7 +62,7 @@ std::string FrozenThatMovePositions(const MeasurementModel& model,
   for (const Relation& relation : pass.relations) {
     const int column = *layout.Find(relation.parameter);
     const ParameterDecision& decision = pass.decisions[column];
-    if (decision.state != ParameterState::kFrozen ||
+    if (decision.state != ParameterState::kFixed ||
         decision.rule == "fixed_by_user") {
       continue;
     }
@@ -81,20 +81,20 @@ std::string FrozenThatMovePositions(const MeasurementModel& model,
   return names;
 }
 
-void WarnOfWhatIsNotMeasured(const FinishedFit& fit,
+void WarnOfWhatIsNotMeasured(const CalibrationSolution& fit,
                              const IdentifiabilityResult& pass,
                              UncertaintyResult* result) {
   // Less would not show beside what is predicted.
   constexpr double kShows = 0.3;
   const double predicted =
       result->workspace ? result->workspace->summary.rms : 0.0;
-  const std::string names = FrozenThatMovePositions(
+  const std::string names = FixedThatMovePositions(
       fit.model(), pass, fit.task.options.identifiability.priors,
       kShows * predicted);
   if (names.empty()) return;
   result->warnings.push_back(
-      "positions depend on what these measurements cannot tell (" + names +
-      " frozen at nominal): predicted deviations are those of what was "
+      "positions depend on what these measurements cannot determine (" + names +
+      " fixed at nominal): predicted deviations are those of what was "
       "measured, and the whole position may be off by what these are");
 }
 
@@ -116,7 +116,7 @@ Resolve ResolveByCeres(const CalibrationProblem& problem,
   };
 }
 
-UncertaintyResult AssessFit(const FinishedFit& fit,
+UncertaintyResult AssessFit(const CalibrationSolution& fit,
                             const IdentifiabilityResult& pass,
                             double final_cost) {
   CalibrationProblem problem = fit.problem;
@@ -131,7 +131,7 @@ UncertaintyResult AssessFit(const FinishedFit& fit,
     input.fit_cost = final_cost;
     input.resolve = ResolveByCeres(problem, fit.task.options.solver_options);
   }
-  if (fit.task.data.validation) input.heldout = &*fit.task.data.validation;
+  if (fit.task.data.validation) input.validation = &*fit.task.data.validation;
   if (fit.task.options.true_values)
     input.true_values = *fit.task.options.true_values;
   UncertaintyResult result = AssessUncertainty(input);

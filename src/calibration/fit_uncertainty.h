@@ -10,7 +10,7 @@ namespace alidade::internal {
 
 /// How far a finished fit of a job can be trusted, by the job's options.
 /// `pass`: what decided its free columns; `final_cost`: of the solve.
-UncertaintyResult AssessFit(const FinishedFit& fit,
+UncertaintyResult AssessFit(const CalibrationSolution& fit,
                             const IdentifiabilityResult& pass,
                             double final_cost);
 

@@ -60,11 +60,12 @@ std::string WarnOfWorst(const CalibrationResult& result) {
          "the measurement that fits worst is " + FormatLength(worst.error, 3) +
          " off, " + FormatSignificant(worst.standardised, 2) +
          " standard deviations (" + std::to_string(result.outliers.size()) +
-         " are beyond chance): look at it, leave it out, or choose a `loss`";
+         " are beyond what chance allows): look at it, leave it out, or choose "
+         "a `loss`";
 }
 
 // At the nominal geometry an arm is millimetres off, not a tenth of its size.
-std::string WarnOfFrames(const FinishedFit& fit, bool frames_fitted,
+std::string WarnOfFrames(const CalibrationSolution& fit, bool frames_fitted,
                          const CalibrationResult& result) {
   constexpr double kLargePart = 0.05;
   Arm at_origin = fit.model().nominal();
@@ -83,7 +84,7 @@ std::string WarnOfFrames(const FinishedFit& fit, bool frames_fitted,
 }
 
 // Residuals below any noise are those of exact data, whatever their sigmas.
-bool IsSigmaFarTooLarge(const FinishedFit& fit, double ratio,
+bool IsSigmaFarTooLarge(const CalibrationSolution& fit, double ratio,
                         const CalibrationResult& result) {
   constexpr double kMuchSmaller = 0.1;
   constexpr double kNoNoise = 1e-9;  // m
@@ -98,7 +99,7 @@ bool IsSigmaFarTooLarge(const FinishedFit& fit, double ratio,
 }
 
 // Where the loss expects outliers, they are not held against the fit.
-std::string WarnOfResiduals(const FinishedFit& fit,
+std::string WarnOfResiduals(const CalibrationSolution& fit,
                             const CalibrationResult& result) {
   const CalibrationTask& task = fit.task;
   const double ratio =
@@ -185,7 +186,7 @@ void AddWarning(const Finding& finding, CalibrationResult* result) {
   AddWarning(finding.sentence, result);
 }
 
-void WarnOfFit(const FinishedFit& fit, const FitHistory& history,
+void WarnOfFit(const CalibrationSolution& fit, const FitHistory& history,
                CalibrationResult* added) {
   const CalibrationResult& result = *added;
   const auto warn = [added](const std::string& text) {
@@ -207,13 +208,14 @@ void WarnOfFit(const FinishedFit& fit, const FitHistory& history,
     AddWarning(copies, added);
   }
   warn(WarnOfResiduals(fit, result));
-  if (!history.input_was_doubted) {
+  if (!history.input_was_suspect) {
     warn(WarnOfFrames(fit, history.frames_fitted, result));
   }
   warn(WarnOfWorst(result));
   if (history.sigma_is_bound) {
     warn(
-        "too few measurements to tell sigma from the residuals: it is taken "
+        "too few measurements to determine sigma from the residuals: it is "
+        "taken "
         "as what the nominal geometry leaves, so that parameters stay near "
         "nominal. Measure more poses or state sigma");
   }
@@ -226,7 +228,8 @@ void WarnOfFit(const FinishedFit& fit, const FitHistory& history,
   if (LeavesSizeOpen(fit.task)) {
     warn(
         "these contacts leave the size of the arm open, which the priors "
-        "alone tell: state a known distance between two points (`references: "
+        "alone determine: state a known distance between two points "
+        "(`references: "
         "{distances: ...}`), or measure one");
   }
   warn(Listed(

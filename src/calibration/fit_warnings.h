@@ -14,7 +14,7 @@ struct FitHistory {
   /// Sigma was to be estimated, and too few measurements bound it only.
   bool sigma_is_bound = false;
   /// Something was said against the input already.
-  bool input_was_doubted = false;
+  bool input_was_suspect = false;
 };
 
 /// Adds a warning to the result, and to the log.
@@ -26,7 +26,7 @@ void AddWarning(const Finding& finding, CalibrationResult* result);
 /// minimum may be a bad one, of wrong data, of a wrong arm, or not reached at
 /// all. `result` has its runs, training accuracy, outliers and reduced
 /// chi-square.
-void WarnOfFit(const FinishedFit& fit, const FitHistory& history,
+void WarnOfFit(const CalibrationSolution& fit, const FitHistory& history,
                CalibrationResult* result);
 
 }  // namespace alidade::internal

@@ -26,7 +26,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // At the nominal geometry, of the reach.
 constexpr double kTolerated = 0.02;
-// A misfit of a larger part of how far the positions lie apart explains
+// A residual of a larger part of how far the positions lie apart explains
 // nothing: an arm that hardly moves fits to any small cloud.
 constexpr double kExplains = 0.2;
 // After a calibration, of the reach and of how far the positions lie apart, at
@@ -42,7 +42,7 @@ constexpr std::size_t kMostSolved = 8;
 // Of the positions in such a calibration (m).
 constexpr double kSigma = 1e-4;
 
-// Median misfit of the nominal arm with any base and tool (m).
+// Median residual of the nominal arm with any base and tool (m).
 double Misfit(const Arm& arm, const PositionSample& sample) {
   Arm in_base = arm;
   in_base.instrument_from_base.setIdentity();

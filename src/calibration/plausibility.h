@@ -11,7 +11,7 @@
 namespace alidade::internal {
 
 struct InputDiagnosis {
-  /// The median misfit against the tolerated one (m), or the number of lost
+  /// The median residual against the tolerated one (m), or the number of lost
   /// targets; nothing where nothing is wrong.
   std::optional<Finding> finding;
   /// The sentence says what to mend, and nothing is to be fitted before.

@@ -11,19 +11,21 @@ namespace alidade::internal {
 namespace {
 
 // Errors of robust fits are those of what they reject, too.
-bool IsWorse(const FinishedFit& fit, const EvaluatedSet& set) {
+bool IsWorse(const CalibrationSolution& fit, const EvaluatedSet& set) {
   return fit.task.options.loss == LossKind::kNone &&
          set.after.mean > set.before.mean && set.change_t > kBeyondChance;
 }
 
 // Residuals in sigmas; of a robust fit those of a typical observation.
-double ResidualRatio(const FinishedFit& fit, const CalibrationResult& result) {
+double ResidualRatio(const CalibrationSolution& fit,
+                     const CalibrationResult& result) {
   return fit.task.options.loss == LossKind::kNone
              ? std::sqrt(result.reduced_chi_square)
              : TypicalResidual(fit.model(), fit.task.data.training, fit.values);
 }
 
-bool IsUseless(const FinishedFit& fit, const CalibrationResult& result) {
+bool IsUseless(const CalibrationSolution& fit,
+               const CalibrationResult& result) {
   constexpr double kNoBetter = 0.9;
   constexpr double kTimesSigma = 100.0;
   const bool is_robust = fit.task.options.loss != LossKind::kNone;
@@ -35,7 +37,8 @@ bool IsUseless(const FinishedFit& fit, const CalibrationResult& result) {
 }
 
 // Along directions that hardly matter a solver may creep for ever and be right.
-bool IsStoppedAway(const FinishedFit& fit, const CalibrationResult& result) {
+bool IsStoppedAway(const CalibrationSolution& fit,
+                   const CalibrationResult& result) {
   constexpr double kLargeResiduals = 2.5;
   const EvaluatedSet& judged = JudgedSet(result);
   return result.runs.front().summary.status == SolverStatus::kIterationLimit &&
@@ -43,7 +46,7 @@ bool IsStoppedAway(const FinishedFit& fit, const CalibrationResult& result) {
           judged.after.rms > judged.before.rms);
 }
 
-bool IsUndetermined(const FinishedFit& fit) {
+bool IsUndetermined(const CalibrationSolution& fit) {
   return fit.problem.priors.size() == 0 &&
          GlobalEquations(fit.model().communicator(), fit.problem.data) <
              static_cast<Eigen::Index>(fit.problem.free_columns.size());
@@ -59,7 +62,7 @@ std::string GrowsAt(const char* poses, const EvaluatedSet& set) {
 
 }  // namespace
 
-std::string ReasonToReject(const FinishedFit& fit, bool frames_fitted,
+std::string ReasonToReject(const CalibrationSolution& fit, bool frames_fitted,
                            const CalibrationResult& result) {
   if (IsUndetermined(fit)) {
     return "there are fewer equations than free parameters and no priors: "
@@ -73,8 +76,8 @@ std::string ReasonToReject(const FinishedFit& fit, bool frames_fitted,
            "what is wrong with the data, or allow more iterations";
   }
   if (IsWorse(fit, result.train)) return GrowsAt("training", result.train);
-  if (result.heldout && IsWorse(fit, *result.heldout)) {
-    return GrowsAt("validation", *result.heldout);
+  if (result.validation && IsWorse(fit, *result.validation)) {
+    return GrowsAt("validation", *result.validation);
   }
   if (frames_fitted && IsUseless(fit, result)) {
     return "the calibrated arm fits no better than the nominal one, and its "

@@ -19,7 +19,7 @@ namespace alidade::internal {
 ///   - there are fewer equations than free parameters, and no priors.
 ///
 /// `result` has its accuracy, runs and reduced chi-square.
-std::string ReasonToReject(const FinishedFit& fit, bool frames_fitted,
+std::string ReasonToReject(const CalibrationSolution& fit, bool frames_fitted,
                            const CalibrationResult& result);
 
 }  // namespace alidade::internal

@@ -75,14 +75,14 @@ std::vector<Finding> DiagnoseSameData(const CalibrationTask& task) {
       &findings);
   if (!task.data.validation || IsTooLarge(*task.data.validation))
     return findings;
-  const Prints heldout = PrintsOf(*task.data.validation);
+  const Prints validation = PrintsOf(*task.data.validation);
   const auto is_fitted = [&](std::size_t print) {
     return std::binary_search(distinct.begin(), distinct.end(), print);
   };
   const auto shared = static_cast<std::size_t>(
-      std::count_if(heldout.begin(), heldout.end(), is_fitted));
+      std::count_if(validation.begin(), validation.end(), is_fitted));
   AddFinding(
-      "validation_data", shared, heldout.size(), 0.0,
+      "validation_data", shared, validation.size(), 0.0,
       " validation measurements are those that the fit has used, to the "
       "last digit: their errors say nothing of other poses. Validate with "
       "data that are not in `data`",

@@ -17,7 +17,7 @@ bool IsOf(RowClass which, int row) {
   return (row < 3) == (which == RowClass::kLength);
 }
 
-// Distances of reference points are known beforehand; no residual tells how
+// Distances of reference points are known a priori; no residual shows how
 // well.
 bool IsEstimated(const ObservationBlock& block) {
   return block.kind != MeasurementKind::kPointDistance;

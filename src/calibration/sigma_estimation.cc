@@ -13,8 +13,8 @@
 #include "src/calibration/preparation.h"
 #include "src/calibration/sigma_change.h"
 #include "src/identifiability/observability.h"
-#include "src/kernel/compression.h"
 #include "src/kernel/partition.h"
+#include "src/kernel/reduction.h"
 
 namespace alidade::internal {
 namespace {
@@ -40,8 +40,9 @@ Eigen::VectorXd PriorsOfFree(const CalibrationProblem& problem) {
 
 // Degrees of freedom of some rows of the data: their equations less the trace
 // of their part of the hat matrix.
-double FreedomOfRows(const CalibrationProblem& problem,
-                     const Eigen::VectorXd& values, const Dataset& rows) {
+double DegreesOfFreedomOfRows(const CalibrationProblem& problem,
+                              const Eigen::VectorXd& values,
+                              const Dataset& rows) {
   const std::vector<int>& free = problem.free_columns;
   const Eigen::MatrixXd all =
       JacobianFactor(problem.model, values, problem.data, free);
@@ -50,7 +51,7 @@ double FreedomOfRows(const CalibrationProblem& problem,
   const double used = PredictTotal(all, PriorsOfFree(problem), part);
   const auto equations =
       static_cast<double>(GlobalEquations(problem.model.communicator(), rows));
-  // What no row and no prior tells uses up nothing.
+  // What no row and no prior determines uses up nothing.
   return equations -
          (std::isfinite(used) ? used * used : static_cast<double>(free.size()));
 }
@@ -226,7 +227,7 @@ class SigmaRounds {
     if (equations == 0) return true;
     const CalibrationProblem problem =
         ProblemOf(task_, model_, fit.identifiability);
-    const double freedom = FreedomOfRows(problem, fit.values, current);
+    const double freedom = DegreesOfFreedomOfRows(problem, fit.values, current);
     if (!TellsSigma(freedom, equations)) {
       UseNominalResiduals();
       return false;
@@ -323,7 +324,7 @@ double MedianLengthSigma(const Dataset& data, Communicator* communicator) {
 
 double DegreesOfFreedom(const CalibrationProblem& problem,
                         const Eigen::VectorXd& values) {
-  return FreedomOfRows(problem, values, problem.data);
+  return DegreesOfFreedomOfRows(problem, values, problem.data);
 }
 
 }  // namespace alidade::internal

@@ -17,8 +17,8 @@ struct EstimatedSigmas {
   bool is_bound = false;
 };
 
-/// Changes the sigmas of training and held-out data, those of lengths and those
-/// of orientations each, until the residuals of a fit agree with them:
+/// Changes the sigmas of training and validation data, those of lengths and
+/// those of orientations each, until the residuals of a fit agree with them:
 /// chi-square equals its degrees of freedom or, with a robust loss, the median
 /// of the residual norms that of their distribution. Where the stated sigmas
 /// are too small, what the instrument does not explain is the model's: one

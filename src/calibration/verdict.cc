@@ -58,7 +58,7 @@ std::string PValue(double p) {
   return p < 1e-16 ? "p < 1e-16" : "p = " + FormatSignificant(p, 2);
 }
 
-// "largest orientation error at validation poses" of "heldout_rotation_max".
+// "largest orientation error at validation poses" of "validation_rotation_max".
 std::string QuantityTitle(const std::string& key) {
   const auto has = [&key](const char* part) {
     return key.find(part) != std::string::npos;
@@ -185,7 +185,7 @@ class Judge {
                        (by.ratio() > 1.0 ? " grows" : " falls") + " from " +
                        FormatQuantity(by.error_before(), by.dimension) +
                        " to " + FormatQuantity(by.error_after(), by.dimension);
-    const double floor = result_.runs.front().summary.rounding_floor;
+    const double floor = result_.runs.front().summary.precision_limit;
     if (by.after.max < kRoundingErrors * floor) {
       text += ", the numerical precision limit";
     }
@@ -377,8 +377,8 @@ class Judge {
   }
 
   void JudgePrediction() {
-    if (!result_.uncertainty || !result_.uncertainty->heldout) return;
-    const PredictionCheck& check = *result_.uncertainty->heldout;
+    if (!result_.uncertainty || !result_.uncertainty->validation) return;
+    const PredictionCheck& check = *result_.uncertainty->validation;
     const std::string text = DescribePrediction("Validation poses", check);
     if (text.empty()) return;
     const bool agrees = check.verdict == "agree";
@@ -419,7 +419,7 @@ ParameterAssessment Assess(const CalibrationResult& result,
   if (decision.state == ParameterState::kGiven) {
     return ParameterAssessment::kKnown;
   }
-  if (decision.state == ParameterState::kFrozen) {
+  if (decision.state == ParameterState::kFixed) {
     return ParameterAssessment::kFixed;
   }
   const ParameterUncertainty* const known =
@@ -487,8 +487,9 @@ std::string DescribePrediction(const std::string& where,
 }
 
 const EvaluatedSet& JudgedSet(const CalibrationResult& result) {
-  return result.heldout && result.heldout->after.n > 0 ? *result.heldout
-                                                       : result.train;
+  return result.validation && result.validation->after.n > 0
+             ? *result.validation
+             : result.train;
 }
 
 }  // namespace alidade::internal

@@ -25,7 +25,7 @@ std::vector<std::string> PathsOf(const CommandLine& line) {
   if (paths.empty()) {
     throw InputError({},
                      "batch: no jobs, expected JOB.yaml..., a folder or "
-                     "--list=FILE; 'alidade batch --help' tells more");
+                     "--list=FILE; 'alidade batch --help' says more");
   }
   return paths;
 }
@@ -53,7 +53,7 @@ ExitStatus StatusOf(BatchStatus worst) {
   return kExitNumerical;
 }
 
-// One line a job. Ends with the worst that can be told without running any.
+// One line a job. Ends with the worst that is known without running any.
 ExitStatus PrintPlan(const BatchPlan& plan, const BatchOptions& options) {
   const std::vector<bool> done = FindDone(plan, options);
   ExitStatus status = kExitDone;

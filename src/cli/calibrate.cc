@@ -84,7 +84,7 @@ ExitStatus Calibrate(const CommandLine& line, Communicator* communicator) {
   PrintSummary(result, paths);
   if (result.status == CalibrationStatus::kMissedLimits) {
     PrintError(path + ": " + result.message + "; " + directory +
-               "/report.txt tells which");
+               "/report.txt says which");
     return kExitMissedLimits;
   }
   return kExitDone;

@@ -65,7 +65,8 @@ std::vector<Command> JobCommands() {
       {"plan",
        "PLAN.yaml",
        "choose the poses to measure next",
-       "Chooses the poses that tell most, of candidates drawn within joint\n"
+       "Chooses the poses with most information, of candidates drawn within "
+       "joint\n"
        "limits and the plan's constraints or read from a file, beside those\n"
        "measured already. Prints the accuracy to expect by the number of "
        "poses\n"
@@ -78,7 +79,7 @@ std::vector<Command> JobCommands() {
        RunPlanCommand},
       {"identify",
        "JOB.yaml | ARM.yaml DATA.csv",
-       "tell which parameters these poses can identify, and why",
+       "show which parameters these poses can identify, and why",
        "Prints the decision for each parameter, the ranks it rests on and "
        "what\n"
        "to look out for. Nothing is solved or written.",

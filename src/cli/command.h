@@ -16,7 +16,7 @@ enum ExitStatus {
   kExitNumerical = 3,     ///< a numerical failure, or a solve that is refused
 };
 
-/// What the user wrote behind the command's name.
+/// What the user wrote after the command's name.
 struct CommandLine {
   std::vector<std::string> files;
   std::string out;      ///< --out; empty = not given

@@ -19,7 +19,7 @@ void CheckNames(const CommandLine& line) {
         {},
         "convert: --arm=ARM.yaml is missing: how many joints there "
         "are, and which slide, is the arm's; 'alidade convert "
-        "--help' tells more");
+        "--help' says more");
   }
   const std::string& from = line.files[0];
   const std::string& to = line.files[1];

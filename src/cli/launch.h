@@ -3,7 +3,7 @@
 
 namespace alidade::internal {
 
-/// How this process was started, as Open MPI's mpirun and Slurm's srun tell it
+/// How this process was started, as Open MPI's mpirun and Slurm's srun say it
 /// in the environment.
 struct Launch {
   int rank = 0;

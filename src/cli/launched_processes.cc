@@ -7,7 +7,7 @@
 #include "alidade/error.h"
 #include "src/cli/launch.h"
 #include "src/cli/mpi_communicator.h"
-#include "src/kernel/compression.h"
+#include "src/kernel/reduction.h"
 
 namespace alidade::internal {
 namespace {

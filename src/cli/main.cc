@@ -93,7 +93,7 @@ void PrintUsage(std::ostream& out) {
         << std::string(12 - std::string(command.name).size(), ' ')
         << command.summary << "\n";
   }
-  out << "\n'alidade COMMAND --help' tells more of one; 'alidade --version' "
+  out << "\n'alidade COMMAND --help' says more of one; 'alidade --version' "
          "prints the version.\n"
          "Exit status: 0 done; 1 an acceptance limit is missed; 2 bad usage or "
          "input;\n3 a numerical failure.\n";
@@ -112,8 +112,7 @@ void PrintHelp(const Command& command) {
 [[noreturn]] void ThrowUsage(const Command& command,
                              const std::string& problem) {
   throw InputError({}, std::string(command.name) + ": " + problem +
-                           "; 'alidade " + command.name +
-                           " --help' tells more");
+                           "; 'alidade " + command.name + " --help' says more");
 }
 
 // gflags' own parser ends the process with status 1 where a flag is wrong, and
@@ -306,7 +305,7 @@ ExitStatus Run(const std::vector<std::string>& arguments) {
 }  // namespace alidade::internal
 
 int main(int argc, char** argv) {
-  // A file that may not grow further (ulimit -f) is told as a full disk is.
+  // A file that may not grow further (ulimit -f) is reported as a full disk is.
   std::signal(SIGXFSZ, SIG_IGN);
   FLAGS_logtostderr = true;
   FLAGS_log_prefix = false;

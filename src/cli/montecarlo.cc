@@ -77,7 +77,7 @@ ExitStatus RunMonteCarlo(const CommandLine& line) {
   if (2 * result.failed > static_cast<int>(result.trials.size())) {
     PrintError(path +
                ": more than half of the simulated calibrations found "
-               "no usable solution; `alidade calibrate` tells why");
+               "no usable solution; `alidade calibrate` says why");
     return kExitNumerical;
   }
   return kExitDone;

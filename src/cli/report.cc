@@ -37,7 +37,8 @@ ComparisonKind ReadKind(const std::string& word, const ComparisonPage& page) {
 
 std::string ComparisonOf(const CommandLine& line, const std::string& path) {
   ComparisonPage page;
-  ReadKind(line.read_as, page);  // a wrong word is told before files are read
+  ReadKind(line.read_as,
+           page);  // a wrong word is refused before files are read
   const std::vector<std::string> labels = ResultLabels(line.files);
   for (std::size_t i = 0; i < line.files.size(); ++i) {
     AddToComparison(line.files[i], labels[i], path, &page);

@@ -155,7 +155,7 @@ void ShowJob(const std::string& path, int num_threads) {
   const JobConfig config = LoadJob(path, num_threads);
   std::cout << config.title << "\n\n";
   if (config.data.validation) {
-    std::cout << "held out of the fit: " << config.data.validation->num_poses()
+    std::cout << "left out of the fit: " << config.data.validation->num_poses()
               << " poses\n\n";
   }
   ShowArm(config.arm);

@@ -33,8 +33,8 @@ void LogReading(const CalibrationData& data,
 void LogIdentifiability(const IdentifiabilityResult& result) {
   LOG(INFO) << "identifiability: " << result.num_free << " of "
             << result.decisions.size()
-            << " parameters are free; these poses tell "
-            << result.nominal_rank.rank << " apart";
+            << " parameters are free; these poses determine "
+            << result.nominal_rank.rank << " of them";
   for (const ParameterDecision& decision : result.decisions) {
     if (decision.reason.empty()) continue;
     VLOG(1) << "  " << decision.name << ": " << decision.reason;

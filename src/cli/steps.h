@@ -7,7 +7,7 @@
 
 namespace alidade::internal {
 
-// What --verbosity=1 tells on standard error, a line a step, and 2 in detail.
+// What --verbosity=1 writes to standard error, a line a step, and 2 in detail.
 
 /// What a job has read.
 void LogReading(const CalibrationData& data,

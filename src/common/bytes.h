@@ -12,7 +12,7 @@
 
 namespace alidade::internal {
 
-/// Values one behind the other as bytes, for ByteReader on a machine of the
+/// Values one after the other as bytes, for ByteReader on a machine of the
 /// same kind: what ranks (communicator.h) send each other. No format for files.
 class ByteWriter {
  public:
@@ -60,7 +60,7 @@ class ByteWriter {
 };
 
 /// Reads what a ByteWriter wrote, in the same order. Holds a reference.
-/// @throws std::logic_error behind the end: the two sides disagree.
+/// @throws std::logic_error after the end: the two sides disagree.
 class ByteReader {
  public:
   explicit ByteReader(const std::string& bytes) : bytes_(bytes) {}

@@ -19,7 +19,7 @@ namespace alidade::internal {
 ///   template <typename Visitor>
 ///   void VisitFields(Visitor& v, Subject<Visitor, StageResult>& stage) {
 ///     v.Field("name", stage.name);
-///     v.Optional("heldout", stage.heldout);
+///     v.Optional("validation", stage.validation);
 ///   }
 ///
 /// Who writes, reads or documents the struct is a visitor and calls it; so

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t kUnlimited = std::numeric_limits<std::size_t>::max();
 constexpr std::size_t kAlignment = 64;
-// What is smaller is not counted: it would cost more than it tells.
+// What is smaller is not counted: it would cost more than it is worth.
 constexpr std::size_t kFewestCounted = std::size_t{1} << 20;
 
 std::size_t OwnLimit() {
@@ -108,7 +108,8 @@ double* MapTemporary(std::size_t bytes) {
   int error = file < 0 ? errno : 0;
   void* first = MAP_FAILED;
   if (error == 0) {
-    // Room that is not there is told here, not by a signal when it is needed.
+    // Room that is not there is reported here, not by a signal when it is
+    // needed.
     do {
       error = posix_fallocate(file, 0, static_cast<off_t>(bytes));
     } while (error == EINTR);

@@ -23,7 +23,7 @@ void SetMemoryLimit(std::size_t bytes);
 /// same time. @throws InputError where the file system has no room for it.
 std::shared_ptr<double> AllocateLarge(std::size_t count);
 
-/// `count` times the `size` numbers at `first`, one behind the other. Many of
+/// `count` times the `size` numbers at `first`, one after the other. Many of
 /// them are the same pages of memory, seen again and again.
 /// @throws InputError as AllocateLarge, std::bad_alloc.
 std::shared_ptr<const double> RepeatLarge(const double* first, std::size_t size,

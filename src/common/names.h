@@ -12,7 +12,7 @@ namespace alidade::internal {
 /// characters shown as '?', so that what() stays one readable line.
 std::string Quote(std::string_view text);
 
-/// `text` with control characters replaced by spaces: what stands behind a
+/// `text` with control characters replaced by spaces: what stands after a
 /// comment sign stays one line.
 std::string OneLine(std::string text);
 

@@ -31,7 +31,7 @@ bool StartsLikeNumber(std::string_view text) {
   return !text.empty() && (IsDigit(text.front()) || text.front() == '.');
 }
 
-// The exponent behind an 'e', which may have a sign.
+// The exponent after an 'e', which may have a sign.
 std::optional<int> ParseExponent(std::string_view text) {
   if (!text.empty() && text.front() == '+') {
     text.remove_prefix(1);

@@ -37,7 +37,7 @@ const char* ReadDigits(const char* p, const char* end, std::uint64_t* number) {
   return p;
 }
 
-// The exponent behind 'e'; null where it is not one of few digits.
+// The exponent after 'e'; null where it is not one of few digits.
 const char* ReadExponent(const char* p, const char* end, int* exponent) {
   const bool is_negative = p != end && *p == '-';
   if (p != end && (*p == '-' || *p == '+')) ++p;

@@ -24,7 +24,7 @@ std::string CleanUtf8(std::string_view text);
 /// empty: an empty text is one empty line.
 std::vector<std::string> WrapText(std::string_view text, int width);
 
-/// WrapText with every line behind `indent` spaces, the whole within
+/// WrapText with every line after `indent` spaces, the whole within
 /// kReportWidth, each line ending in a newline.
 std::string Paragraph(std::string_view text, int indent = 0);
 

@@ -20,7 +20,7 @@ class TextTable {
   void AddRow(std::vector<std::string> cells);
   bool empty() const { return rows_.empty(); }
 
-  /// Header, a rule, the rows; every line behind `indent` spaces, no trailing
+  /// Header, a rule, the rows; every line after `indent` spaces, no trailing
   /// white space, a newline at the end.
   std::string ToString(int indent = 0) const;
 

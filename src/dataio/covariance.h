@@ -12,7 +12,7 @@ namespace alidade::internal {
 /// inverse of the covariance (zero in rows and columns not measured).
 struct Noise {
   Eigen::VectorXd sigmas;
-  Eigen::MatrixXd whitener;  ///< empty: the sigmas tell it all
+  Eigen::MatrixXd whitener;  ///< empty: the sigmas say it all
 };
 
 /// Of independent rows.

@@ -74,7 +74,7 @@ void CsvLines::Fail(const std::string& message, const char* cell,
   throw InputError(location, message);
 }
 
-// Where the comma behind the first cell is; one in quotes does not count.
+// Where the comma after the first cell is; one in quotes does not count.
 std::size_t CsvLines::CellEnd(std::string_view text) const {
   const std::size_t quote = text.find_first_not_of(kSpaces);
   if (quote == std::string_view::npos || text[quote] != '"') {

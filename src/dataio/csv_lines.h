@@ -27,7 +27,7 @@ class CsvLines {
 
   std::string_view line() const { return line_; }
   int line_number() const { return line_number_; }  ///< from 1
-  /// The text behind the line.
+  /// The text after the line.
   std::string_view rest() const { return rest_; }
 
   /// The cells of the line, without the spaces and the double quotes around

@@ -19,7 +19,7 @@ struct Observation {
   int second = 0;
   Rows measured = {};
   Rows sigmas = {};
-  Eigen::MatrixXd whitener = {};  ///< empty: the sigmas tell it all
+  Eigen::MatrixXd whitener = {};  ///< empty: the sigmas say it all
 };
 
 /// One block per kind, in the order that the kinds first come in. Lists that

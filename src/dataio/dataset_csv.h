@@ -40,7 +40,7 @@ Eigen::MatrixXd LoadJointValues(const std::string& path, const Arm& arm);
 /// rotation vectors in deg that read back to rounding; sigmas likewise when
 /// `with_sigmas` (not the correlations of whiteners, and not kUnstatedSigma).
 /// What was not measured is an empty cell. Rows are in the order of poses. Each
-/// of `comments` is a line behind "# " on top.
+/// of `comments` is a line after "# " on top.
 /// @pre blocks are of kPosition and kPose.
 std::string FormatDataset(const Dataset& dataset, const Arm& arm,
                           int joint_decimals, bool with_sigmas,

@@ -125,15 +125,15 @@ class PlainRecords {
   std::optional<LoadedData> Read(const std::string& path, const Arm& arm) {
     ParallelFor(num_threads_, records_.num_rows(), block_,
                 [&](std::int64_t begin, std::int64_t end) {
-                  if (!is_in_doubt_ && !ReadBlock(begin, end)) {
-                    is_in_doubt_ = true;
+                  if (!is_suspect_ && !ReadBlock(begin, end)) {
+                    is_suspect_ = true;
                   }
                 });
     std::vector<Eigen::Index> nothing;
     for (const std::vector<Eigen::Index>& part : nothing_) {
       nothing.insert(nothing.end(), part.begin(), part.end());
     }
-    if (is_in_doubt_ ||
+    if (is_suspect_ ||
         static_cast<std::int64_t>(nothing.size()) == records_.num_rows()) {
       return std::nullopt;
     }
@@ -175,7 +175,7 @@ class PlainRecords {
       }
       if (!is_measured && !MayStay(i, row)) return false;
       const PlainRows::State state = rows_.Set(i, row.data());
-      if (state == PlainRows::State::kDoubtful) return false;
+      if (state == PlainRows::State::kSuspect) return false;
       if (state == PlainRows::State::kNothing) {
         nothing_[static_cast<std::size_t>(begin / block_)].push_back(i);
       }
@@ -200,7 +200,7 @@ class PlainRecords {
   const std::int64_t block_;
   PlainRows rows_;
   std::vector<std::vector<Eigen::Index>> nothing_;  // by block
-  std::atomic<bool> is_in_doubt_{false};
+  std::atomic<bool> is_suspect_{false};
 };
 
 // Data whose numbers stand in the array as they stand in memory: in SI, joints,
@@ -229,7 +229,7 @@ class RecordsInPlace {
         layout_.states_sigmas ? *stated
                               : SharedMatrix::Repeated(layout_.DefaultSigmas(),
                                                        records_.num_rows());
-    std::atomic<bool> is_in_doubt{false};
+    std::atomic<bool> is_suspect{false};
     ParallelFor(
         options.num_threads, records_.num_rows(), kRowsAtOnce,
         [&](std::int64_t begin, std::int64_t end) {
@@ -239,10 +239,10 @@ class RecordsInPlace {
           if (!(rows(*joints).isFinite().all() &&
                 rows(*positions).isFinite().all() &&
                 rows(sigmas).isFinite().all() && (rows(sigmas) > 0.0).all())) {
-            is_in_doubt = true;
+            is_suspect = true;
           }
         });
-    if (is_in_doubt) return std::nullopt;
+    if (is_suspect) return std::nullopt;
     LoadedData loaded;
     loaded.data = MakePositions(*joints, *positions, sigmas);
     loaded.data.name = file_->path();

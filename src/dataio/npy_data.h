@@ -24,7 +24,8 @@ LoadedData LoadNpy(const DataFile& file, References* references,
 /// @throws InputError.
 std::string NpyAsCsv(const std::string& path);
 
-/// An error in that text, told by the array's rows instead of the text's lines.
+/// An error in that text, placed by the array's rows instead of the text's
+/// lines.
 InputError InArray(const InputError& error);
 
 }  // namespace alidade::internal

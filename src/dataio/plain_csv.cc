@@ -25,7 +25,7 @@ struct Chunk {
   int lines_before = 0;
 };
 
-// The first line that begins at `offset` or behind it.
+// The first line that begins at `offset` or after it.
 std::size_t LineStart(std::string_view text, std::size_t offset) {
   if (offset == 0) return 0;
   const std::size_t end = text.find('\n', offset - 1);
@@ -149,14 +149,14 @@ std::optional<LoadedData> ReadPlainCsv(const RowReader& rows,
   RequireFewRows(rows.path(), num_rows);
   PlainRows plain(layout, num_rows);
   plain.KeepLines();
-  std::atomic<bool> is_in_doubt{false};
+  std::atomic<bool> is_suspect{false};
   ParallelFor(options.num_threads, num_chunks, 1,
               [&](std::int64_t c, std::int64_t) {
-                if (is_in_doubt) return;
+                if (is_suspect) return;
                 ChunkReader reader(layout, &plain);
-                if (!reader.Read(chunks[c])) is_in_doubt = true;
+                if (!reader.Read(chunks[c])) is_suspect = true;
               });
-  if (is_in_doubt) return std::nullopt;
+  if (is_suspect) return std::nullopt;
   return plain.Finish(rows.path(), arm, {});
 }
 

@@ -11,7 +11,7 @@
 
 namespace alidade::internal {
 
-/// The fast path of DatasetReader: reads the rows behind the header of a plain
+/// The fast path of DatasetReader: reads the rows after the header of a plain
 /// data set, in pieces cut at line ends, straight into its matrices. What comes
 /// out has the bits that DatasetReader's own rows have. Nothing comes out where
 /// any cell is not one plain number (a text in its column, without quotes), or

@@ -66,7 +66,7 @@ PlainRows::State PlainRows::Set(Eigen::Index i, const double* row) {
   for (int axis = 0; axis < 3; ++axis) {
     const bool is_measured = !std::isnan(position[axis]);
     measured[axis] = is_measured ? position[axis] : 0.0;
-    if (is_measured && std::isnan(sigma[axis])) return State::kDoubtful;
+    if (is_measured && std::isnan(sigma[axis])) return State::kSuspect;
     count += is_measured ? 1 : 0;
   }
   if (layout_.states_sigmas || count < 3) {
@@ -76,7 +76,7 @@ PlainRows::State PlainRows::Set(Eigen::Index i, const double* row) {
     }
   }
   if (layout_.orientation != PlainOrientation::kNone) {
-    return SetOrientation(i, row) ? State::kKept : State::kDoubtful;
+    return SetOrientation(i, row) ? State::kKept : State::kSuspect;
   }
   return count > 0 ? State::kKept : State::kNothing;
 }

@@ -22,12 +22,12 @@ class PlainRows {
  public:
   enum class State {
     kKept,
-    kNothing,   ///< the row measures nothing
-    kDoubtful,  ///< not plain, or wrong: the careful reader is to look at it
+    kNothing,  ///< the row measures nothing
+    kSuspect,  ///< not plain, or wrong: the careful reader is to look at it
   };
 
   /// `layout` must outlive the object. Rows are lines from 1, unless KeepLines
-  /// is called and each told its own.
+  /// is called, each with its own.
   PlainRows(const PlainLayout& layout, Eigen::Index size);
 
   /// The numbers of row i by their slots; NaN is what was not measured. No

@@ -50,7 +50,7 @@ class RowReader {
   const std::string& path() const { return file_.path(); }
   /// The columns of the file, in its order.
   const std::vector<Column>& columns() const { return columns_; }
-  /// What stands behind the line that was read last (the header, at first).
+  /// What stands after the line that was read last (the header, at first).
   std::string_view rest() const { return lines_.rest(); }
   int line() const { return lines_.line_number(); }
   /// Number of the row in the file, counted from 1; those that the filter

@@ -43,8 +43,8 @@ std::string FormatBatchCsv(const BatchSummary& summary) {
   std::string text =
       "name,job,arm,data,status,message,"
       "train_rms_before_mm,train_rms_after_mm,train_max_before_mm,"
-      "train_max_after_mm,heldout_rms_before_mm,heldout_rms_after_mm,"
-      "heldout_max_before_mm,heldout_max_after_mm,"
+      "train_max_after_mm,validation_rms_before_mm,validation_rms_after_mm,"
+      "validation_max_before_mm,validation_max_after_mm,"
       "free,iterations,sigma_mm,reduced_chi_square,outliers,warnings,"
       "directory\n";
   for (const BatchEntry& entry : summary.entries) {
@@ -52,7 +52,7 @@ std::string FormatBatchCsv(const BatchSummary& summary) {
             TextCell(entry.arm) + "," + TextCell(entry.data) + "," +
             ToString(entry.status) + "," + TextCell(entry.message) +
             AccuracyCells(entry.train_before, entry.train_after) +
-            AccuracyCells(entry.heldout_before, entry.heldout_after);
+            AccuracyCells(entry.validation_before, entry.validation_after);
     if (entry.train_after.n > 0) {
       text += "," + std::to_string(entry.num_free) + "," +
               std::to_string(entry.iterations) + "," +

@@ -22,7 +22,7 @@ bool MayBeJob(const fs::path& path) {
          name.front() != '.';
 }
 
-// A file that cannot be told is kept: its error is to be seen.
+// A file that cannot be recognised is kept: its error is to be seen.
 bool IsOtherFormat(const std::string& path) {
   try {
     return DetectFormat(path) != FileFormat::kJob;

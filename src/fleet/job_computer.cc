@@ -42,9 +42,9 @@ void Describe(const CalibrationResult& result, BatchEntry* entry) {
   entry->data = result.train.name;
   entry->train_before = result.train.before;
   entry->train_after = result.train.after;
-  if (result.heldout) {
-    entry->heldout_before = result.heldout->before;
-    entry->heldout_after = result.heldout->after;
+  if (result.validation) {
+    entry->validation_before = result.validation->before;
+    entry->validation_after = result.validation->after;
   }
   entry->num_free = result.identifiability.num_free;
   if (!result.runs.empty()) {

@@ -35,7 +35,7 @@ struct JobDispatcher {
 };
 
 /// Hands out jobs to the other ranks, each when it asks for one, and takes
-/// what came of them, until all have left: they do once they are told that
+/// what came of them, until all have left: they do once they hear that
 /// there are no more. For the one thread of rank 0 that speaks with others;
 /// it sleeps while there is nothing to say.
 void ServeJobs(Communicator* communicator, const JobDispatcher& dispatcher);

@@ -97,7 +97,7 @@ class ResultStore {
   std::exception_ptr failure_;  ///< of a commit: none is tried after it
 };
 
-/// Whether a record still tells the truth: the same program, job and inputs,
+/// Whether a record still holds: the same program, job and inputs,
 /// and its result in place. `fingerprint` is the job's as it is now.
 bool IsCurrent(const BatchRecord& record, const std::string& directory,
                const std::string& fingerprint, FileHashes* hashes);

@@ -14,8 +14,8 @@ namespace alidade::internal {
 /// DIR/.batch/staged-MARK-N. Safe to use from several threads.
 class StagingArea {
  public:
-  /// `mark`: told apart by it are processes that write to one directory, those
-  /// of an earlier batch included, which may still be ending on another
+  /// `mark`: distinguished by it are processes that write to one directory,
+  /// those of an earlier batch included, which may still be ending on another
   /// machine. The process that holds the directory needs none.
   StagingArea(const std::string& directory, const std::string& mark);
 

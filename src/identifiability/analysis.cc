@@ -73,7 +73,7 @@ class RankMethod {
     DecideWeak(generic, data);
     DecideImpractical(generic, data);
     CheckForced(generic);
-    NameStandIns();
+    NameCombinations();
     WarnAboutLevels(generic, data);
     return std::move(result_);
   }
@@ -146,7 +146,7 @@ class RankMethod {
   }
 
   void Freeze(int column, const std::string& rule, const std::string& reason) {
-    decision(column).state = ParameterState::kFrozen;
+    decision(column).state = ParameterState::kFixed;
     decision(column).rule = rule;
     decision(column).reason = reason;
   }
@@ -157,7 +157,7 @@ class RankMethod {
       const bool no_effect = relation.terms.empty();
       Freeze(*layout_.Find(relation.parameter), relation.level,
              no_effect ? MoveName() + " moves with it"
-                       : relation.text + ", whatever the pose");
+                       : relation.text + " at all poses");
     }
   }
 
@@ -191,7 +191,8 @@ class RankMethod {
 
   std::vector<int> Free() const { return FreeColumns(result_); }
 
-  // What the noise drowns, the worst first: freezing one helps the others.
+  // What is below the noise level, the worst first: fixing one helps the
+  // others.
   void DecideImpractical(const GenericAnalysis& generic,
                          const DataAnalysis& data) {
     std::vector<int> told;
@@ -222,7 +223,7 @@ class RankMethod {
     const double known = options_.priors.Of(parameter.kind);
     const std::string reason =
         "the noise leaves " + FormatDeviation(deviation, parameter.dimension) +
-        ", known beforehand to " + FormatDeviation(known, parameter.dimension);
+        ", known a priori to " + FormatDeviation(known, parameter.dimension);
     result_.weak.push_back(parameter.name);
     if (policy_ == WeakPolicy::kFreeze && !Contains(forced_, column)) {
       Freeze(column, "not_practical", reason);
@@ -242,21 +243,22 @@ class RankMethod {
       result_.refusal =
           relation.parameter +
           " is to be free, but cannot be identified: " + relation.text +
-          ", whatever the pose. Take it out of `free`, or one "
-          "of those it acts as";
+          " at all poses. Take it out of `free`, or one "
+          "of those it is linearly dependent on";
     }
   }
 
-  void NameStandIns() {
+  void NameCombinations() {
     for (const Relation& relation : result_.relations) {
       const int column = *layout_.Find(relation.parameter);
-      if (decision(column).state != ParameterState::kFrozen) continue;
+      if (decision(column).state != ParameterState::kFixed) continue;
       for (const auto& [name, coefficient] : relation.terms) {
         const int kept = *layout_.Find(name);
-        std::string& stands_for = decision(kept).stands_for;
-        if (stands_for.empty()) stands_for = name;
-        stands_for = AppendTerm(
-            stands_for,
+        std::string& identified_combination =
+            decision(kept).identified_combination;
+        if (identified_combination.empty()) identified_combination = name;
+        identified_combination = AppendTerm(
+            identified_combination,
             FormatTerm(layout_, {coefficient, column, kept, column}));
       }
     }
@@ -278,9 +280,9 @@ class RankMethod {
     }
     if (relations.empty()) return;
     std::string text =
-        "these poses tell only " + std::to_string(data.rank.rank) + " of " +
-        std::to_string(result_.structural_rank.rank) +
-        " parameters apart at the nominal geometry (" + relations + ")";
+        "these poses determine only " + std::to_string(data.rank.rank) +
+        " of " + std::to_string(result_.structural_rank.rank) +
+        " parameters at the nominal geometry (" + relations + ")";
     if (!data.second_order.empty()) text += "; " + data.second_order;
     result_.warnings.push_back(text);
   }
@@ -294,20 +296,21 @@ class RankMethod {
   IdentifiabilityResult result_;
 };
 
-// What is known beforehand of each free parameter: of itself, and of the frozen
-// ones that it stands for, each with what a step of it makes of this one.
-Eigen::VectorXd StandInPriors(const MeasurementModel& model,
-                              const IdentifiabilityOptions& options,
-                              const IdentifiabilityResult& result) {
+// What is known a priori of each free parameter: of itself, and of the fixed
+// ones in its identified combination, each with what a step of it makes of this
+// one.
+Eigen::VectorXd CombinationPriors(const MeasurementModel& model,
+                                  const IdentifiabilityOptions& options,
+                                  const IdentifiabilityResult& result) {
   const ParameterLayout& layout = model.layout();
   Eigen::VectorXd variances =
       options.priors.Deviations(layout).array().square();
   const Eigen::VectorXd own = variances;
   for (const Relation& relation : result.relations) {
-    const int frozen = *layout.Find(relation.parameter);
-    if (result.decisions[frozen].state != ParameterState::kFrozen) continue;
+    const int fixed = *layout.Find(relation.parameter);
+    if (result.decisions[fixed].state != ParameterState::kFixed) continue;
     for (const auto& [name, coefficient] : relation.terms) {
-      variances[*layout.Find(name)] += coefficient * coefficient * own[frozen];
+      variances[*layout.Find(name)] += coefficient * coefficient * own[fixed];
     }
   }
   return variances.cwiseSqrt();
@@ -323,7 +326,7 @@ void Finish(const MeasurementModel& model, const Dataset& data,
   result->num_free = static_cast<int>(free.size());
   if (free.empty()) return;
   FreeAnalysis analysis = AnalyzeFree(model, data, free, options);
-  analysis.priors = StandInPriors(model, options, *result)(free);
+  analysis.priors = CombinationPriors(model, options, *result)(free);
   result->nominal_rank = analysis.rank;
   result->unscaled = analysis.unscaled;
   result->scaled = analysis.scaled;
@@ -342,8 +345,8 @@ void Finish(const MeasurementModel& model, const Dataset& data,
     result->exceeds_rank = true;
     result->refusal =
         std::to_string(result->num_free) + " parameters are kept, but these " +
-        "poses tell only " + std::to_string(analysis.perturbed_rank.rank) +
-        " apart, whatever the geometry: measure more varied poses, or use the "
+        "poses determine only " + std::to_string(analysis.perturbed_rank.rank) +
+        ", whatever the geometry: measure more varied poses, or use the "
         "policy prior or freeze";
   }
   if (result->method == "rank") {

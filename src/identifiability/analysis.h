@@ -9,9 +9,9 @@
 
 namespace alidade::internal {
 
-/// What no pose could tell: the candidates' null space over generic poses.
+/// What no pose could determine: the candidates' null space over generic poses.
 struct GenericAnalysis {
-  /// Columns that can be told apart at the nominal geometry, in the order of
+  /// Columns that can be distinguished at the nominal geometry, in the order of
   /// preference.
   std::vector<int> kept;
   /// Columns that only second-order effects separate from the kept ones.
@@ -27,10 +27,10 @@ struct GenericAnalysis {
 /// over generic poses measured in the way of `data` (generic_data.h), four and
 /// more for every column. Two ranks are taken of the scaled Jacobian,
 ///
-///   - at the nominal geometry: what first-order effects tell apart;
+///   - at the nominal geometry: what first-order effects distinguish;
 ///   - at three seeded perturbations of the geometry, the largest counts: the
-///     structural rank, beyond which nothing can be told by any pose and any
-///     arm nearby.
+///     structural rank, beyond which nothing can be determined by any pose and
+///     any arm nearby.
 ///
 /// The parameters that the second has above the first are `weak`. They are
 /// taken from angles first, since beta and alpha are what axes that are nearly
@@ -43,15 +43,18 @@ GenericAnalysis AnalyzeGeneric(const MeasurementModel& model,
                                const IdentifiabilityOptions& options);
 
 /// The whole identifiability pass for these poses: by the published rules
-/// (rules.h), or by ranks, which tells four levels apart,
+/// (rules.h), or by ranks, which distinguishes four levels,
 ///
-///   structural     no pose could tell: frozen, with the relation that says
-///                  what stands for it;
-///   at_geometry    at the nominal geometry only second-order effects tell;
-///   not_excited    these poses do not tell, though others could: the advice
+///   structural     no pose could determine it: fixed, with the relation that
+///   says
+///                  what it depends on;
+///   at_geometry    at the nominal geometry only second-order effects do;
+///   not_excited    these poses do not determine it, though others could: the
+///   advice
 ///                  names joint motions that help;
-///   not_practical  the noise drowns it: the predicted standard deviation is
-///                  above what is known beforehand;
+///   not_practical  it is below the noise level: the predicted standard
+///   deviation is
+///                  above what is known a priori;
 ///
 /// and does with the last three what the policy says. Where the user's `free`
 /// cannot be respected, or more stays free than the rank, exceeds_rank is set

@@ -14,8 +14,8 @@
 #include "src/identifiability/observability.h"
 #include "src/identifiability/perturbation.h"
 #include "src/identifiability/rank.h"
-#include "src/kernel/compression.h"
 #include "src/kernel/partition.h"
+#include "src/kernel/reduction.h"
 #include "src/model/joint_draw.h"
 
 namespace alidade::internal {
@@ -122,9 +122,9 @@ class DataAnalyzer {
       if (gain <= 0) continue;
       analysis_.advice.emplace_back(
           "moving joint " + std::to_string(j + 1) +
-          " through its range, the others as measured, would tell " +
+          " through its range, the others as measured, would determine " +
           std::to_string(gain) + " more " +
-          (gain == 1 ? "parameter" : "parameters") + " apart");
+          (gain == 1 ? "parameter" : "parameters"));
     }
     if (!analysis_.advice.empty()) return;
     analysis_.advice.emplace_back(
@@ -133,7 +133,7 @@ class DataAnalyzer {
 
   // Median standard deviations, over arms perturbed by the tolerances, of the
   // parameters that take part in a relation: what a solve without priors or
-  // freezing would leave.
+  // fixing would leave.
   void DescribeSecondOrder() {
     std::vector<int> all = kept_;
     all.insert(all.end(), weak_.begin(), weak_.end());

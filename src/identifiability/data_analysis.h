@@ -10,12 +10,12 @@
 
 namespace alidade::internal {
 
-/// What these poses tell of the parameters that some pose could tell.
+/// What these poses determine of the parameters that some pose could.
 struct DataAnalysis {
   RankReport rank;                  ///< of the generically kept columns
   std::vector<Relation> relations;  ///< "not_excited"
   std::vector<std::string> advice;
-  /// How large the noise makes what only second-order effects tell; empty
+  /// How large the noise makes what only second-order effects determine; empty
   /// where there is nothing of the kind.
   std::string second_order;
 
@@ -39,7 +39,7 @@ struct FreeAnalysis {
   ObservabilityIndices unscaled;
   ObservabilityIndices scaled;
   Eigen::MatrixXd whitened_factor;
-  Eigen::VectorXd priors;  ///< set by whoever knows what is frozen
+  Eigen::VectorXd priors;  ///< set by whoever knows what is fixed
 
   Eigen::VectorXd Deviations(bool with_priors) const;
 };

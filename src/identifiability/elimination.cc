@@ -35,7 +35,7 @@ Choice ChooseInOrder(const Eigen::MatrixXd& factor, double tolerance) {
     const Eigen::VectorXd column = factor.col(c);
     Eigen::VectorXd rest = column;
     // Twice is enough: one pass of Gram-Schmidt leaves rounding of the kept
-    // columns behind (Kahan; Parlett 1980, "The symmetric eigenvalue problem").
+    // columns after (Kahan; Parlett 1980, "The symmetric eigenvalue problem").
     for (int pass = 0; pass < 2; ++pass) {
       rest -= basis * (basis.transpose() * rest).eval();
     }
@@ -126,7 +126,7 @@ class Exchange {
     std::swap(choice_.kept[out], choice_.dependent[in]);
   }
 
-  // A column for one behind it, where no coefficient becomes large by that.
+  // A column for one after it, where no coefficient becomes large by that.
   bool ReturnToOrder() {
     for (Eigen::Index in = 0; in < coefficients_.cols(); ++in) {
       for (Eigen::Index out = 0; out < coefficients_.rows(); ++out) {

@@ -8,7 +8,7 @@
 #include "src/identifiability/generic_data.h"
 #include "src/identifiability/perturbation.h"
 #include "src/identifiability/rank.h"
-#include "src/kernel/compression.h"
+#include "src/kernel/reduction.h"
 
 namespace alidade::internal {
 namespace {
@@ -129,7 +129,7 @@ class Generic {
     analysis_.relations.push_back(std::move(relation));
   }
 
-  // The parameter by a step, the ones that stand for it by as much the other
+  // The parameter by a step, the ones that it depends on by as much the other
   // way: what is left is of second order in the step.
   bool MeasurementsStay(const Dependency& dependency) const {
     const double step = kRelationStep / ColumnScale(model_, dependency.column);

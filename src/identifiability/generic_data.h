@@ -11,11 +11,11 @@ namespace alidade::internal {
 /// A data set that stands for all that could be measured in the way of `data`:
 /// at poses drawn within the joint limits, every combination of kind, target,
 /// reference and measured axes that `data` has anywhere. Contacts with points
-/// and planes are taken as if they held at any pose: what such poses could tell
-/// and those of `data` do not is then "not excited" (the size of an arm, for
-/// one, that touches nothing whose place is known). Rows are in metres: sigmas
-/// are 1 m, and the reach for orientations turned into lengths, 1 / reach
-/// (rad). Measured orientations are those of the nominal arm.
+/// and planes are taken as if they held at any pose: what such poses could
+/// determine and those of `data` do not is then "not excited" (the size of an
+/// arm, for one, that touches nothing whose place is known). Rows are in
+/// metres: sigmas are 1 m, and the reach for orientations turned into lengths,
+/// 1 / reach (rad). Measured orientations are those of the nominal arm.
 Dataset MakeGenericData(const MeasurementModel& model, const Dataset& data,
                         int num_poses, std::uint64_t seed);
 

@@ -66,8 +66,8 @@ const char* ToString(ParameterState state) {
   switch (state) {
     case ParameterState::kFree:
       return "free";
-    case ParameterState::kFrozen:
-      return "frozen";
+    case ParameterState::kFixed:
+      return "fixed";
     case ParameterState::kGiven:
       return "given";
   }

@@ -43,20 +43,21 @@ void VisitFields(Visitor& v,
                  Subject<Visitor, IdentifiabilityOptions>& options) {
   v.Field(Key("method"), options.method,
           "`rank`: by ranks over generic poses and these; `rules`, as the "
-          "published study: beta is frozen where alpha is not 0, columns of "
-          "zero are frozen, of the r of parallel axes the first is kept. "
+          "published study: beta is fixed where alpha is not 0, columns of "
+          "zero are fixed, of the r of parallel axes the first is kept. "
           "`rules` refuses references that are not known");
-  v.Field(Key("policy").Default("`prior` (`rank`), `keep` (`rules`)"),
-          options.policy,
-          "what is done with parameters that these poses tell badly: `prior` "
-          "frees them with a Gaussian prior, `freeze` (only `rank`) holds "
-          "them, `keep` frees them");
+  v.Field(
+      Key("policy").Default("`prior` (`rank`), `keep` (`rules`)"),
+      options.policy,
+      "what is done with parameters that these poses determine badly: `prior` "
+      "frees them with a Gaussian prior, `freeze` (only `rank`) holds "
+      "them, `keep` frees them");
   v.Section(Key("priors"),
-            "what is known beforehand: standard deviations about the nominal "
+            "what is known a priori: standard deviations about the nominal "
             "values",
             options.priors);
   v.Field(Key("proceed_beyond_rank"), options.proceed_beyond_rank,
-          "solve although more parameters are kept than can be told apart");
+          "solve although more parameters are kept than can be distinguished");
   v.Field(AngleKey("angle_tolerance").Above(0).Below(0.1),
           options.angle_tolerance, "below it, an angle counts as zero");
   v.Field(Key("relative_tolerance").Above(0).Below(1),
@@ -72,7 +73,7 @@ void VisitFields(Visitor& v,
 template <>
 inline constexpr std::array kWords<ParameterState> = {
     std::pair{ParameterState::kFree, "free"},
-    std::pair{ParameterState::kFrozen, "frozen"},
+    std::pair{ParameterState::kFixed, "fixed"},
     std::pair{ParameterState::kGiven, "given"},
 };
 

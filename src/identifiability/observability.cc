@@ -33,7 +33,7 @@ ObservabilityIndices ComputeObservability(const Eigen::MatrixXd& factor,
 
 namespace {
 
-constexpr double kUntold = 1e-12;
+constexpr double kRankTolerance = 1e-12;
 
 // Rounding leaves this much of a direction in parameters it has no part in.
 constexpr double kNoPart = 1e-6;
@@ -44,7 +44,7 @@ struct StackedRows {
   Eigen::VectorXd norms;
 
   bool IsTold(Eigen::Index i) const {
-    return svd.values[i] > kUntold * svd.values[0];
+    return svd.values[i] > kRankTolerance * svd.values[0];
   }
 };
 

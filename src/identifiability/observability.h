@@ -25,9 +25,9 @@ ObservabilityIndices ComputeObservability(const Eigen::MatrixXd& factor,
 
 /// Standard deviations of parameters from a whitened factor R and prior
 /// standard deviations (infinite = none): the square roots of the diagonal of
-/// (R^T R + diag(1 / prior^2))^-1. A parameter that neither tells is infinite.
-/// By singular values of the two stacked, columns brought to unit norm;
-/// directions below 1e-12 of the largest count as not told.
+/// (R^T R + diag(1 / prior^2))^-1. A parameter that neither determines is
+/// infinite. By singular values of the two stacked, columns brought to unit
+/// norm; directions below 1e-12 of the largest count as not identifiable.
 Eigen::VectorXd PredictDeviations(const Eigen::MatrixXd& whitened_factor,
                                   const Eigen::VectorXd& prior);
 
@@ -36,7 +36,7 @@ Eigen::VectorXd PredictDeviations(const Eigen::MatrixXd& whitened_factor,
 /// sqrt(trace(W (R^T R + diag(1 / prior^2))^-1 W^T)). With the Jacobian of N
 /// positions in m, this over sqrt(N) is the root mean square of the position
 /// error that a calibration leaves there. Infinite where neither data nor
-/// priors tell a direction that W sees.
+/// priors determine a direction that W sees.
 double PredictTotal(const Eigen::MatrixXd& whitened_factor,
                     const Eigen::VectorXd& prior, const Eigen::MatrixXd& other);
 

@@ -10,15 +10,15 @@
 
 #include "src/common/svd.h"
 #include "src/identifiability/factor.h"
-#include "src/kernel/compression.h"
+#include "src/kernel/reduction.h"
 
 namespace alidade::internal {
 namespace {
 
 // References first: nothing else says where they are. Then frames: where an arm
-// stands and what it holds is known worst beforehand, and a joint's number held
+// stands and what it holds is known worst a priori, and a joint's number held
 // in their stead would carry its narrow prior over to them. Then lengths: they
-// are what drawings and people state, and a length that stands for an angle
+// are what drawings and people state, and a length that takes an angle's part
 // reads better than the reverse.
 constexpr std::array<ParameterKind, 12> kCanonicalOrder = {
     ParameterKind::kPoint,
@@ -166,7 +166,7 @@ std::string DescribeDependency(const ParameterLayout& layout,
     sum = AppendTerm(sum, FormatTerm(layout, {coefficient, dependency.column,
                                               column, column}));
   }
-  return name + " acts as " + sum;
+  return name + " is linearly dependent on " + sum;
 }
 
 }  // namespace alidade::internal

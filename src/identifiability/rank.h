@@ -42,7 +42,7 @@ int NumForced(const MeasurementModel& model,
 /// The canonical order: base and tool (lengths, then rotations), which are
 /// known worst beforehand, then the joints' lengths before their angles (d, r,
 /// theta, alpha, beta), from the base outwards within each: a parameter is kept
-/// in preference to those behind it that it can stand for.
+/// in preference to those after it that depend on it.
 std::vector<int> InCanonicalOrder(const ParameterLayout& layout,
                                   std::vector<int> columns);
 
@@ -84,7 +84,7 @@ std::string FormatTerm(const ParameterLayout& layout, const Term& term);
 /// Adds a term to a sum: "r2", "-72 mm * alpha5" -> "r2 - 72 mm * alpha5".
 std::string AppendTerm(const std::string& sum, const std::string& term);
 
-/// "alpha5 acts as -72 mm * r2", "alpha5 has no effect".
+/// "alpha5 is linearly dependent on -72 mm * r2", "alpha5 has no effect".
 std::string DescribeDependency(const ParameterLayout& layout,
                                const Dependency& dependency);
 

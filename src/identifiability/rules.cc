@@ -51,15 +51,15 @@ class Pass {
   }
 
   // The first rule that applies decides; what a later one would add is put
-  // behind it.
+  // after it.
   void Freeze(int column, const std::string& rule, const std::string& reason) {
     ParameterDecision& decision = result_.decisions[column];
     if (decision.state == ParameterState::kGiven) return;
-    if (decision.state == ParameterState::kFrozen) {
+    if (decision.state == ParameterState::kFixed) {
       decision.reason += "; " + reason;
       return;
     }
-    decision.state = ParameterState::kFrozen;
+    decision.state = ParameterState::kFixed;
     decision.rule = rule;
     decision.reason = reason;
   }
@@ -112,9 +112,10 @@ class Pass {
              "axis " + std::to_string(j + 1) + " is parallel to axis " +
                  std::to_string(first + 1) + ": " + name +
                  " moves the target as " + kept_name + " does");
-      std::string& stands_for = result_.decisions[kept].stands_for;
-      if (stands_for.empty()) stands_for = kept_name;
-      stands_for += (sign > 0.0 ? " + " : " - ") + name;
+      std::string& identified_combination =
+          result_.decisions[kept].identified_combination;
+      if (identified_combination.empty()) identified_combination = kept_name;
+      identified_combination += (sign > 0.0 ? " + " : " - ") + name;
     }
   }
 
@@ -178,9 +179,9 @@ class Pass {
     }
     result_.refusal =
         "the rules keep " + std::to_string(result_.num_free) +
-        " parameters, but these poses tell only " +
+        " parameters, but these poses determine only " +
         std::to_string(result_.perturbed_rank.rank) +
-        " apart, whatever the geometry: " + names +
+        ", whatever the geometry: " + names +
         (independent.size() + 1 == order.size() ? " depends" : " depend") +
         " on the others. Fix as many (identifiability: fix: [" + names +
         "]), measure more varied poses, or set proceed_beyond_rank: true to "
@@ -195,9 +196,9 @@ class Pass {
       relations += DescribeDependency(layout_, dependency);
     }
     result_.warnings.push_back(
-        "at the nominal geometry these poses tell only " +
+        "at the nominal geometry these poses determine only " +
         std::to_string(result_.nominal_rank.rank) + " of " +
-        std::to_string(result_.num_free) + " parameters apart (" + relations +
+        std::to_string(result_.num_free) + " parameters (" + relations +
         "); only second-order effects separate the rest, so measurement noise "
         "would be amplified strongly in them");
   }

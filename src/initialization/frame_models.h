@@ -123,7 +123,7 @@ struct PoseStartModel {
       block.block<3, 3>(0, 0) = -Skew(base * point);
       block.block<3, 3>(0, 3).setIdentity();
       block.block<3, 3>(0, 6) = last;
-      // Of first order in the misfit.
+      // Of first order in the residual.
       block.block<3, 3>(3, 0).diagonal().setConstant(kMetresPerRadian);
       block.block<3, 3>(3, 9) = kMetresPerRadian * last;
     }

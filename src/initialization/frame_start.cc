@@ -59,7 +59,7 @@ FitRows RowsOf(const Model& model) {
 }
 
 // rows: of the fit; block_size: residuals of an observation; the first
-// `num_metres` of them are the misfit reported.
+// `num_metres` of them are the residual reported.
 StartMisfit Misfit(const FitRows& rows, int block_size, int num_metres) {
   const Eigen::VectorXd all = BlockNorms(rows.residuals, block_size);
   const double cut = kTukeyCut * RobustScale(all, rows);

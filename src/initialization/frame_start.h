@@ -17,17 +17,17 @@ namespace alidade::internal {
 ///   (m)
 ///
 /// Each function states its equation in x_i and fits it from several starts by
-/// Gauss-Newton steps, damped where they would raise the misfit (More 1978,
-/// "The Levenberg-Marquardt algorithm"). Weights follow the median misfit,
+/// Gauss-Newton steps, damped where they would raise the residual (More 1978,
+/// "The Levenberg-Marquardt algorithm"). Weights follow the median residual,
 /// Huber's among the starts and Tukey's for the best of them, so that some 10 %
 /// of gross outliers do no harm (Huber, Ronchetti 2009, "Robust Statistics",
 /// chapter 7).
 ///
 /// What the data do not fix: a weak prior holds targets at 0 +- 0.5 m, weighed
-/// against the misfit found. It moves an observable target by far less than the
-/// noise does, and takes an unobservable one to the smallest that fits: with
-/// all flange orientations equal, to 0. What else stays undetermined has a step
-/// of minimum norm (complete orthogonal decomposition).
+/// against the residual found. It moves an observable target by far less than
+/// the noise does, and takes an unobservable one to the smallest that fits:
+/// with all flange orientations equal, to 0. What else stays undetermined has a
+/// step of minimum norm (complete orthogonal decomposition).
 ///
 /// Every function returns nothing where there are fewer equations than unknown
 /// numbers, a target or point without observations, a size or index that does
@@ -38,7 +38,7 @@ namespace alidade::internal {
 /// How well the starting values fit.
 struct StartMisfit {
   double rms = 0.0;      ///< (m) of all observations, outliers too
-  double median = 0.0;   ///< (m) of the observations' misfits
+  double median = 0.0;   ///< (m) of the observations' residuals
   int num_outliers = 0;  ///< observations that had no say in the fit
 };
 
@@ -84,7 +84,7 @@ struct PoseStart {
   Eigen::Isometry3d instrument_from_base = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d last_from_target = Eigen::Isometry3d::Identity();
   StartMisfit misfit;         ///< of positions; an outlier by either part
-  double rms_rotation = 0.0;  ///< (rad) of all observations' misfits
+  double rms_rotation = 0.0;  ///< (rad) of all observations' residuals
 };
 
 /// Base and target frame from poses, instrument_from_target_i =
@@ -93,8 +93,8 @@ struct PoseStart {
 /// singular value of the sum of Kronecker products (Shah 2013, "Solving the
 /// robot-world/hand-eye calibration problem using the Kronecker product"),
 /// by the positions with the target at the last joint, and with a target frame
-/// parallel to the last joint's, kept where the poses do not tell better; the
-/// translations by linear least squares. In the fit, 1 rad counts as 0.2 m.
+/// parallel to the last joint's, kept where the poses do not determine better;
+/// the translations by linear least squares. In the fit, 1 rad counts as 0.2 m.
 /// Nothing for fewer than three poses.
 std::optional<PoseStart> StartFromPoses(
     const std::vector<Eigen::Isometry3d>& base_from_last,

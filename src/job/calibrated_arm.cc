@@ -49,26 +49,26 @@ ParameterCovariance CovarianceOf(const UncertaintyResult& uncertainty,
   ParameterCovariance covariance;
   covariance.degrees_of_freedom = uncertainty.degrees_of_freedom;
   std::vector<int> kept;
-  std::vector<int> untold;
+  std::vector<int> null_space;
   for (std::size_t k = 0; k < uncertainty.parameters.size(); ++k) {
     const auto column = layout.Find(uncertainty.parameters[k].name);
     if (!column) continue;
     covariance.columns.push_back(*column);
     kept.push_back(static_cast<int>(k));
     if (!std::isfinite(uncertainty.parameters[k].std)) {
-      untold.push_back(static_cast<int>(kept.size()) - 1);
+      null_space.push_back(static_cast<int>(kept.size()) - 1);
     }
   }
   Eigen::MatrixXd matrix = uncertainty.covariance(kept, kept);
   const auto p = static_cast<Eigen::Index>(kept.size());
-  covariance.untold =
-      Eigen::MatrixXd::Zero(p, static_cast<Eigen::Index>(untold.size()));
-  for (std::size_t k = 0; k < untold.size(); ++k) {
-    matrix.row(untold[k]).setZero();
-    matrix.col(untold[k]).setZero();
-    covariance.untold(untold[k], static_cast<Eigen::Index>(k)) = 1.0;
+  covariance.null_space =
+      Eigen::MatrixXd::Zero(p, static_cast<Eigen::Index>(null_space.size()));
+  for (std::size_t k = 0; k < null_space.size(); ++k) {
+    matrix.row(null_space[k]).setZero();
+    matrix.col(null_space[k]).setZero();
+    covariance.null_space(null_space[k], static_cast<Eigen::Index>(k)) = 1.0;
   }
-  covariance.untold_parameters = untold;
+  covariance.null_space_parameters = null_space;
   // Scaled to correlations, so that radians and metres do not mix.
   const Eigen::VectorXd scale = matrix.diagonal().cwiseSqrt();
   const Eigen::VectorXd inverse =
@@ -99,10 +99,10 @@ std::optional<CalibratedArm> LoadCalibratedArm(const std::string& path) {
   calibrated.confidence = result.uncertainty->confidence;
   calibrated.sigma = result.sigma;
   for (const InputFile& input : result.inputs) {
-    const bool is_heldout = result.heldout &&
-                            result.heldout->name == input.path &&
-                            result.heldout->name != result.train.name;
-    if (!is_heldout) calibrated.inputs.push_back(input);
+    const bool is_validation = result.validation &&
+                               result.validation->name == input.path &&
+                               result.validation->name != result.train.name;
+    if (!is_validation) calibrated.inputs.push_back(input);
   }
   return calibrated;
 }

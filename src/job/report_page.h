@@ -26,8 +26,8 @@ std::string ResultPageOf(const std::string& path,
 void AddToComparison(const std::string& path, const std::string& label,
                      const std::string& page_path, ComparisonPage* page);
 
-/// Names by which results in these directories are told apart: the last parts
-/// of their paths, as many as it takes. One entry per path.
+/// Names by which results in these directories are distinguished: the last
+/// parts of their paths, as many as it takes. One entry per path.
 std::vector<std::string> ResultLabels(const std::vector<std::string>& paths);
 
 }  // namespace alidade::internal

@@ -28,18 +28,18 @@ std::set<std::string> NamesOf(OutputKind kind) {
   switch (kind) {
     case OutputKind::kCalibration:
       return {"arm.yaml",          "report.txt",
-              "residuals.csv",     "heldout.csv",
+              "residuals.csv",     "validation.csv",
               "iterations.csv",    "error_before.svg",
               "error_after.svg",   "convergence.svg",
               "influence.csv",     "validation_before.svg",
               "relations.svg",     "validation_after.svg",
               "predicted_map.csv", "singular_values.svg",
               "predicted_map.svg", "residual_histogram.svg",
-              "report.html",       "heldout_z_scores.svg",
+              "report.html",       "validation_z_scores.svg",
               "result.json"};
     case OutputKind::kComparison:
       return {
-          "residuals.csv",         "heldout.csv",          "iterations.csv",
+          "residuals.csv",         "validation.csv",       "iterations.csv",
           "error_before.svg",      "error_after.svg",      "convergence.svg",
           "validation_before.svg", "validation_after.svg", "noise_study.csv",
           "noise_study.svg",       "comparison.txt"};

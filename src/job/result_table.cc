@@ -256,9 +256,9 @@ void ReadResultTables(const std::string& directory, CalibrationResult* result) {
   read("residuals.csv", [&](const ResultTable& table) {
     ReadObservations(table, &result->train);
   });
-  if (result->heldout) {
-    read("heldout.csv", [&](const ResultTable& table) {
-      ReadObservations(table, &*result->heldout);
+  if (result->validation) {
+    read("validation.csv", [&](const ResultTable& table) {
+      ReadObservations(table, &*result->validation);
     });
   }
   if (result->uncertainty && result->uncertainty->workspace) {

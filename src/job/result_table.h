@@ -31,7 +31,7 @@ struct ResultTable {
 ResultTable ReadResultTable(const TextSource& csv,
                             const std::set<std::string>& text_columns);
 
-/// Fills in what residuals.csv or heldout.csv hold of a set: joint values,
+/// Fills in what residuals.csv or validation.csv hold of a set: joint values,
 /// labels, positions and residuals; of orientations their angles alone.
 void ReadObservations(const ResultTable& table, EvaluatedSet* set);
 

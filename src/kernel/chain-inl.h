@@ -1,5 +1,5 @@
 // The walk of a vector of poses along the chain, compiled once for each
-// instruction set: include behind foreach_target.h, between no namespaces.
+// instruction set: include after foreach_target.h, between no namespaces.
 #if defined(ALIDADE_SRC_MEASUREMENT_CHAIN_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ALIDADE_SRC_MEASUREMENT_CHAIN_INL_H_
 #undef ALIDADE_SRC_MEASUREMENT_CHAIN_INL_H_

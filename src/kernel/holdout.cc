@@ -156,8 +156,8 @@ struct PosePair {
   int second = 0;
 };
 
-// Joint values and differences of all poses, which tell the configurations; on
-// the root.
+// Joint values and differences of all poses, which determine the
+// configurations; on the root.
 Dataset ConfigurationsOf(Communicator* communicator, const Dataset& data) {
   Dataset all;
   all.joint_values = PosesInOrder(communicator, data, data.joint_values);
@@ -192,28 +192,30 @@ struct Deal {
   int end = 0;
 };
 
-std::vector<char> IsHeldout(const std::vector<int>& groups, const Deal& deal) {
+std::vector<char> IsValidation(const std::vector<int>& groups,
+                               const Deal& deal) {
   const std::vector<int> order = Shuffled(CountGroups(groups), deal.seed);
-  std::vector<char> group_is_heldout(order.size(), 0);
+  std::vector<char> group_is_validation(order.size(), 0);
   for (int i = deal.first; i < deal.end; i += deal.step) {
-    group_is_heldout[order[i]] = 1;
+    group_is_validation[order[i]] = 1;
   }
-  std::vector<char> is_heldout;
-  for (const int group : groups) is_heldout.push_back(group_is_heldout[group]);
-  return is_heldout;
+  std::vector<char> is_validation;
+  for (const int group : groups)
+    is_validation.push_back(group_is_validation[group]);
+  return is_validation;
 }
 
 std::vector<char> DrawFraction(const Dataset& data, double fraction,
                                std::uint64_t seed) {
   const std::vector<int> groups = GroupByConfiguration(data);
   const double count = CountGroups(groups);
-  const auto num_heldout = static_cast<int>(std::lround(fraction * count));
-  return IsHeldout(groups, {seed, 0, 1, num_heldout});
+  const auto num_validation = static_cast<int>(std::lround(fraction * count));
+  return IsValidation(groups, {seed, 0, 1, num_validation});
 }
 
-HoldOut Split(const Dataset& data, const std::vector<char>& is_heldout,
+HoldOut Split(const Dataset& data, const std::vector<char>& is_validation,
               Communicator* communicator) {
-  return HoldOutPoses(data, {is_heldout.begin(), is_heldout.end()},
+  return HoldOutPoses(data, {is_validation.begin(), is_validation.end()},
                       communicator);
 }
 
@@ -269,28 +271,29 @@ Dataset SelectPoses(const Dataset& data,
   return selected;
 }
 
-HoldOut HoldOutPoses(const Dataset& data, const std::vector<bool>& is_heldout,
+HoldOut HoldOutPoses(const Dataset& data,
+                     const std::vector<bool>& is_validation,
                      Communicator* communicator) {
   std::vector<Eigen::Index> train;
-  std::vector<Eigen::Index> heldout;
-  for (std::size_t pose = 0; pose < is_heldout.size(); ++pose) {
-    (is_heldout[pose] ? heldout : train)
+  std::vector<Eigen::Index> validation;
+  for (std::size_t pose = 0; pose < is_validation.size(); ++pose) {
+    (is_validation[pose] ? validation : train)
         .push_back(static_cast<Eigen::Index>(pose));
   }
-  HoldOut split{SelectPoses(data, train), SelectPoses(data, heldout)};
-  Dataset& heldout_data = split.heldout;
-  for (std::size_t k = 0; k < heldout_data.blocks.size();) {
-    if (heldout_data.blocks[k].kind != MeasurementKind::kPointDistance) {
+  HoldOut split{SelectPoses(data, train), SelectPoses(data, validation)};
+  Dataset& validation_data = split.validation;
+  for (std::size_t k = 0; k < validation_data.blocks.size();) {
+    if (validation_data.blocks[k].kind != MeasurementKind::kPointDistance) {
       ++k;
       continue;
     }
     const auto at = static_cast<std::ptrdiff_t>(k);
-    heldout_data.blocks.erase(heldout_data.blocks.begin() + at);
-    for (Shard& shard : heldout_data.shards) {
+    validation_data.blocks.erase(validation_data.blocks.begin() + at);
+    for (Shard& shard : validation_data.shards) {
       shard.first_observations.erase(shard.first_observations.begin() + at);
     }
   }
-  for (Dataset* part : {&split.train, &split.heldout}) {
+  for (Dataset* part : {&split.train, &split.validation}) {
     CountParts(communicator, data, part);
   }
   return split;
@@ -302,17 +305,19 @@ HoldOut HoldOutFraction(const Dataset& data, double fraction,
     return Split(data, DrawFraction(data, fraction, seed), communicator);
   }
   const Dataset all = ConfigurationsOf(communicator, data);
-  std::vector<char> is_heldout;
-  if (communicator->is_root()) is_heldout = DrawFraction(all, fraction, seed);
+  std::vector<char> is_validation;
+  if (communicator->is_root())
+    is_validation = DrawFraction(all, fraction, seed);
   const std::string drawn =
-      communicator->Broadcast({is_heldout.begin(), is_heldout.end()});
+      communicator->Broadcast({is_validation.begin(), is_validation.end()});
   const auto first = drawn.begin() + data.partition->first_pose;
   return Split(data, {first, first + data.num_poses()}, communicator);
 }
 
 HoldOut HoldOutFold(const Dataset& data, int folds, int k, std::uint64_t seed) {
   const std::vector<int> groups = GroupByConfiguration(data);
-  return Split(data, IsHeldout(groups, {seed, k, folds, CountGroups(groups)}),
+  return Split(data,
+               IsValidation(groups, {seed, k, folds, CountGroups(groups)}),
                SingleProcess());
 }
 

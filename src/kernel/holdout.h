@@ -35,7 +35,7 @@ Dataset SelectPoses(const Dataset& data,
 /// Distances of reference points go to `train` alone.
 struct HoldOut {
   Dataset train;
-  Dataset heldout;
+  Dataset validation;
 };
 
 /// Holds out `fraction` of the configurations, rounded to the nearest count and
@@ -48,9 +48,10 @@ HoldOut HoldOutFraction(const Dataset& data, double fraction,
                         std::uint64_t seed,
                         Communicator* communicator = SingleProcess());
 
-/// Holds out the poses that `is_heldout` is true for, one entry per pose.
+/// Holds out the poses that `is_validation` is true for, one entry per pose.
 /// Collective for a part (partition.h), as HoldOutFraction.
-HoldOut HoldOutPoses(const Dataset& data, const std::vector<bool>& is_heldout,
+HoldOut HoldOutPoses(const Dataset& data,
+                     const std::vector<bool>& is_validation,
                      Communicator* communicator = SingleProcess());
 
 /// Fold k of `folds`: the configurations are shuffled by the seed and dealt

@@ -123,7 +123,7 @@ void ForEachObservation(const MeasurementModel& model,
                         const std::vector<int>& columns,
                         const VisitRows& visit);
 
-/// Number of the first observation of each block, and that behind the last.
+/// Number of the first observation of each block, and that after the last.
 std::vector<Eigen::Index> FirstObservations(const Dataset& data);
 
 }  // namespace alidade::internal

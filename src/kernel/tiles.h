@@ -13,7 +13,7 @@
 namespace alidade::internal {
 
 /// Observations of one kind, one target and one pair of references, as a
-/// structure of arrays of kTile numbers each. What lies behind `count` is
+/// structure of arrays of kTile numbers each. What lies after `count` is
 /// padding: finite, with inverse sigmas of zero.
 struct Tile {
   MeasurementKind kind = MeasurementKind::kPosition;
@@ -32,7 +32,7 @@ struct Tile {
   /// An array for each row: 1 / sigma, 0 where the row was not measured; 1
   /// instead of 1 / sigma for observations with a whitener.
   const double* inverse_sigmas = nullptr;
-  /// All arrays of the tile behind it, where they are cached: the kernel asks
+  /// All arrays of the tile after it, where they are cached: the kernel asks
   /// the memory for them while it works on this one.
   const double* next = nullptr;
   int next_arrays = 0;

@@ -1,5 +1,5 @@
 // What the vector sources have in common, compiled once for each instruction
-// set of each of them: include behind foreach_target.h, between no namespaces.
+// set of each of them: include after foreach_target.h, between no namespaces.
 #if defined(ALIDADE_SRC_MEASUREMENT_VECTORS_INL_H_) == \
     defined(HWY_TARGET_TOGGLE)
 #ifdef ALIDADE_SRC_MEASUREMENT_VECTORS_INL_H_

@@ -183,7 +183,8 @@ void CriterionEvaluator::SetBase(const Eigen::MatrixXd& information) {
   if (criterion_ != DesignCriterion::kG) return;
   const Eigen::Index p = information.rows();
   const Eigen::LLT<Eigen::MatrixXd> cholesky(information);
-  // Where a pose is needed to tell all parameters, an update would lose digits.
+  // Where a pose is needed to determine all parameters, an update would lose
+  // digits.
   constexpr double kRegular = 1e-6;
   base_is_regular_ =
       cholesky.info() == Eigen::Success && cholesky.rcond() > kRegular;

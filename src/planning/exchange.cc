@@ -204,7 +204,7 @@ std::vector<int> PlacesIn(const std::vector<int>& all,
   return places;
 }
 
-// The candidates that a plan tells worst, its own and `more`.
+// The candidates that a plan determines worst, its own and `more`.
 std::vector<int> ActiveCandidates(const DesignProblem& problem,
                                   const DesignOptions& options, double ridge,
                                   const std::vector<int>& chosen,
@@ -237,8 +237,8 @@ DesignResult BestOfStarts(const Exchange& exchange,
   return best;
 }
 
-// Exchanges among the candidates that the plan tells worst and `more`, again
-// and again.
+// Exchanges among the candidates that the plan determines worst and `more`,
+// again and again.
 void ImproveAmongActive(const DesignProblem& problem,
                         const DesignOptions& options, double ridge,
                         const std::vector<int>& more, DesignResult* result) {

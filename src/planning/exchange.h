@@ -14,7 +14,7 @@ enum class DesignStatus {
   /// with a candidate of that place's shortlist.
   kConverged,
   kPassLimit,  ///< max_passes came before that
-  /// The poses do not tell all parameters apart, and nothing else is known of
+  /// The poses do not determine all parameters, and nothing else is known of
   /// them: more poses, fewer parameters or priors are needed.
   kRankShort,
   /// Fewer poses than wanted can be chosen without repeats, or without coming
@@ -41,10 +41,10 @@ struct DesignResult {
 /// candidate that makes the criterion largest, until no replacement does
 /// (Fedorov 1972, in the order of Cook and Nachtsheim 1980, "A comparison of
 /// algorithms for constructing exact D-optimal designs"). Where there are many,
-/// all starts exchange among the candidates that the greedy plan tells worst.
-/// For the best start all are looked at again and again: those that would
-/// improve the plan in some place join the exchange, until there are none. What
-/// adds less than 1e-5 to the criterion's logarithm does not count.
+/// all starts exchange among the candidates that the greedy plan determines
+/// worst. For the best start all are looked at again and again: those that
+/// would improve the plan in some place join the exchange, until there are
+/// none. What adds less than 1e-5 to the criterion's logarithm does not count.
 ///
 /// D: V_k = J_k M^-1 J_k^T of every candidate is kept. With
 /// U U^T = M^-1 J^T (I -+ V)^-1 J M^-1 of the pose that goes or comes,
@@ -60,9 +60,9 @@ struct DesignResult {
 DesignResult ChoosePoses(const DesignProblem& problem,
                          const DesignOptions& options);
 
-/// trace J_k M^-1 J_k^T of every pose: its predicted variance in sigmas. For
-/// the rows of positions in m this is the predicted variance of the position
-/// (m^2), summed over the axes. O(poses p^2).
+/// trace J_k M^-1 J_k^T of every pose: its predicted variance in units of
+/// sigma^2. For the rows of positions in m this is the predicted variance of
+/// the position (m^2), summed over the axes. O(poses p^2).
 /// @pre `information` is positive definite.
 Eigen::VectorXd PredictedVariances(const PoseRows& rows,
                                    const Eigen::MatrixXd& information,

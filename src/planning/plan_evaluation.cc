@@ -187,7 +187,8 @@ void PlanEvaluator::ListParameters(const DesignResult& plan,
     entry.dimension = parameter.dimension;
     entry.prior_std = problem_.prior_stds[i];
     entry.planned_std = planned[i];
-    entry.stands_for = problem_.identifiability.decisions[column].stands_for;
+    entry.identified_combination =
+        problem_.identifiability.decisions[column].identified_combination;
     result->parameters.push_back(std::move(entry));
   }
 }

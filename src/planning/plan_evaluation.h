@@ -12,8 +12,8 @@
 
 namespace alidade::internal {
 
-/// The problem with the candidates that a plan tells worst and its own: other
-/// plans of about its size choose nearly all of their poses among these.
+/// The problem with the candidates that a plan determines worst and its own:
+/// other plans of about its size choose nearly all of their poses among these.
 DesignProblem WorstTold(const PlanProblem& problem, const DesignResult& plan,
                         int num_threads);
 
@@ -25,7 +25,7 @@ class PlanEvaluator {
       : config_(config), model_(model), problem_(problem) {}
 
   /// Largest predicted standard deviation over the region (m); infinite where
-  /// the plan tells too little.
+  /// the plan determines too little.
   double WorstOverRegion(const DesignResult& plan) const;
 
   /// Parameters; the plan beside the greedy one, random poses and none; bounds.

@@ -81,7 +81,7 @@ void VisitFields(Visitor& v, Subject<Visitor, PlannedParameter>& parameter) {
           std::numeric_limits<double>::infinity());
   v.Field("planned_std", parameter.planned_std);
   v.Field("random_std", parameter.random_std);
-  v.Field("stands_for", parameter.stands_for);
+  v.Field("identified_combination", parameter.identified_combination);
 }
 
 /// A column of PlanResult::joint_values, as the file has it.

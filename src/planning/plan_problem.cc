@@ -13,7 +13,7 @@
 #include "src/identifiability/analysis.h"
 #include "src/identifiability/factor.h"
 #include "src/identifiability/rules.h"
-#include "src/kernel/compression.h"
+#include "src/kernel/reduction.h"
 #include "src/planning/candidates.h"
 
 namespace alidade::internal {

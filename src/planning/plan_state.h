@@ -41,7 +41,7 @@ class PlanState {
   BestCandidate BestAddition() const;
   /// The candidate that, in this place, leaves the largest det M; `gain` is
   /// relative to the pose that is there, 1 or more. None where the others do
-  /// not tell all parameters apart.
+  /// not determine all parameters.
   BestCandidate BestReplacement(int place) const;
 
   /// The candidates that would add more than `smallest_gain` to log det M in

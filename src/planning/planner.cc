@@ -158,17 +158,18 @@ class Planner {
           static_cast<std::size_t>(problem_.identifiability.nominal_rank.rank);
       if (told < problem_.columns.size()) {
         return Fail("all " + std::to_string(result_.num_candidates) +
-                    " candidates together tell only " + std::to_string(told) +
-                    " of " + std::to_string(problem_.columns.size()) +
-                    " parameters apart, so that no number of poses is enough: "
+                    " candidates together determine only " +
+                    std::to_string(told) + " of " +
+                    std::to_string(problem_.columns.size()) +
+                    " parameters, so that no number of poses is enough: "
                     "fix parameters, use `policy: freeze` or `policy: prior`, "
                     "measure more axes or targets, or give other candidates");
       }
       return Fail(std::to_string(options.num_poses) + " poses of " +
                   std::to_string(result_.equations) +
-                  " measurements each do not tell " +
+                  " measurements each do not determine " +
                   std::to_string(problem_.columns.size()) +
-                  " parameters apart: plan more poses, fix parameters or use "
+                  " parameters: plan more poses, fix parameters or use "
                   "`policy: prior`");
     }
     if (!result_.converged) {
@@ -191,7 +192,7 @@ class Planner {
   int threads() const { return model_.num_threads(); }
 
   // A plan of about as many poses as the wanted accuracy needs, and of enough
-  // to tell all parameters.
+  // to determine all parameters.
   DesignResult FirstPlan(DesignOptions options) const {
     const int most = options.num_poses;
     const double equations = config_.measurement.num_equations();
@@ -214,8 +215,8 @@ class Planner {
 
   // The smallest number of poses whose plan meets the wanted accuracy, at most
   // the number that is there. Plans of other sizes choose among the candidates
-  // that a first one tells worst; the plan of the number found chooses among
-  // all. Where no plan is found at all, the number stays.
+  // that a first one determines worst; the plan of the number found chooses
+  // among all. Where no plan is found at all, the number stays.
   bool FindNumber(int* num_poses) {
     const int most = *num_poses;
     DesignOptions options = config_.design;

@@ -78,14 +78,15 @@ void AddKinds(const std::string& poses, const EvaluatedSet& set, Table* table) {
 std::string KindTable(const CalibrationResult& result) {
   Table table = MakeAccuracyTable("kinds", "of which, after [mm]");
   AddKinds("training poses", result.train, &table);
-  if (result.heldout) AddKinds("validation poses", *result.heldout, &table);
+  if (result.validation)
+    AddKinds("validation poses", *result.validation, &table);
   return table.empty() ? "" : "\n" + table.ToText();
 }
 
 std::string StagesText(const CalibrationResult& result) {
   if (result.stages.empty()) return "";
   const Table rotations = StagesTable(result, Dimension::kAngle);
-  return "\n" + Paragraph("What each part of the calibration brings:") +
+  return "\n" + Paragraph("Accuracy by stage:") +
          StagesTable(result, Dimension::kLength).ToText() +
          (rotations.empty() ? "" : "\n" + rotations.ToText());
 }
@@ -93,12 +94,13 @@ std::string StagesText(const CalibrationResult& result) {
 // What repeats say of the instrument and the arm, whatever its geometry.
 std::string RepeatNote(const CalibrationResult& result) {
   const RepeatSpread& repeats = result.repeats;
-  if (repeats.length_freedom == 0) return "";
-  std::string text =
-      "Repeated configurations differ by " + FormatLength(repeats.length, 3) +
-      " in a coordinate (standard deviation, " +
-      std::to_string(repeats.length_freedom) + " degrees of freedom)";
-  if (repeats.rotation_freedom > 0) {
+  if (repeats.length_degrees_of_freedom == 0) return "";
+  std::string text = "Repeated configurations differ by " +
+                     FormatLength(repeats.length, 3) +
+                     " in a coordinate (standard deviation, " +
+                     std::to_string(repeats.length_degrees_of_freedom) +
+                     " degrees of freedom)";
+  if (repeats.rotation_degrees_of_freedom > 0) {
     text += " and " + FormatSignificant(repeats.rotation / kDegree, 3) +
             " deg in orientation";
   }
@@ -150,7 +152,7 @@ Table AccuracyTable(const CalibrationResult& result, Dimension dimension) {
                 dimension, &table);
   };
   add_set("training poses", result.train);
-  if (result.heldout) add_set("validation poses", *result.heldout);
+  if (result.validation) add_set("validation poses", *result.validation);
   if (result.cross_validation) {
     const CrossValidation& folds = *result.cross_validation;
     AddAccuracy("held out once", std::to_string(folds.folds) + " folds",
@@ -161,8 +163,8 @@ Table AccuracyTable(const CalibrationResult& result, Dimension dimension) {
 
 Table StagesTable(const CalibrationResult& result, Dimension dimension) {
   const bool is_length = dimension == Dimension::kLength;
-  const bool heldout = result.heldout.has_value();
-  const std::string poses = heldout ? "validation" : "training";
+  const bool validation = result.validation.has_value();
+  const std::string poses = validation ? "validation" : "training";
   std::vector<Table::Column> columns = {{"calibrated"}, ">free"};
   AddColumns(poses + (is_length ? " " : " orientation "),
              is_length ? " [mm]" : " [deg]", &columns);
@@ -171,9 +173,9 @@ Table StagesTable(const CalibrationResult& result, Dimension dimension) {
       std::string(is_length ? "Position" : "Orientation") + " error by stage",
       std::move(columns));
   for (const StageResult& stage : result.stages) {
-    const Accuracy& position = heldout ? stage.heldout : stage.train;
+    const Accuracy& position = validation ? stage.validation : stage.train;
     const Accuracy& rotation =
-        heldout ? stage.heldout_rotation : stage.train_rotation;
+        validation ? stage.validation_rotation : stage.train_rotation;
     if (!is_length && rotation.n == 0) continue;
     std::vector<TableCell> row = {stage.name, CountCell(stage.num_free)};
     AddCells(is_length ? position : rotation, dimension, &row);
@@ -187,7 +189,7 @@ Table OutlierTable(const CalibrationResult& result) {
               "Outliers (" + std::to_string(result.outliers.size()) + ")",
               {Table::TextOnly(">observation"), Table::PageOnly(">pose"),
                "kind", "target", "read from", ">error [mm]",
-               ">in sigmas|the error in its standard deviations",
+               ">standardised|the error over its standard deviation",
                ">weight in the fit|what the robust loss left it"});
   for (const Outlier& outlier : result.outliers) {
     const int pose = outlier.label.pose + 1;

@@ -160,8 +160,9 @@ std::string FormatIterations(const std::vector<SolverRun>& runs) {
 std::vector<ReportFile> MakeCsvFiles(const CalibrationResult& result) {
   std::vector<ReportFile> files;
   files.emplace_back("residuals.csv", FormatObservations(result.train));
-  if (result.heldout) {
-    files.emplace_back("heldout.csv", FormatObservations(*result.heldout));
+  if (result.validation) {
+    files.emplace_back("validation.csv",
+                       FormatObservations(*result.validation));
   }
   files.emplace_back("iterations.csv", FormatIterations(result.runs));
   return files;

@@ -28,7 +28,8 @@ constexpr Eigen::Index kMostDrawn = 100000;
 constexpr Eigen::Index kMostScattered = 4000;
 // Errors that fall by more than this factor are drawn on a logarithmic axis.
 constexpr double kLargeFall = 50.0;
-// The rounding floor is shown where errors come within this factor of it.
+// The numerical precision limit is shown where errors come within this factor
+// of it.
 constexpr double kNearFloor = 1e4;
 
 // Keeps a number and its unit on one line.
@@ -279,10 +280,12 @@ Figure ConvergenceFigure(const std::vector<SolverRun>& runs) {
       smallest = std::min(smallest, error * kMillimetre);
     }
   }
-  const double floor = runs.empty() ? 0.0 : runs.front().summary.rounding_floor;
+  const double floor =
+      runs.empty() ? 0.0 : runs.front().summary.precision_limit;
   if (floor > 0.0 && smallest < kNearFloor * floor) {
     chart.references.push_back(
-        {floor / kMillimetre, "rounding floor, " + LengthInWords(floor)});
+        {floor / kMillimetre,
+         "numerical precision limit, " + LengthInWords(floor)});
   }
   return chart;
 }
@@ -297,11 +300,11 @@ std::vector<std::pair<std::string, Figure>> ResultFigures(
   figures.emplace_back("error_after",
                        ErrorFigure(result.train, kAfter, "training pose"));
   figures.emplace_back("convergence", ConvergenceFigure(result.runs));
-  if (result.heldout) {
+  if (result.validation) {
     figures.emplace_back("validation_before",
-                         ValidationFigure(*result.heldout, kBefore));
+                         ValidationFigure(*result.validation, kBefore));
     figures.emplace_back("validation_after",
-                         ValidationFigure(*result.heldout, kAfter));
+                         ValidationFigure(*result.validation, kAfter));
   }
   return figures;
 }

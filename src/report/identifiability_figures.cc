@@ -42,7 +42,7 @@ std::string DescribeLevel(const std::string& level) {
   if (level == "no_effect") return "no effect at all";
   if (level == "at_geometry") return "at this geometry";
   if (level == "not_excited") return "over these poses";
-  return "whatever the pose";
+  return "at all poses";
 }
 
 std::string ColourOf(const std::string& level) {
@@ -72,8 +72,10 @@ MatrixChart RelationChart(const std::vector<Relation>& relations) {
   // Light tints that dark text reads on; the words beside them say the same.
   constexpr double kTint = 0.25;
   MatrixChart chart;
-  chart.title = "Parameters that act as combinations of others";
-  chart.subtitle = "a row acts as the sum of its columns, times the numbers";
+  chart.title = "Parameters that are linearly dependent on others";
+  chart.subtitle =
+      "a row is linearly dependent on the sum of its columns, times the "
+      "numbers";
   for (const Relation& relation : relations) {
     for (const auto& [name, coefficient] : relation.terms) {
       if (std::find(chart.columns.begin(), chart.columns.end(), name) ==
@@ -108,7 +110,7 @@ Figure SingularValuesFigure(const IdentifiabilityResult& result) {
   chart.title = "Singular values of the scaled Jacobian";
   chart.subtitle = std::to_string(result.num_free) +
                    " free parameters; what lies at the rounding error cannot "
-                   "be told apart";
+                   "be distinguished";
   chart.x.label = "number";
   chart.x.integer_ticks = true;
   chart.y.label = "singular value / largest";

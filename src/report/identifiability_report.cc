@@ -19,7 +19,7 @@ using Align = TextTable::Align;
 
 constexpr int kNamesWidth = 20;
 constexpr int kReasonWidth = 38;
-constexpr int kStandsForWidth = 16;
+constexpr int kCombinationWidth = 16;
 
 // Decisions that read the same are one row.
 struct DecisionGroup {
@@ -30,13 +30,13 @@ struct DecisionGroup {
 // Parameters with a predicted deviation of their own are a row each.
 bool ReadTheSame(const ParameterDecision& a, const ParameterDecision& b) {
   return a.state == b.state && a.reason == b.reason &&
-         a.stands_for == b.stands_for && std::isnan(a.predicted_std) &&
-         std::isnan(b.predicted_std);
+         a.identified_combination == b.identified_combination &&
+         std::isnan(a.predicted_std) && std::isnan(b.predicted_std);
 }
 
 std::string FormatDeviation(const ParameterDecision& decision) {
   if (std::isnan(decision.predicted_std)) return "";
-  if (std::isinf(decision.predicted_std)) return "untold";
+  if (std::isinf(decision.predicted_std)) return "null_space";
   const bool angle = IsAngleName(decision.name);
   return FormatSignificant(
              decision.predicted_std / (angle ? kMilliradian : kMillimetre), 2) +
@@ -47,7 +47,7 @@ std::vector<DecisionGroup> GroupDecisions(
     const std::vector<ParameterDecision>& decisions) {
   std::vector<DecisionGroup> groups;
   for (const ParameterState state :
-       {ParameterState::kFree, ParameterState::kFrozen,
+       {ParameterState::kFree, ParameterState::kFixed,
         ParameterState::kGiven}) {
     for (const ParameterDecision& decision : decisions) {
       if (decision.state != state) continue;
@@ -77,13 +77,13 @@ std::string DecisionTable(const IdentifiabilityResult& result) {
   TextTable table({{"parameter"},
                    {"state"},
                    {"why"},
-                   {"stands for"},
+                   {"identified combination"},
                    {"predicted std", Align::kRight}});
   for (const DecisionGroup& group : GroupDecisions(result.decisions)) {
     AddWrappedRow({Join(group.names, " "), ToString(group.decision.state),
-                   group.decision.reason, group.decision.stands_for,
+                   group.decision.reason, group.decision.identified_combination,
                    FormatDeviation(group.decision)},
-                  {kNamesWidth, 0, kReasonWidth, kStandsForWidth, 0}, &table);
+                  {kNamesWidth, 0, kReasonWidth, kCombinationWidth, 0}, &table);
   }
   return table.ToString();
 }
@@ -97,7 +97,8 @@ std::string FormatGap(const RankReport& report) {
 std::string Remarks(const IdentifiabilityResult& result) {
   std::string text;
   if (!result.weak.empty()) {
-    text += Paragraph("Told badly by these poses: " + Join(result.weak, " "));
+    text += Paragraph("Weakly identifiable at these poses: " +
+                      Join(result.weak, " "));
   }
   for (const std::string& warning : result.warnings) {
     text += Paragraph("Warning: " + warning);
@@ -152,18 +153,18 @@ Table ObservabilityTable(const IdentifiabilityResult& result) {
 
 std::string FormatIdentifiability(const IdentifiabilityResult& result) {
   const std::int64_t free = CountState(result, ParameterState::kFree);
-  const std::int64_t frozen = CountState(result, ParameterState::kFrozen);
+  const std::int64_t fixed = CountState(result, ParameterState::kFixed);
   std::string text = Paragraph(
-      std::to_string(free) + " of " + Count(free + frozen, "parameter") +
-      " are to be identified, " + std::to_string(frozen) +
-      (frozen == 1 ? " is" : " are") + " held at the nominal value.");
+      std::to_string(free) + " of " + Count(free + fixed, "parameter") +
+      " are to be identified, " + std::to_string(fixed) +
+      (fixed == 1 ? " is" : " are") + " held at the nominal value.");
   if (result.exceeds_rank) {
-    text += Paragraph("More parameters are kept than can be told apart: " +
+    text += Paragraph("More parameters are kept than can be distinguished: " +
                       result.refusal);
   }
   text += "\n" + DecisionTable(result) + "\n";
   text += Paragraph(
-      "What can be told apart (gap: the smallest singular value that counts "
+      "Numerical rank (gap: the smallest singular value that counts "
       "over the largest that does not; perturbed: small changes of the "
       "geometry, at which second-order effects count too):");
   text += RankTable(result).ToText();

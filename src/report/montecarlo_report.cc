@@ -50,7 +50,7 @@ std::string Introduction(const MonteCarloResult& result) {
 }
 
 Table ParameterTable(const MonteCarloResult& result) {
-  Table table({"name", "unit", ">bias", ">+-", ">spread", ">told std",
+  Table table({"name", "unit", ">bias", ">+-", ">spread", ">predicted std",
                ">least std", ">holds truth %", "interval"});
   for (const SimulatedParameter& one : result.parameters) {
     table.AddRow({one.name, UnitForPeople(one.dimension),

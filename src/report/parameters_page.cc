@@ -86,9 +86,9 @@ std::string TitleOf(const CalibrationResult& result,
 std::string Remarks(const ParameterResult& parameter,
                     const std::optional<Knowledge>& known) {
   std::vector<std::string> remarks;
-  if (!parameter.decision.stands_for.empty()) {
+  if (!parameter.decision.identified_combination.empty()) {
     remarks.push_back("identified combination: " +
-                      parameter.decision.stands_for);
+                      parameter.decision.identified_combination);
   }
   if (parameter.assessment == ParameterAssessment::kWeak) {
     remarks.emplace_back(

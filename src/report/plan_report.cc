@@ -64,7 +64,7 @@ std::string EvaluationTable(const PlanResult& result) {
 
 // Of the information of the best plan. The bound is far below what a plan
 // really has where there are fewer poses than the parameters need and priors
-// tell the rest: it then says nothing.
+// determine the rest: it then says nothing.
 constexpr double kWorthTelling = 0.5;
 
 std::string Verdict(const PlanResult& result) {
@@ -114,8 +114,8 @@ std::string CurveTable(const PlanResult& result) {
 }
 
 std::string ParameterTable(const PlanResult& result) {
-  Table table({"parameter", "unit", ">known before", ">planned std",
-               ">random std", "stands for"});
+  Table table({"parameter", "unit", ">prior", ">planned std", ">random std",
+               "identified combination"});
   for (const PlannedParameter& parameter : result.parameters) {
     const double unit =
         parameter.dimension == Dimension::kAngle ? kDegree : kMillimetre;
@@ -125,7 +125,7 @@ std::string ParameterTable(const PlanResult& result) {
                       : "-",
                   FormatSignificant(parameter.planned_std / unit, 3),
                   FormatSignificant(parameter.random_std / unit, 3),
-                  parameter.stands_for});
+                  parameter.identified_combination});
   }
   return table.ToText();
 }

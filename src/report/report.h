@@ -57,7 +57,7 @@ std::vector<ReportFile> MakePredictionFiles(
     const std::vector<Dimension>& joints, const PredictedMap& map,
     const std::optional<PredictionCheck>& check);
 /// influence.csv (leverage and Cook's distance by pose), predicted_map.csv and
-/// .svg, residual_histogram.svg, heldout_z_scores.svg; those that there is
+/// .svg, residual_histogram.svg, validation_z_scores.svg; those that there is
 /// something for. influence.csv is made of `result` when it is written:
 /// ReportFile.
 std::vector<ReportFile> MakeUncertaintyFiles(const CalibrationResult& result);
@@ -81,7 +81,7 @@ std::string FindingSentences(const CalibrationResult& result,
 std::string FormatReport(const CalibrationResult& result,
                          const std::string& further = "");
 
-/// residuals.csv (training poses), heldout.csv (with validation poses),
+/// residuals.csv (training poses), validation.csv (with validation poses),
 /// iterations.csv. Numbers read back to the same bits of the unit shown.
 /// The first two are made of `result` when they are written: ReportFile.
 std::vector<ReportFile> MakeCsvFiles(const CalibrationResult& result);

@@ -199,13 +199,13 @@ bool HasErrors(const EvaluatedSet& set) {
 PageSection ResidualsSection(const CalibrationResult& result) {
   constexpr auto kBefore = CalibrationState::kBefore;
   constexpr auto kAfter = CalibrationState::kAfter;
-  const bool is_validated = result.heldout && HasErrors(*result.heldout);
+  const bool is_validated = result.validation && HasErrors(*result.validation);
   std::string html = HtmlParagraph(FindingSentences(
       result, {"sigma", "chi_square", "normality", "whiteness"}));
-  html +=
-      HtmlPair({ResidualHistogram(result),
-                is_validated ? JointFigures(*result.heldout, "validation poses")
-                             : JointFigures(result.train, "training poses")});
+  html += HtmlPair({ResidualHistogram(result),
+                    is_validated
+                        ? JointFigures(*result.validation, "validation poses")
+                        : JointFigures(result.train, "training poses")});
   if (HasErrors(result.train)) {
     html += HtmlPair(
         {HtmlFigure("by-pose-before",
@@ -214,10 +214,11 @@ PageSection ResidualsSection(const CalibrationResult& result) {
                     ErrorFigure(result.train, kAfter, "training pose"))});
   }
   if (is_validated) {
-    html += HtmlPair({HtmlFigure("validation-before",
-                                 ValidationFigure(*result.heldout, kBefore)),
-                      HtmlFigure("validation-after",
-                                 ValidationFigure(*result.heldout, kAfter))});
+    html +=
+        HtmlPair({HtmlFigure("validation-before",
+                             ValidationFigure(*result.validation, kBefore)),
+                  HtmlFigure("validation-after",
+                             ValidationFigure(*result.validation, kAfter))});
   }
   html += HtmlParagraph(FindingSentences(result, {"outliers"})) +
           OutlierTable(result).ToHtml(kMostOutliers);
@@ -237,12 +238,12 @@ PageSection PredictionSection(const CalibrationResult& result) {
     section.html = HtmlParagraph(DescribeMap(map));
     figures = {MapFigures(map), TruthFigure(map)};
   }
-  if (uncertainty.heldout && !IsEmpty(uncertainty.heldout->histogram)) {
+  if (uncertainty.validation && !IsEmpty(uncertainty.validation->histogram)) {
     figures.push_back(HtmlFigure(
         "z-scores",
         HistogramFigure(
             "Validation errors over their predicted standard deviations",
-            uncertainty.heldout->histogram)));
+            uncertainty.validation->histogram)));
   }
   section.html += HtmlParagraph(FindingSentences(result, {"prediction"})) +
                   HtmlPair(figures);

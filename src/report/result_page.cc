@@ -53,8 +53,8 @@ std::string HeadlinePair(const std::string& title, double before, double after,
 
 // Of validation poses where there are any.
 std::string Headline(const CalibrationResult& result) {
-  const bool is_validated = result.heldout && result.heldout->after.n > 0;
-  const EvaluatedSet& set = is_validated ? *result.heldout : result.train;
+  const bool is_validated = result.validation && result.validation->after.n > 0;
+  const EvaluatedSet& set = is_validated ? *result.validation : result.train;
   std::string html;
   if (set.after.n > 0) {
     html += HeadlinePair("mean position error", set.before.mean, set.after.mean,
@@ -173,12 +173,13 @@ PageSection StagesSection(const CalibrationResult& result) {
   if (result.stages.empty()) return {"stages", "Accuracy by stage", ""};
   RowChart chart;
   chart.title = std::string("Error by what was calibrated, ") +
-                (result.heldout ? "validation" : "training") + " poses";
+                (result.validation ? "validation" : "training") + " poses";
   chart.x.label = "position error [mm]";
   chart.looks = {Markers("mean", MarkerStyle::kDot),
                  Markers("largest", MarkerStyle::kSquare)};
   for (const StageResult& stage : result.stages) {
-    const Accuracy& accuracy = result.heldout ? stage.heldout : stage.train;
+    const Accuracy& accuracy =
+        result.validation ? stage.validation : stage.train;
     ChartRow row;
     row.label = stage.name;
     for (std::size_t k = 0; k < chart.looks.size(); ++k) {

@@ -83,7 +83,7 @@ std::string IterationTable(const std::vector<SolverRun>& runs) {
   }
   std::string text = "\nLargest position error by iteration:\n\n";
   text += table.ToString();
-  if (AnyRejected(runs)) text += "* the step was tried and taken back\n";
+  if (AnyRejected(runs)) text += "* the step was rejected\n";
   return text;
 }
 

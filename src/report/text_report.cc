@@ -196,7 +196,7 @@ std::string FormatReport(const CalibrationResult& result,
   text += Section("What can be identified",
                   FormatIdentifiability(result.identifiability));
   text += Section("Parameters", FormatParameters(result) + Aliases(result));
-  text += Section("How far to trust it", UncertaintySection(result));
+  text += Section("Uncertainty", UncertaintySection(result));
   if (!result.runs.empty()) {
     text += Section(result.runs.size() == 1 ? "Solver" : "Solvers",
                     FormatComparison(result) + SolverMessages(result));

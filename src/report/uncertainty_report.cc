@@ -36,7 +36,7 @@ const ParameterResult* Find(const CalibrationResult& result,
 
 std::string IntervalTable(const CalibrationResult& result) {
   Table table({"name", "unit", ">deviation", ">std", ">from", ">to", ">in std",
-               ">bends", ">prior %", "interval"});
+               ">nonlinearity", ">prior %", "interval"});
   for (const ParameterUncertainty& one : result.uncertainty->parameters) {
     const ParameterResult* parameter = Find(result, one.name);
     if (parameter == nullptr) continue;
@@ -62,8 +62,7 @@ std::string Correlations(const UncertaintyResult& uncertainty) {
     pairs.push_back(pair.first + " and " + pair.second + " (" +
                     FixedNumber(pair.correlation, 3) + ")");
   }
-  return Paragraph("Hardly told apart (correlation): " + Join(pairs, ", ") +
-                   ".");
+  return Paragraph("Strongly correlated: " + Join(pairs, ", ") + ".");
 }
 
 std::string Influences(const ResidualDiagnostics& residuals) {
@@ -260,8 +259,8 @@ std::string UncertaintySection(const CalibrationResult& result) {
                  " degrees of freedom"
            : ", sigma as stated") +
       (uncertainty.estimator == "sandwich" ? ", sandwich estimator" : "") +
-      ". \"bends\": the second-order part of an estimate in standard "
-      "deviations; \"prior\": the part of it that is known beforehand.");
+      ". \"nonlinearity\": the second-order part of an estimate in standard "
+      "deviations; \"prior\": the part of it that is known a priori.");
   text += "\n" + IntervalTable(result) + "\n";
   text += Correlations(uncertainty);
   const std::string tests =
@@ -322,12 +321,12 @@ std::vector<ReportFile> MakeUncertaintyFiles(const CalibrationResult& result) {
         "predicted_map.svg",
         PredictedMapFigure(*uncertainty.workspace).render(FigureMedium::kFile));
   }
-  if (uncertainty.heldout) {
+  if (uncertainty.validation) {
     files.emplace_back(
-        "heldout_z_scores.svg",
+        "validation_z_scores.svg",
         HistogramFigure(
-            "Held-out errors over their predicted standard deviations",
-            uncertainty.heldout->histogram)
+            "Validation errors over their predicted standard deviations",
+            uncertainty.validation->histogram)
             .render(FigureMedium::kFile));
   }
   return files;

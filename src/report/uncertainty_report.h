@@ -8,8 +8,8 @@
 
 namespace alidade::internal {
 
-/// The section of report.txt: intervals, what can only be told together, the
-/// residuals, what is predicted over the workspace and at held-out poses.
+/// The section of report.txt: intervals, what can only be determined together,
+/// the residuals, what is predicted over the workspace and at validation poses.
 /// Empty where it was not assessed.
 std::string UncertaintySection(const CalibrationResult& result);
 

@@ -365,7 +365,7 @@ std::string FormatMotors(const Arm& arm) {
   return text.empty() ? text : "motors:\n" + text;
 }
 
-// A frame's numbers, each line behind `indent`.
+// A frame's numbers, each line after `indent`.
 std::string FormatFrameNumbers(const std::string& indent,
                                const Eigen::Isometry3d& frame) {
   std::string text;

@@ -240,7 +240,7 @@ LoadedData Merge(std::vector<LoadedData> parts, int num_joints) {
 }
 
 // The files of all entries, each as often as it is named. What is wrong with an
-// entry is told where it is read.
+// entry is reported where it is read.
 std::vector<std::string> PathsOf(const std::vector<YamlValue>& entries,
                                  const NamedFiles& files) {
   std::vector<std::string> paths;

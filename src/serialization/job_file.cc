@@ -65,26 +65,26 @@ void CheckCompareWith(const YamlMap& map, const JobConfig& job) {
 }
 
 // A limit of poses that the fit does not use needs some, one of orientations
-// needs these. Without the validation that goes with them, limits of held-out
+// needs these. Without the validation that goes with them, limits of validation
 // poses are passed over.
 void CheckAcceptance(const YamlMap& map, bool with_validation, JobConfig* job) {
   AcceptanceLimits& limits = job->options.acceptance;
   if (!with_validation) {
     for (auto* limit :
-         {&limits.heldout_rms, &limits.heldout_max,
-          &limits.heldout_rotation_rms, &limits.heldout_rotation_max}) {
+         {&limits.validation_rms, &limits.validation_max,
+          &limits.validation_rotation_rms, &limits.validation_rotation_max}) {
       limit->reset();
     }
   }
   const std::optional<Dataset>& validation = job->data.validation;
   for (const auto& [key, limit] : map.entries()) {
-    const bool is_heldout = key.rfind("heldout", 0) == 0;
-    if (is_heldout && !with_validation) continue;
-    if (is_heldout && !validation && !job->options.folds) {
+    const bool is_validation = key.rfind("validation", 0) == 0;
+    if (is_validation && !with_validation) continue;
+    if (is_validation && !validation && !job->options.folds) {
       limit.Fail("needs poses that the fit does not use: add \"validation\"");
     }
     const Dataset& data =
-        is_heldout && validation ? *validation : job->data.training;
+        is_validation && validation ? *validation : job->data.training;
     if (key.find("rotation") == std::string::npos ||
         data.Has(MeasurementKind::kPose)) {
       continue;

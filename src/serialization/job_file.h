@@ -33,8 +33,8 @@ JobConfig LoadJob(const std::string& path, const Execution& execution = {});
 /// @throws InputError.
 JobConfig LoadJobTree(YamlDocument tree, const Execution& execution);
 
-/// The same without `validation`, and without limits of held-out poses in
-/// `acceptance`: no pose is held out of `data`. For plans, and for studies that
+/// The same without `validation`, and without limits of validation poses in
+/// `acceptance`: no pose is left out of `data`. For plans, and for studies that
 /// hold out their own.
 JobConfig LoadWholeJob(const std::string& path);
 

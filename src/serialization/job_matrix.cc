@@ -71,7 +71,7 @@ std::string AsText(const YamlValue& value) {
   return value.IsMap() ? "" : NamedFiles::Resolve(value);
 }
 
-// What cannot be told will be said when the job is loaded.
+// What cannot be known will be said when the job is loaded.
 std::string TextOf(const YamlValue& root, const std::string& key) {
   const std::optional<YamlValue> value = root.Find(key);
   if (!value) return "";

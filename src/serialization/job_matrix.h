@@ -11,7 +11,7 @@
 
 namespace alidade::internal {
 
-/// What a job is, told from its file alone: nothing else has been read.
+/// What a job is, known from its file alone: nothing else has been read.
 struct JobOutline {
   std::string name;  ///< "fleet/left_seed-17": of the file and its values
   std::string arm;   ///< path as read from here; empty where none is stated
@@ -36,7 +36,7 @@ class JobMatrix {
   const std::vector<std::string>& files() const;
   /// The name of a file's only job: "fleet" of "jobs/fleet.yaml".
   static std::string NameOfFile(const std::string& path);
-  /// NameOfFile, and with a matrix the values behind it:
+  /// NameOfFile, and with a matrix the values after it:
   /// "fleet/left_seed-17". Letters, digits, '.', '+', '-', '_' and one '/'.
   std::string NameOf(std::int64_t job) const;
   JobOutline OutlineOf(std::int64_t job) const;

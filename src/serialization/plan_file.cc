@@ -99,7 +99,7 @@ void VisitPlanMeasurement(Visitor& v, PlanConfig* plan) {
            });
 }
 
-// Arm, earlier measurements and parameters come from a job, or are told here.
+// Arm, earlier measurements and parameters come from a job, or are stated here.
 void CheckJob(const YamlMap& map) {
   if (!map.Optional("job")) {
     map.Required("arm");

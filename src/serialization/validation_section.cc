@@ -17,14 +17,14 @@ namespace {
 
 void Take(HoldOut split, JobConfig* job) {
   job->data.training = std::move(split.train);
-  job->data.validation = std::move(split.heldout);
+  job->data.validation = std::move(split.validation);
 }
 
 void TakeFraction(const YamlValue& fraction, const HoldOutOptions& options,
                   JobConfig* job) {
   HoldOut split = HoldOutFraction(job->data.training, options.fraction,
                                   options.seed, job->communicator);
-  if (split.train.global_poses() == 0 || split.heldout.global_poses() == 0) {
+  if (split.train.global_poses() == 0 || split.validation.global_poses() == 0) {
     fraction.Fail(
         "leaves no configuration on one side: the data set has too few "
         "different ones for it");
@@ -46,14 +46,14 @@ void TakeFolds(const YamlValue& folds, const FoldsOptions& options,
 
 // A difference of a pose that is held out and one that is not belongs to
 // neither side.
-void RejectStraddling(const std::vector<bool>& is_heldout, JobConfig* job) {
+void RejectStraddling(const std::vector<bool>& is_validation, JobConfig* job) {
   const Dataset& data = job->data.training;
   std::vector<RejectedRow> rejected;
   for (const ObservationBlock& block : data.blocks) {
     if (block.kind != MeasurementKind::kDifference) continue;
     for (Eigen::Index i = 0; i < block.size(); ++i) {
       const int pose = block.pose(i);
-      if (is_heldout[pose] == is_heldout[block.seconds[i]]) continue;
+      if (is_validation[pose] == is_validation[block.seconds[i]]) continue;
       const PoseSource source = data.sources[pose];
       rejected.push_back(
           {data.files[source.file], source.line,
@@ -65,15 +65,15 @@ void RejectStraddling(const std::vector<bool>& is_heldout, JobConfig* job) {
 }
 
 // Holds out the poses, unless that leaves nothing to fit.
-void HoldOutChosen(const std::vector<bool>& is_heldout, const YamlValue& key,
+void HoldOutChosen(const std::vector<bool>& is_validation, const YamlValue& key,
                    JobConfig* job) {
-  const bool are_all = std::all_of(is_heldout.begin(), is_heldout.end(),
+  const bool are_all = std::all_of(is_validation.begin(), is_validation.end(),
                                    [](bool held) { return held; });
   if (OnAllRanks(job->communicator, job->data.training, are_all)) {
     key.Fail("holds out all poses, expected some to be left for the fit");
   }
-  RejectStraddling(is_heldout, job);
-  Take(HoldOutPoses(job->data.training, is_heldout, job->communicator), job);
+  RejectStraddling(is_validation, job);
+  Take(HoldOutPoses(job->data.training, is_validation, job->communicator), job);
 }
 
 // In the order that they first come in.
@@ -102,17 +102,17 @@ void ReadSets(const YamlValue& value, const std::vector<std::string>& sets,
     value.Fail("no data set has a column \"set\", expected one");
   }
   const std::vector<std::string> names = NamesOfSets(sets, job->communicator);
-  std::vector<bool> is_heldout(sets.size(), false);
+  std::vector<bool> is_validation(sets.size(), false);
   std::vector<YamlValue> items = {value};
   if (value.IsList()) items = value.List();
   if (items.empty()) value.Fail("the list is empty, expected names of sets");
   for (const YamlValue& item : items) {
     const std::string name = item.Choice("set", names);
     for (std::size_t i = 0; i < sets.size(); ++i) {
-      if (sets[i] == name) is_heldout[i] = true;
+      if (sets[i] == name) is_validation[i] = true;
     }
   }
-  HoldOutChosen(is_heldout, value, job);
+  HoldOutChosen(is_validation, value, job);
 }
 
 // Whether the text names the job's data file number i (from 0): by its place in
@@ -131,20 +131,20 @@ void ReadFile(const YamlValue& value, const JobContext& context,
   const Dataset& data = job->data.training;
   const std::string text = value.Text();
   const std::string resolved = context.files.Resolve(value);
-  std::vector<bool> is_heldout;
-  is_heldout.reserve(data.sources.size());
+  std::vector<bool> is_validation;
+  is_validation.reserve(data.sources.size());
   for (std::size_t pose = 0; pose < data.sources.size(); ++pose) {
-    is_heldout.push_back(
+    is_validation.push_back(
         NamesFile(text, resolved, data, data.sources[pose].file));
   }
-  const bool is_none = std::none_of(is_heldout.begin(), is_heldout.end(),
+  const bool is_none = std::none_of(is_validation.begin(), is_validation.end(),
                                     [](bool held) { return held; });
   if (OnAllRanks(job->communicator, data, is_none)) {
     value.Fail(
         "found " + Quote(text) + ", expected one of the files of " +
         "`data` or its place in that list, from 1: " + JoinNames(data.files));
   }
-  HoldOutChosen(is_heldout, value, job);
+  HoldOutChosen(is_validation, value, job);
 }
 
 // Which points and planes observations are of, those of all ranks.
@@ -169,27 +169,27 @@ void Mention(Communicator* communicator, const Dataset& data,
   }
 }
 
-// What the fit does not identify tells nothing of held-out poses.
+// What the fit does not identify says nothing of validation poses.
 void CheckReferences(const YamlValue& value, const JobConfig& job) {
   const References& references = job.data.references;
   const auto fail = [&](const std::string& name) {
     value.Fail(Quote(name) +
-               " is measured against at held-out poses alone, expected it "
+               " is measured against at validation poses alone, expected it "
                "among the poses of the fit too, or known in `references`");
   };
-  Mentioned heldout{std::vector<bool>(references.points.size()),
-                    std::vector<bool>(references.planes.size())};
-  Mentioned fitted = heldout;
+  Mentioned validation{std::vector<bool>(references.points.size()),
+                       std::vector<bool>(references.planes.size())};
+  Mentioned fitted = validation;
   Mention(job.communicator, job.data.training, &fitted);
-  Mention(job.communicator, *job.data.validation, &heldout);
+  Mention(job.communicator, *job.data.validation, &validation);
   for (std::size_t i = 0; i < references.points.size(); ++i) {
     const ReferencePoint& point = references.points[i];
-    if (!heldout.points[i] || fitted.points[i] || point.is_known) continue;
+    if (!validation.points[i] || fitted.points[i] || point.is_known) continue;
     fail(point.name);
   }
   for (std::size_t i = 0; i < references.planes.size(); ++i) {
     const ReferencePlane& plane = references.planes[i];
-    if (!heldout.planes[i] || fitted.planes[i] || plane.is_known) continue;
+    if (!validation.planes[i] || fitted.planes[i] || plane.is_known) continue;
     fail(plane.name);
   }
 }

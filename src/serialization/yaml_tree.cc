@@ -57,7 +57,7 @@ YamlPlace PlaceOfEmptyItem(const std::string& text, const YAML::Mark& mark) {
 }
 
 // yaml-cpp overlooks a missing closing quote where the text ends in a line
-// break; a comment behind it brings the error out.
+// break; a comment after it brings the error out.
 std::string WithEndMark(const std::string& text) {
   const std::size_t last = text.find_last_not_of(" \t");
   if (last == std::string::npos || text[last] != '\n') return text;

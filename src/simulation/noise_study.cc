@@ -48,7 +48,7 @@ class NoiseStudy {
                 IdentifiabilityMethod::kRules, WeakPolicy::kKeep),
         Prepare("default: rank, priors", IdentifiabilityMethod::kRank,
                 WeakPolicy::kPrior),
-        Prepare("rank, weak ones frozen", IdentifiabilityMethod::kRank,
+        Prepare("rank, weak ones fixed", IdentifiabilityMethod::kRank,
                 WeakPolicy::kFreeze)};
     NoiseStudyResult result;
     result.trials = study_.trials;

@@ -21,7 +21,7 @@ struct NoiseStudyConfig {
 ///
 ///   1. the published procedure: three rules, no priors, pseudo-inverse;
 ///   2. the rank method with priors, by Ceres: Alidade's default;
-///   3. the rank method that freezes what is told badly,
+///   3. the rank method that freezes what is weakly identifiable,
 ///
 /// and compares each result with the true arm at the poses of the data set and
 /// over the workspace. Trial k draws from stream k of the seed, whatever the

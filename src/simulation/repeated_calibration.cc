@@ -43,8 +43,8 @@ CalibrationProblem RepeatedCalibration::ProblemOf(const Dataset& data) const {
 }
 
 void RepeatedCalibration::Assess(const Dataset& data, Outcome* outcome) const {
-  const FinishedProblem fit{model_,  data,    free_columns_,
-                            priors_, losses_, outcome->values};
+  const FittedProblem fit{model_,  data,    free_columns_,
+                          priors_, losses_, outcome->values};
   outcome->covariance = CovarianceOf(fit);
   const double freedom = Freedom(data, outcome->covariance, FreePriors(fit));
   if (freedom < 1.0) return;

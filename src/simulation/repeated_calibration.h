@@ -14,9 +14,9 @@
 namespace alidade::internal {
 
 /// What does not change when an arm is calibrated again and again with the same
-/// poses and sigmas: which parameters can be told apart depends on these alone,
-/// not on what is measured, so that the identifiability pass is made once and
-/// each calibration is a solve and a covariance.
+/// poses and sigmas: which parameters can be distinguished depends on these
+/// alone, not on what is measured, so that the identifiability pass is made
+/// once and each calibration is a solve and a covariance.
 class RepeatedCalibration {
  public:
   struct Options {

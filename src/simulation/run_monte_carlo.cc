@@ -16,7 +16,7 @@
 #include "src/common/parallel.h"
 #include "src/common/random.h"
 #include "src/identifiability/analysis.h"
-#include "src/kernel/compression.h"
+#include "src/kernel/reduction.h"
 #include "src/model/joint_draw.h"
 #include "src/simulation/repeated_calibration.h"
 #include "src/simulation/simulated_data.h"
@@ -67,7 +67,7 @@ CalibrationTask Prepare(const CalibrationTask& task) {
     throw InputError(
         {"", 0, 0, "measurement.sigma"},
         "trials with a robust loss cannot estimate sigma: expected a sigma "
-        "(`calibrate` tells the one that the data have)");
+        "(`calibrate` finds the one that the data have)");
   }
   FitFrames(&prepared);
   if (prepared.options.estimate_sigma) EstimateSigmas(&prepared);
@@ -141,7 +141,7 @@ class MonteCarlo {
       if (!outcome.is_usable) {
         throw InputError({},
                          "the job finds no usable solution that could be the "
-                         "truth of a simulation; `alidade calibrate` tells "
+                         "truth of a simulation; `alidade calibrate` finds "
                          "why");
       }
       truth_ = outcome.values;
@@ -151,8 +151,9 @@ class MonteCarlo {
     equivalent_ = Equivalent();
   }
 
-  // What exact measurements would give free parameters that stand for frozen
-  // ones too; priors left out, which would draw it to nominal.
+  // What exact measurements would give free parameters that identify
+  // combinations with fixed ones too; priors left out, which would draw it to
+  // nominal.
   Eigen::VectorXd Equivalent() const {
     Eigen::VectorXd values = model_.NominalValues();
     bool is_only_free = true;
@@ -173,7 +174,7 @@ class MonteCarlo {
     return summary.IsSolutionUsable() ? values : truth_;
   }
 
-  FinishedProblem AtTruth() const {
+  FittedProblem AtTruth() const {
     return {model_,
             exact_,
             calibration_.free_columns(),
@@ -186,7 +187,7 @@ class MonteCarlo {
     is_profile_.assign(num_free(), 0);
     const UncertaintyOptions& options = task_.options.uncertainty;
     if (options.intervals == IntervalMethod::kLinear) return;
-    FinishedProblem fit = AtTruth();
+    FittedProblem fit = AtTruth();
     const Eigen::VectorXd nonlinearity = MeasureNonlinearity(
         fit, InverseInformation(
                  JacobianFactor(model_, equivalent_, exact_, fit.free_columns),
@@ -223,7 +224,7 @@ class MonteCarlo {
   }
 
   // The arm of this trial: drawn from the priors of its joints, those that are
-  // frozen because others stand for them too, or the same.
+  // fixed because others depend on them too, or the same.
   Eigen::VectorXd TruthOf(Random* random) const {
     Eigen::VectorXd truth = truth_;
     if (study_.truth != SimulatedTruth::kPriors) return truth;
@@ -239,29 +240,29 @@ class MonteCarlo {
   bool IsCandidate(int column) const {
     const ParameterDecision& decision = pass_.decisions[column];
     return decision.state == ParameterState::kFree ||
-           (decision.state == ParameterState::kFrozen &&
+           (decision.state == ParameterState::kFixed &&
             decision.rule != "fixed_by_user");
   }
 
-  // What free parameters stand for where frozen ones are not at nominal, to
-  // first order.
+  // The combinations that free parameters identify where fixed ones are not at
+  // nominal, to first order.
   Eigen::VectorXd StandIns(const Eigen::VectorXd& truth) const {
     const Eigen::VectorXd nominal = model_.NominalValues();
     Eigen::VectorXd values = truth;
     for (const Relation& relation : pass_.relations) {
-      const int frozen = *model_.layout().Find(relation.parameter);
-      if (pass_.decisions[frozen].state != ParameterState::kFrozen) continue;
-      values[frozen] = nominal[frozen];
+      const int fixed = *model_.layout().Find(relation.parameter);
+      if (pass_.decisions[fixed].state != ParameterState::kFixed) continue;
+      values[fixed] = nominal[fixed];
       for (const auto& [name, coefficient] : relation.terms) {
         values[*model_.layout().Find(name)] +=
-            coefficient * (truth[frozen] - nominal[frozen]);
+            coefficient * (truth[fixed] - nominal[fixed]);
       }
     }
     return values;
   }
 
   // What exact measurements of such an arm give the free parameters: the fit to
-  // them that is nearest to the stand-ins, in units of the priors. Nothing
+  // them that is nearest to the combinations, in units of the priors. Nothing
   // where it fails: an error against values that are none would count as the
   // trial's.
   std::optional<Eigen::VectorXd> FitExactly(
@@ -368,7 +369,7 @@ class MonteCarlo {
     for (Eigen::Index i = 0; i < errors.cols(); ++i) {
       const Eigen::Matrix3d& covariance = predicted[i].position;
       if (!covariance.allFinite()) continue;
-      ++trial->told;
+      ++trial->num_predicted;
       trial->predicted_square += covariance.trace();
       for (int axis = 0; axis < 3; ++axis) {
         trial->axes_held += std::abs(errors(axis, i)) <=
@@ -376,8 +377,8 @@ class MonteCarlo {
       }
       trial->ellipsoids_held += IsWithin(covariance, errors.col(i), ellipsoid);
     }
-    if (trial->told > 0) {
-      trial->predicted_square /= static_cast<double>(trial->told);
+    if (trial->num_predicted > 0) {
+      trial->predicted_square /= static_cast<double>(trial->num_predicted);
     }
   }
 
@@ -391,7 +392,7 @@ class MonteCarlo {
   }
 
   void ListParameters() {
-    const FinishedProblem fit = AtTruth();
+    const FittedProblem fit = AtTruth();
     const Eigen::VectorXd bounds =
         InverseInformation(
             JacobianFactor(model_, equivalent_, exact_, fit.free_columns),
@@ -427,7 +428,7 @@ class MonteCarlo {
   Eigen::Matrix3Xd nominal_positions_;
   const double reach_;
   Eigen::VectorXd truth_;
-  Eigen::VectorXd equivalent_;  // as far as the free columns can tell
+  Eigen::VectorXd equivalent_;  // as far as the free columns determine it
   Dataset exact_;
   std::vector<char> is_profile_;
 

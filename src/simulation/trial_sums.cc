@@ -40,7 +40,7 @@ void TrialSums::Add(const Trial& trial) {
     sum.variances += trial.deviations[k] * trial.deviations[k];
     sum.held += trial.is_held[i];
   }
-  told_ += trial.told;
+  num_predicted_ += trial.num_predicted;
   nominal_square_ += trial.nominal_square;
   axes_held_ += trial.axes_held;
   ellipsoids_held_ += trial.ellipsoids_held;
@@ -70,9 +70,10 @@ SimulatedParameter TrialSums::DescribeParameter(Eigen::Index k) const {
 }
 
 void TrialSums::DescribeWorkspace(MonteCarloResult* result) const {
-  if (told_ > 0) {
-    result->axes = MakeCoverage(axes_held_, 3 * told_, usable_);
-    result->ellipsoids = MakeCoverage(ellipsoids_held_, told_, usable_);
+  if (num_predicted_ > 0) {
+    result->axes = MakeCoverage(axes_held_, 3 * num_predicted_, usable_);
+    result->ellipsoids =
+        MakeCoverage(ellipsoids_held_, num_predicted_, usable_);
   }
   result->workspace_before =
       std::sqrt(nominal_square_ / static_cast<double>(usable_));

@@ -14,13 +14,13 @@ namespace alidade::internal {
 struct Trial {
   SimulatedTrial kept;
   Eigen::VectorXd errors;      ///< estimate - truth of the free parameters
-  Eigen::VectorXd deviations;  ///< as told
+  Eigen::VectorXd deviations;  ///< as predicted
   std::vector<char> is_held;
   std::int64_t axes_held = 0;
   std::int64_t ellipsoids_held = 0;
-  /// Of the configurations whose position is told: how many, and the mean of
-  /// their predicted variances.
-  std::int64_t told = 0;
+  /// Of the configurations whose position is predicted: how many, and the mean
+  /// of their predicted variances.
+  std::int64_t num_predicted = 0;
   double predicted_square = 0.0;
   double nominal_square = 0.0;  ///< mean squared error of the nominal arm
 };
@@ -57,7 +57,7 @@ class TrialSums {
 
   std::int64_t usable_ = 0;
   std::vector<Sum> parameters_;
-  std::int64_t told_ = 0;
+  std::int64_t num_predicted_ = 0;
   double nominal_square_ = 0.0;
   std::int64_t axes_held_ = 0;
   std::int64_t ellipsoids_held_ = 0;

@@ -43,8 +43,8 @@ bool NeedsFrames(const CalibrationProblem& problem) {
       });
 }
 
-void HoldFrozenParameters(const CalibrationProblem& problem, double* values,
-                          ceres::Problem* ceres_problem) {
+void HoldFixedParameters(const CalibrationProblem& problem, double* values,
+                         ceres::Problem* ceres_problem) {
   for (const ParameterBlock& block : problem.model.layout().blocks()) {
     double* const data = values + block.first_column;
     if (!ceres_problem->HasParameterBlock(data)) continue;
@@ -150,7 +150,7 @@ class AutodiffFormulation : public Formulation {
       : values_(values) {
     AddResiduals(problem, values_.data(), &ceres_problem_);
     AddPriors(problem, values_.data(), &ceres_problem_);
-    HoldFrozenParameters(problem, values_.data(), &ceres_problem_);
+    HoldFixedParameters(problem, values_.data(), &ceres_problem_);
     AddBounds(problem, values_.data(), &ceres_problem_);
   }
 

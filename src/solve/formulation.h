@@ -8,7 +8,7 @@
 #include <memory>
 #include <optional>
 
-#include "src/kernel/compression.h"
+#include "src/kernel/reduction.h"
 #include "src/solve/progress.h"
 #include "src/solve/solve.h"
 
@@ -45,12 +45,12 @@ std::unique_ptr<Formulation> MakeAutodiffFormulation(
     const CalibrationProblem& problem, const Eigen::VectorXd& values);
 
 /// One residual for all observations and priors, from the triangular factor of
-/// [J r] (compression.h), over one block of the free parameters. `start`: the
-/// reduced problem at `values`, by the compressor of `progress`, which outlives
+/// [J r] (reduction.h), over one block of the free parameters. `start`: the
+/// reduced problem at `values`, by the reducer of `progress`, which outlives
 /// the formulation and decides which step is the last.
 std::unique_ptr<Formulation> MakeReducedFormulation(
     const CalibrationProblem& problem, const Eigen::VectorXd& values,
-    CompressedProblem start, Progress* progress);
+    ReducedLeastSquares start, Progress* progress);
 
 }  // namespace alidade::internal
 

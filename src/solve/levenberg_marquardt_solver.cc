@@ -98,9 +98,9 @@ void ExplainTermination(const ceres::Solver::Summary& ceres_summary,
 
 // The largest cosine between the residuals and a column of the Jacobian that is
 // not rounding.
-double GradientCosine(const Eigen::VectorXd& values, Compressor* compressor) {
-  CompressedProblem reduced;
-  compressor->Compress(values, &reduced);
+double GradientCosine(const Eigen::VectorXd& values, Reducer* reducer) {
+  ReducedLeastSquares reduced;
+  reducer->Reduce(values, &reduced);
   const Eigen::VectorXd norms = reduced.factor.colwise().norm();
   const Eigen::VectorXd gradient =
       reduced.factor.transpose() * reduced.projected;
@@ -117,7 +117,7 @@ void RequireStationary(const Eigen::VectorXd& values, Progress* progress) {
   constexpr double kNotStationary = 1e-3;
   if (progress->summary().status == SolverStatus::kConverged &&
       progress->summary().accepted_steps == 0 &&
-      GradientCosine(values, progress->compressor()) > kNotStationary) {
+      GradientCosine(values, progress->reducer()) > kNotStationary) {
     progress->Stop(SolverStatus::kFailed,
                    "no step lowers the cost, though it is no minimum: fix what "
                    "the identifiability pass calls weak");
@@ -151,7 +151,7 @@ SolverSummary SolveLevenbergMarquardt(const CalibrationProblem& problem,
   const bool reduced = options.evaluation != Evaluation::kAutodiff;
   Progress progress(problem, options, "ceres");
   Eigen::VectorXd current = *values;
-  CompressedProblem start;
+  ReducedLeastSquares start;
   if (progress.Start(current, reduced ? &start : nullptr)) {
     const double given = options.initial_trust_region_radius;
     const double radius =
@@ -160,7 +160,7 @@ SolverSummary SolveLevenbergMarquardt(const CalibrationProblem& problem,
         reduced ? MakeReducedFormulation(problem, current, std::move(start),
                                          &progress)
                 : MakeAutodiffFormulation(problem, current);
-    progress.summary().evaluation = reduced ? "compressed" : "autodiff";
+    progress.summary().evaluation = reduced ? "reduced" : "autodiff";
     progress.summary().trust_region_used = radius;
     progress.summary().setup_time_s = progress.stopwatch().Seconds();
     IterateCeres(problem, options, radius, formulation.get(), &progress);

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "src/kernel/compression.h"
+#include "src/kernel/reduction.h"
 
 namespace alidade::internal {
 
@@ -36,13 +36,14 @@ Progress::Progress(const CalibrationProblem& problem,
   summary_.threads_given = options.num_threads;
   summary_.trust_region_given = options.initial_trust_region_radius;
   summary_.pseudo_inverse_tolerance_given = options.pseudo_inverse_tolerance;
-  summary_.rounding_floor = problem.model.RoundingError();
+  summary_.precision_limit = problem.model.RoundingError();
 }
 
 // What the rounding of every row adds up to as a chi-square. An angle's
 // rounding is that of a length, seen from the end of the reach.
 double Progress::FloorCost() const {
-  const double floor = options_.rounding_floor_factor * summary_.rounding_floor;
+  const double floor =
+      options_.precision_limit_factor * summary_.precision_limit;
   const double angle = floor / Reach(problem_.model.nominal());
   return floor * floor * sigmas_.length_information +
          angle * angle * sigmas_.rotation_information;
@@ -88,14 +89,14 @@ bool Progress::CheckProblem(const Eigen::VectorXd& values) {
 }
 
 bool Progress::Start(const Eigen::VectorXd& values,
-                     CompressedProblem* compressed) {
+                     ReducedLeastSquares* reduced) {
   if (!CheckProblem(values)) return false;
   floor_cost_ = FloorCost();
-  CompressorOptions compressor_options;
-  compressor_options.priors = problem_.priors;
-  compressor_.emplace(problem_.model, problem_.data, problem_.free_columns,
-                      problem_.losses, compressor_options);
-  if (compressed != nullptr) compressor_->Compress(values, compressed);
+  ReducerOptions reducer_options;
+  reducer_options.priors = problem_.priors;
+  reducer_.emplace(problem_.model, problem_.data, problem_.free_columns,
+                   problem_.losses, reducer_options);
+  if (reduced != nullptr) reducer_->Reduce(values, reduced);
   const IterationRecord record = Evaluate(values);
   summary_.initial_cost = record.cost;
   Tell(record);
@@ -109,7 +110,7 @@ bool Progress::Start(const Eigen::VectorXd& values,
 
 IterationRecord Progress::Evaluate(const Eigen::VectorXd& values) {
   IterationRecord record;
-  const ResidualSummary& residuals = compressor_->Summarize(values);
+  const ResidualSummary& residuals = reducer_->Summarize(values);
   record.cost = residuals.cost;
   record.max_error = residuals.max_error;
   record.rms_error = residuals.rms_error;
@@ -125,14 +126,14 @@ bool Progress::ReachedPrecision(const IterationRecord& record) {
 
 namespace {
 
-// A cost of so many rounding floors is still that of data without noise: the
-// last step may leave a little more than the floor.
+// A cost of so many numerical precision limits is still that of data without
+// noise: the last step may leave a little more than the floor.
 constexpr double kExactData = 100.0;
 
 }  // namespace
 
 bool Progress::IsBelowFloor(double predicted_decrease) const {
-  return options_.rounding_floor_factor > 0.0 &&
+  return options_.precision_limit_factor > 0.0 &&
          predicted_decrease <= floor_cost_;
 }
 
@@ -166,7 +167,7 @@ bool Progress::Record(const IterationStep& step,
     // With noise in the data the cost is far above the floor: a minimum, found
     // as exactly as rounding allows.
     const bool exact_data = record.cost <= kExactData * floor_cost_;
-    Stop(exact_data ? SolverStatus::kRoundingFloor : SolverStatus::kConverged,
+    Stop(exact_data ? SolverStatus::kPrecisionLimit : SolverStatus::kConverged,
          "the last step changed the residuals by less than their rounding "
          "errors");
   } else if (IsBelowTolerance(step.predicted_decrease, cost_before)) {
@@ -178,7 +179,8 @@ bool Progress::Record(const IterationStep& step,
     // Rounding of the residuals, times twice their norm, is rounding of the
     // cost: whether such a step is accepted is chance.
     Stop(SolverStatus::kConverged,
-         "the cost cannot tell steps this small from its rounding errors");
+         "the cost cannot distinguish steps this small from its rounding "
+         "errors");
   } else if (record.iteration >= options_.max_iterations) {
     Stop(SolverStatus::kIterationLimit,
          "max_iterations = " + std::to_string(options_.max_iterations) +

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "alidade/solver.h"
-#include "src/kernel/compression.h"
+#include "src/kernel/reduction.h"
 #include "src/kernel/sigma_totals.h"
 #include "src/solve/solve.h"
 
@@ -23,7 +23,7 @@ class Stopwatch {
       std::chrono::steady_clock::now();
 };
 
-/// What one iteration did, as every solver can tell it.
+/// What one iteration did, as every solver reports it.
 struct IterationStep {
   double norm = 0.0;  ///< of the step in the parameters
   bool accepted = true;
@@ -41,13 +41,13 @@ class Progress {
 
   /// Of the problem's data and priors, over its free columns. @pre Start
   /// returned true.
-  Compressor* compressor() { return &*compressor_; }
+  Reducer* reducer() { return &*reducer_; }
 
   /// Evaluates the starting point and records it as iteration 0. False where
   /// there is nothing to solve or it cannot be solved: the status says so.
-  /// `compressed`: filled besides, in the same pass over the data.
+  /// `reduced`: filled besides, in the same pass over the data.
   bool Start(const Eigen::VectorXd& values,
-             CompressedProblem* compressed = nullptr);
+             ReducedLeastSquares* reduced = nullptr);
 
   /// The cost of the last record, priors included.
   double cost() const { return summary_.iterations.back().cost; }
@@ -83,7 +83,7 @@ class Progress {
   Stopwatch stopwatch_;
   const SigmaTotals sigmas_;
   double floor_cost_ = 0.0;
-  std::optional<Compressor> compressor_;
+  std::optional<Reducer> reducer_;
 };
 
 }  // namespace alidade::internal

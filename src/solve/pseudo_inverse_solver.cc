@@ -9,7 +9,7 @@ namespace alidade::internal {
 namespace {
 
 // Singular values of later steps that are left to count: all but rounding.
-// What second-order effects tell apart grows from zero as the geometry leaves
+// What second-order effects distinguish grows from zero as the geometry leaves
 // its nominal values, so no fixed tolerance in the gap at the start would do.
 constexpr double kLaterTolerance = 1e-12;
 
@@ -91,7 +91,7 @@ SolverSummary SolvePseudoInverse(const CalibrationProblem& problem,
     Eigen::Index rank = CountedRank(svd.values, tolerance);
     if (progress.summary().first_step_rank < 0) {
       const Eigen::Index start_rank = problem.start_rank.rank;
-      // With a prior on every parameter no direction is left untold.
+      // With a prior on every parameter no direction is left null_space.
       const bool short_rank =
           problem.ColumnsWithPrior().size() < problem.free_columns.size();
       if (automatic && short_rank && start_rank > 0) {

@@ -61,7 +61,7 @@ struct CalibrationProblem {
 
 /// Levenberg-Marquardt by Ceres, as the options say over one autodiff residual
 /// per observation (observation_cost.h), the reference, or over the reduced
-/// problem of all of them (compression.h). One Ceres thread, so that the same
+/// problem of all of them (reduction.h). One Ceres thread, so that the same
 /// problem gives the same bits.
 ///
 /// The solvers share this signature. `values` holds the starting point and

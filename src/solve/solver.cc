@@ -20,7 +20,7 @@ const char* ToString(SolverStatus status) {
       return "not run";
     case SolverStatus::kConverged:
       return "converged";
-    case SolverStatus::kRoundingFloor:
+    case SolverStatus::kPrecisionLimit:
       return "stopped at the numerical precision limit";
     case SolverStatus::kIterationLimit:
       return "stopped by the number of iterations";
@@ -35,7 +35,7 @@ const char* ToString(SolverStatus status) {
 bool SolverSummary::IsSolutionUsable() const {
   switch (status) {
     case SolverStatus::kConverged:
-    case SolverStatus::kRoundingFloor:
+    case SolverStatus::kPrecisionLimit:
       return true;
     case SolverStatus::kIterationLimit:
       return std::isfinite(final_cost) && final_cost <= initial_cost;
@@ -85,7 +85,7 @@ std::string SolverSummary::FullReport() const {
     out << "Pseudo-inverse tolerance  " << given(pseudo_inverse_tolerance_given)
         << ", " << pseudo_inverse_tolerance_used << " (given, used)\n";
   }
-  out << "Rounding floor            " << rounding_floor << " m\n"
+  out << "Numerical precision limit            " << precision_limit << " m\n"
       << "Time to set up, solve     " << setup_time_s << " s, " << solve_time_s
       << " s\n";
   return out.str();

@@ -10,10 +10,10 @@ template <>
 inline constexpr std::array kWords<Evaluation> = {
     std::pair{Evaluation::kAutomatic, "auto"},
     std::pair{Evaluation::kAutodiff, "autodiff"},
-    std::pair{Evaluation::kCompressed, "compressed"},
+    std::pair{Evaluation::kReduced, "reduced"},
 };
 
-/// All but threads, which the program is told.
+/// All but threads, which are the program's flag.
 template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, SolverOptions>& options) {
   v.Field(Key("max_iterations").AtLeast(1), options.max_iterations,
@@ -21,8 +21,8 @@ void VisitFields(Visitor& v, Subject<Visitor, SolverOptions>& options) {
   v.Field(Key("function_tolerance").AtLeast(0), options.function_tolerance,
           "converged when the predicted relative decrease of the cost is "
           "below; 0 = never");
-  v.Field(Key("rounding_floor_factor").AtLeast(0),
-          options.rounding_floor_factor,
+  v.Field(Key("precision_limit_factor").AtLeast(0),
+          options.precision_limit_factor,
           "stop where steps are below so many rounding errors of the model; 0 "
           "= never");
   v.Field(LengthKey("wanted_precision").AtLeast(0), options.wanted_precision,
@@ -36,16 +36,16 @@ void VisitFields(Visitor& v, Subject<Visitor, SolverOptions>& options) {
           "as zero; 0 = chosen by the identifiability pass");
   v.Field(Key("evaluation"), options.evaluation,
           "`ceres`: `autodiff`, one autodiff residual per observation; "
-          "`compressed`, the reduced problem: as many rows as free parameters, "
+          "`reduced`, the reduced problem: as many rows as free parameters, "
           "which have the cost and derivatives of all observations; `auto`, "
-          "the faster one, `compressed` at every size");
+          "the faster one, `reduced` at every size");
 }
 
 template <>
 inline constexpr std::array kWords<SolverStatus> = {
     std::pair{SolverStatus::kNotRun, "not_run"},
     std::pair{SolverStatus::kConverged, "converged"},
-    std::pair{SolverStatus::kRoundingFloor, "rounding_floor"},
+    std::pair{SolverStatus::kPrecisionLimit, "precision_limit"},
     std::pair{SolverStatus::kIterationLimit, "iteration_limit"},
     std::pair{SolverStatus::kFailed, "failed"},
     std::pair{SolverStatus::kUnusable, "unusable"},
@@ -89,7 +89,7 @@ void VisitFields(Visitor& v, Subject<Visitor, SolverSummary>& summary) {
   v.Field("pseudo_inverse_tolerance_used",
           summary.pseudo_inverse_tolerance_used);
   v.Field("first_step_rank", summary.first_step_rank);
-  v.Field("rounding_floor", summary.rounding_floor);
+  v.Field("precision_limit", summary.precision_limit);
   v.Computed("time_s", summary.setup_time_s + summary.solve_time_s);
   v.Field("setup_time_s", summary.setup_time_s);
   v.Field("solve_time_s", summary.solve_time_s);

@@ -15,7 +15,7 @@
 namespace alidade::internal {
 namespace {
 
-// Beyond this two parameters can only be told together.
+// Beyond this two parameters can only be determined together.
 constexpr double kStrongCorrelation = 0.9;
 constexpr std::size_t kMostPairs = 20;
 
@@ -33,7 +33,7 @@ class Assessment {
         covariance_.is_sandwich ? "sandwich" : "inverse information";
     if (!fit_.losses.empty() && !covariance_.is_sandwich) {
       result_.warnings.push_back(
-          "too few observations to tell the scale of what a robust loss "
+          "too few observations to determine the scale of what a robust loss "
           "leaves: "
           "standard deviations are those of least squares");
     }
@@ -50,7 +50,7 @@ class Assessment {
     result_.residuals =
         DiagnoseResiduals(fit_, covariance_, !input_.sigma_estimated);
     Predict();
-    DoubtResiduals();
+    WarnOfResiduals();
     return std::move(result_);
   }
 
@@ -106,7 +106,7 @@ class Assessment {
     const bool has_profiles =
         input_.resolve && input_.options.intervals != IntervalMethod::kLinear;
     result_.warnings.push_back(
-        "the model bends within the uncertainty of " + names +
+        "the model is nonlinear within the uncertainty of " + names +
         (has_profiles
              ? ": intervals there are those of the profile likelihood, and "
                "standard deviations alone say too little"
@@ -140,19 +140,20 @@ class Assessment {
                         input_.options.map_configurations, input_.options.seed,
                         input_.true_values);
     }
-    if (input_.heldout == nullptr) return;
-    result_.heldout = CheckPrediction(fit_.model, fit_.values, covariance_,
-                                      *input_.heldout, result_.confidence);
-    if (result_.heldout->verdict == "larger") {
+    if (input_.validation == nullptr) return;
+    result_.validation =
+        CheckPrediction(fit_.model, fit_.values, covariance_,
+                        *input_.validation, result_.confidence);
+    if (result_.validation->verdict == "larger") {
       result_.warnings.push_back(
-          "held-out errors are larger than predicted: sigma is stated too "
+          "validation errors are larger than predicted: sigma is stated too "
           "small, or the arm has errors that its parameters do not describe");
     }
   }
 
   // Where sigma is stated, and chi-square excludes it. (From four times on the
   // job itself warns, and far below there is no noise.)
-  void DoubtSigma() {
+  void WarnOfSigma() {
     const ResidualDiagnostics& residuals = result_.residuals;
     const double factor = std::sqrt(residuals.reduced_chi_square);
     constexpr double kMost = 4.0;
@@ -170,8 +171,8 @@ class Assessment {
     result_.warnings.push_back(text.str());
   }
 
-  void DoubtResiduals() {
-    DoubtSigma();
+  void WarnOfResiduals() {
+    WarnOfSigma();
     const ResidualDiagnostics& residuals = result_.residuals;
     if (residuals.reduced_chi_square < kMuchSmaller) return;
     if (residuals.normality.p_value < kUnlikely && fit_.losses.empty()) {
@@ -184,12 +185,12 @@ class Assessment {
       result_.warnings.push_back(
           "residuals of consecutive poses resemble each other: something "
           "drifts (temperature, instrument), or the poses are in an order "
-          "along which the arm bends; intervals are then too narrow");
+          "along which the model is nonlinear; intervals are then too narrow");
     }
   }
 
   const AssessmentInput& input_;
-  const FinishedProblem& fit_;
+  const FittedProblem& fit_;
   ParameterCovariance covariance_;
   const Eigen::VectorXd prior_;
   UncertaintyResult result_;

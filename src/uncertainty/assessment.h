@@ -18,7 +18,7 @@ inline constexpr double kMuchSmaller = 0.1;
 
 /// What an assessment knows besides the fit.
 struct AssessmentInput {
-  FinishedProblem fit;
+  FittedProblem fit;
   UncertaintyOptions options;
   /// Sigma was estimated from the residuals of this fit (the data's sigmas are
   /// the estimate already): intervals become Student's.
@@ -28,16 +28,16 @@ struct AssessmentInput {
   double fit_cost = 0.0;
   Resolve resolve = {};
   /// Poses that the fit has not seen; null where there are none.
-  const Dataset* heldout = nullptr;
+  const Dataset* validation = nullptr;
   /// Values of the real arm, where it is known; else empty.
   Eigen::VectorXd true_values = {};
 };
 
-/// Everything that can be told of how far to trust a fit: covariance,
-/// intervals (profile-likelihood ones where the model bends), correlations,
-/// residual diagnostics, the predicted map, and predictions against held-out
-/// poses; with warnings where these speak against each other. O(N p^2), and
-/// about ten solves for every profile.
+/// All that is known of the uncertainty of a fit: covariance,
+/// intervals (profile-likelihood ones where the model is nonlinear),
+/// correlations, residual diagnostics, the predicted map, and predictions
+/// against validation poses; with warnings where these speak against each
+/// other. O(N p^2), and about ten solves for every profile.
 UncertaintyResult AssessUncertainty(const AssessmentInput& input);
 
 }  // namespace alidade::internal

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "src/common/svd.h"
-#include "src/kernel/compression.h"
 #include "src/kernel/measurement_model.h"
 #include "src/kernel/partition.h"
+#include "src/kernel/reduction.h"
 
 namespace alidade::internal {
 namespace {
@@ -16,12 +16,12 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Up to this condition a triangle's inverse is good to ten digits.
 constexpr double kGoodCondition = 1e6;
-constexpr double kUntold = 1e-12;
+constexpr double kRankTolerance = 1e-12;
 // Rounding leaves this much of a direction in parameters it has no part in.
 constexpr double kNoPart = 1e-6;
 // And of a direction in rows that do not see it.
 constexpr double kNotSeen = 1e-6;
-// Fewer degrees of freedom than these tell no scale of residuals.
+// Fewer degrees of freedom than these determine no scale of residuals.
 constexpr double kFewestForScale = 5.0;
 
 // Data and priors, one below the other, columns divided by `norms`.
@@ -52,17 +52,17 @@ void InvertBySvd(const Eigen::MatrixXd& stacked, const Eigen::VectorXd& norms,
                  ParameterCovariance* covariance) {
   const Svd svd = ComputeSvd(stacked);
   const auto told = static_cast<Eigen::Index>(
-      (svd.values.array() > kUntold * svd.values[0]).count());
+      (svd.values.array() > kRankTolerance * svd.values[0]).count());
   const Eigen::Index p = stacked.cols();
   covariance->root = Eigen::MatrixXd::Zero(p, p);
   covariance->root.leftCols(told) =
       norms.cwiseInverse().asDiagonal() * svd.v.leftCols(told) *
       svd.values.head(told).cwiseInverse().asDiagonal();
-  const Eigen::MatrixXd untold = svd.v.rightCols(p - told);
-  covariance->untold = norms.cwiseInverse().asDiagonal() * untold;
+  const Eigen::MatrixXd null_space = svd.v.rightCols(p - told);
+  covariance->null_space = norms.cwiseInverse().asDiagonal() * null_space;
   for (int k = 0; k < p && told < p; ++k) {
-    if (untold.row(k).norm() > kNoPart) {
-      covariance->untold_parameters.push_back(k);
+    if (null_space.row(k).norm() > kNoPart) {
+      covariance->null_space_parameters.push_back(k);
     }
   }
 }
@@ -77,7 +77,7 @@ struct LossMoments {
 };
 
 // Of the global data set.
-LossMoments MomentsOf(const FinishedProblem& fit) {
+LossMoments MomentsOf(const FittedProblem& fit) {
   struct Entry {
     double squared_norm;
     int dimension;
@@ -129,16 +129,17 @@ Eigen::MatrixXd SandwichRoot(const Eigen::MatrixXd& factor,
 }  // namespace
 
 bool ParameterCovariance::IsTold(int index) const {
-  return std::find(untold_parameters.begin(), untold_parameters.end(), index) ==
-         untold_parameters.end();
+  return std::find(null_space_parameters.begin(), null_space_parameters.end(),
+                   index) == null_space_parameters.end();
 }
 
 bool ParameterCovariance::AreTold(
     const Eigen::Ref<const Eigen::MatrixXd>& rows) const {
-  if (untold.cols() == 0) return true;
+  if (null_space.cols() == 0) return true;
   // What would come of it if the parts of a direction did not cancel.
-  const Eigen::RowVectorXd parts = rows.colwise().norm() * untold.cwiseAbs();
-  return (rows * untold).norm() <= kNotSeen * parts.norm();
+  const Eigen::RowVectorXd parts =
+      rows.colwise().norm() * null_space.cwiseAbs();
+  return (rows * null_space).norm() <= kNotSeen * parts.norm();
 }
 
 Eigen::MatrixXd ParameterCovariance::Matrix() const {
@@ -178,7 +179,7 @@ ParameterCovariance InverseInformation(const Eigen::MatrixXd& whitened_factor,
   return covariance;
 }
 
-ParameterCovariance CovarianceOf(const FinishedProblem& fit) {
+ParameterCovariance CovarianceOf(const FittedProblem& fit) {
   const Eigen::MatrixXd factor =
       JacobianFactor(fit.model, fit.values, fit.data, fit.free_columns);
   const Eigen::VectorXd prior = FreePriors(fit);
@@ -201,7 +202,7 @@ ParameterCovariance CovarianceOf(const FinishedProblem& fit) {
   return covariance;
 }
 
-Eigen::VectorXd FreePriors(const FinishedProblem& fit) {
+Eigen::VectorXd FreePriors(const FittedProblem& fit) {
   Eigen::VectorXd prior = Eigen::VectorXd::Constant(
       static_cast<Eigen::Index>(fit.free_columns.size()), kInfinity);
   if (fit.priors.size() == 0) return prior;
@@ -215,7 +216,7 @@ Eigen::VectorXd FreePriors(const FinishedProblem& fit) {
 double EffectiveParameters(const ParameterCovariance& covariance,
                            const Eigen::VectorXd& prior) {
   const Eigen::VectorXd deviations = covariance.Deviations();
-  auto effective = -static_cast<double>(covariance.untold.cols());
+  auto effective = -static_cast<double>(covariance.null_space.cols());
   for (int k = 0; k < covariance.size(); ++k) {
     const double share = std::isfinite(prior[k]) ? deviations[k] / prior[k] : 0;
     effective += 1.0 - share * share;

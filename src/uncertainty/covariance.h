@@ -13,7 +13,7 @@ namespace alidade::internal {
 
 /// A fit that is finished: `values` minimise chi-square (or the robust cost)
 /// and the priors' terms over the free columns. Holds references.
-struct FinishedProblem {
+struct FittedProblem {
   const MeasurementModel& model;
   const Dataset& data;
   const std::vector<int>& free_columns;
@@ -33,22 +33,22 @@ struct ParameterCovariance {
   /// p x p: the covariance is root root^T (rad, m).
   Eigen::MatrixXd root;
   /// p x m: directions of the parameters (rad, m) along which neither data nor
-  /// priors tell anything; usually m = 0.
-  Eigen::MatrixXd untold;
+  /// priors determine anything; usually m = 0.
+  Eigen::MatrixXd null_space;
   /// Which parameters have a part in them, by their place in `columns`.
-  std::vector<int> untold_parameters;
+  std::vector<int> null_space_parameters;
   /// Huber's sandwich, not the inverse information.
   bool is_sandwich = false;
   double degrees_of_freedom = std::numeric_limits<double>::infinity();
 
   int size() const { return static_cast<int>(columns.size()); }
   /// root root^T; infinite on the diagonal and NaN beside it for parameters
-  /// that have a part in what is not told.
+  /// that have a part in what is not identifiable.
   Eigen::MatrixXd Matrix() const;
   /// Square roots of its diagonal.
   Eigen::VectorXd Deviations() const;
   bool IsTold(int index) const;
-  /// Whether rows (any number x p) see nothing of what is not told.
+  /// Whether rows (any number x p) see nothing of what is not identifiable.
   bool AreTold(const Eigen::Ref<const Eigen::MatrixXd>& rows) const;
 };
 
@@ -59,7 +59,7 @@ struct ParameterCovariance {
 ///
 /// By the triangular factor of both stacked, columns brought to unit norm; by
 /// its singular values where its condition is above 1e6, those below 1e-12 of
-/// the largest counting as not told. O(p^3).
+/// the largest counting as not identifiable. O(p^3).
 ParameterCovariance InverseInformation(const Eigen::MatrixXd& whitened_factor,
                                        const std::vector<int>& columns,
                                        const Eigen::VectorXd& prior);
@@ -79,10 +79,10 @@ ParameterCovariance InverseInformation(const Eigen::MatrixXd& whitened_factor,
 /// information. Means are over all observations, which is right where outliers
 /// may come anywhere.
 /// O(N p^2).
-ParameterCovariance CovarianceOf(const FinishedProblem& fit);
+ParameterCovariance CovarianceOf(const FittedProblem& fit);
 
 /// The priors of a fit's free columns, infinite where there is none.
-Eigen::VectorXd FreePriors(const FinishedProblem& fit);
+Eigen::VectorXd FreePriors(const FittedProblem& fit);
 
 /// Parameters that the data rather than their priors decide: p - sum var_k /
 /// prior_k^2. Equations less this are the degrees of freedom of chi-square.

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-// More residuals would tell deviations that do not matter.
+// More residuals would show deviations that do not matter.
 constexpr Eigen::Index kMostTested = 5000;
 constexpr Eigen::Index kFewestTested = 8;
 constexpr int kMostLags = 10;
@@ -38,7 +38,7 @@ struct Observed {
 
 // A sample of many data, or all of a few that several ranks have; nothing
 // where the data may be looked at as they are.
-std::optional<Dataset> Gathered(const FinishedProblem& fit, bool is_sample) {
+std::optional<Dataset> Gathered(const FittedProblem& fit, bool is_sample) {
   Communicator* const communicator = fit.model.communicator();
   if (is_sample) return EvenSubset(communicator, fit.data, kMostObservations);
   if (!fit.data.partition) return std::nullopt;
@@ -47,7 +47,7 @@ std::optional<Dataset> Gathered(const FinishedProblem& fit, bool is_sample) {
 
 class Diagnosis {
  public:
-  Diagnosis(const FinishedProblem& fit, const ParameterCovariance& covariance)
+  Diagnosis(const FittedProblem& fit, const ParameterCovariance& covariance)
       : fit_(fit),
         covariance_(covariance),
         is_sample_(fit.data.global_observations() > kMostObservations),
@@ -216,7 +216,7 @@ class Diagnosis {
     return n * (n + 2.0) * sum;
   }
 
-  const FinishedProblem& fit_;
+  const FittedProblem& fit_;
   const ParameterCovariance& covariance_;
   const bool is_sample_;
   const std::optional<Dataset> gathered_;
@@ -260,7 +260,7 @@ TestResult TestNormality(Eigen::VectorXd values) {
   return result;
 }
 
-ResidualDiagnostics DiagnoseResiduals(const FinishedProblem& fit,
+ResidualDiagnostics DiagnoseResiduals(const FittedProblem& fit,
                                       const ParameterCovariance& covariance,
                                       bool sigma_given) {
   return Diagnosis(fit, covariance).Run(sigma_given);

@@ -30,7 +30,7 @@ namespace alidade::internal {
 /// first lags of each axis in the order of measurement, chi-square of lags
 /// times axes. The p-value of chi-square itself is two-sided, for `sigma_given`
 /// only. O(N p^2).
-ResidualDiagnostics DiagnoseResiduals(const FinishedProblem& fit,
+ResidualDiagnostics DiagnoseResiduals(const FittedProblem& fit,
                                       const ParameterCovariance& covariance,
                                       bool sigma_given);
 

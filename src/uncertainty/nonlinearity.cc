@@ -22,7 +22,7 @@ constexpr double kBoundTolerance = 1e-4;
 
 class Curvature {
  public:
-  Curvature(const FinishedProblem& fit, const ParameterCovariance& covariance,
+  Curvature(const FittedProblem& fit, const ParameterCovariance& covariance,
             const Dataset& data)
       : fit_(fit), covariance_(covariance), data_(data) {
     fit.model.Linearize(fit.values, data, covariance.columns, &here_);
@@ -46,7 +46,7 @@ class Curvature {
     return there.jacobian;
   }
 
-  const FinishedProblem& fit_;
+  const FittedProblem& fit_;
   const ParameterCovariance& covariance_;
   const Dataset& data_;
   Linearization here_;
@@ -57,7 +57,7 @@ class Curvature {
 // growth reaches the quantile.
 class ProfileSide {
  public:
-  ProfileSide(const FinishedProblem& fit, int column, double fit_cost,
+  ProfileSide(const FittedProblem& fit, int column, double fit_cost,
               const Resolve& resolve)
       : fit_(fit), column_(column), fit_cost_(fit_cost), resolve_(resolve) {}
 
@@ -113,7 +113,7 @@ class ProfileSide {
     return std::sqrt(std::max(0.0, *cost - fit_cost_));
   }
 
-  const FinishedProblem& fit_;
+  const FittedProblem& fit_;
   const int column_;
   const double fit_cost_;
   const Resolve& resolve_;
@@ -121,7 +121,7 @@ class ProfileSide {
 
 }  // namespace
 
-Eigen::VectorXd MeasureNonlinearity(const FinishedProblem& fit,
+Eigen::VectorXd MeasureNonlinearity(const FittedProblem& fit,
                                     const ParameterCovariance& covariance) {
   const Eigen::Index p = covariance.size();
   Eigen::VectorXd nonlinearity = Eigen::VectorXd::Zero(p);
@@ -150,7 +150,7 @@ Eigen::VectorXd MeasureNonlinearity(const FinishedProblem& fit,
   return nonlinearity;
 }
 
-ConfidenceInterval ProfileInterval(const FinishedProblem& fit,
+ConfidenceInterval ProfileInterval(const FittedProblem& fit,
                                    const ParameterCovariance& covariance,
                                    int index, double quantile, double fit_cost,
                                    const Resolve& resolve) {

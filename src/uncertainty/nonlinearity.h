@@ -26,8 +26,9 @@ namespace alidade::internal {
 /// the bias (Box 1971, "Bias in nonlinear estimation").
 ///
 /// By central differences of J over one standard deviation in each direction,
-/// 2 p Jacobians of at most a thousand poses. Infinite for what is not told.
-Eigen::VectorXd MeasureNonlinearity(const FinishedProblem& fit,
+/// 2 p Jacobians of at most a thousand poses. Infinite for what is not
+/// identifiable.
+Eigen::VectorXd MeasureNonlinearity(const FittedProblem& fit,
                                     const ParameterCovariance& covariance);
 
 /// Minimises the cost over all free parameters but the one in `fixed_column`,
@@ -49,7 +50,7 @@ using Resolve = std::function<std::optional<double>(int fixed_column,
 /// crossing is found by the secant method; a bound that is not found within
 /// twenty times the linear one is infinite. About ten solves.
 /// `fit_cost`: as `resolve` counts.
-ConfidenceInterval ProfileInterval(const FinishedProblem& fit,
+ConfidenceInterval ProfileInterval(const FittedProblem& fit,
                                    const ParameterCovariance& covariance,
                                    int index, double quantile, double fit_cost,
                                    const Resolve& resolve);

@@ -13,7 +13,7 @@ namespace alidade::internal {
 
 /// What a calibration leaves unknown of the target's pose at one configuration,
 /// to first order: J root root^T J^T, J the Jacobian of the pose. Infinite
-/// where J sees a direction that is not told.
+/// where J sees a direction that is not identifiable.
 struct PoseCovariance {
   Eigen::Matrix3d position;  ///< in the instrument's frame (m^2)
   Eigen::Matrix3d rotation;  ///< of the rotation vector on the left (rad^2)
@@ -50,7 +50,7 @@ PredictedMap MapPrediction(const MeasurementModel& model,
 PredictionCheck CheckPrediction(const MeasurementModel& model,
                                 const Eigen::VectorXd& values,
                                 const ParameterCovariance& covariance,
-                                const Dataset& heldout, double confidence);
+                                const Dataset& validation, double confidence);
 
 }  // namespace alidade::internal
 

@@ -28,7 +28,7 @@ std::vector<Eigen::Index> MeasuredRows(const ObservationBlock& block,
   return rows;
 }
 
-// What held-out observations say, collected by several threads.
+// What validation observations say, collected by several threads.
 class HeldOut {
  public:
   HeldOut(Communicator* communicator, const ParameterCovariance& covariance,
@@ -140,14 +140,15 @@ class HeldOut {
   std::vector<Scores> scores_;
 };
 
-void CountHeld(const HeldOut& heldout, double dof, PredictionCheck* check) {
+void CountHeld(const HeldOut& validation, double dof, PredictionCheck* check) {
   check->axes.n = check->z_scores.size();
   const double bound = StudentTQuantile(0.5 + 0.5 * check->confidence, dof);
   check->axes.held = (check->z_scores.array().abs() <= bound).count();
-  check->ellipsoids.n = heldout.Positions(false);
-  check->ellipsoids.held = heldout.Positions(true);
-  const PredictedRows rows = heldout.SampledRows(check->axes.n);
-  const PredictedRows positions = heldout.SampledPositions(check->ellipsoids.n);
+  check->ellipsoids.n = validation.Positions(false);
+  check->ellipsoids.held = validation.Positions(true);
+  const PredictedRows rows = validation.SampledRows(check->axes.n);
+  const PredictedRows positions =
+      validation.SampledPositions(check->ellipsoids.n);
   if (rows.spread.rows() > 0) {
     std::tie(check->axes.lower, check->axes.upper) =
         ExpectedShares(rows, check->confidence, dof);
@@ -160,7 +161,7 @@ void CountHeld(const HeldOut& heldout, double dof, PredictionCheck* check) {
 
 std::string Verdict(const PredictionCheck& check) {
   if (check.axes.n == 0) return "nothing to compare";
-  if (!std::isfinite(check.rms_z)) return "cannot be told";
+  if (!std::isfinite(check.rms_z)) return "cannot be determined";
   if (check.axes.rate() < check.axes.lower) return "larger";
   if (check.axes.rate() > check.axes.upper) return "smaller";
   return "agree";
@@ -171,10 +172,10 @@ std::string Verdict(const PredictionCheck& check) {
 PredictionCheck CheckPrediction(const MeasurementModel& model,
                                 const Eigen::VectorXd& values,
                                 const ParameterCovariance& covariance,
-                                const Dataset& heldout, double confidence) {
-  HeldOut scores(model.communicator(), covariance, heldout, confidence);
+                                const Dataset& validation, double confidence) {
+  HeldOut scores(model.communicator(), covariance, validation, confidence);
   ForEachObservation(
-      model, values, heldout, covariance.columns,
+      model, values, validation, covariance.columns,
       [&](int, Eigen::Index i, const Eigen::Ref<const Eigen::MatrixXd>& rows) {
         scores.Add(i, rows);
       });

@@ -122,7 +122,7 @@ void VisitFields(Visitor& v, Subject<Visitor, UncertaintyResult>& result) {
   v.Field("correlated", result.correlated);
   v.Field("residuals", result.residuals);
   v.Optional("workspace", result.workspace);
-  v.Optional("heldout", result.heldout);
+  v.Optional("validation", result.validation);
   v.Field("warnings", result.warnings);
 }
 

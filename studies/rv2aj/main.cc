@@ -67,7 +67,7 @@ int Run(const std::vector<std::string>& arguments) {
   for (const std::string& written : paths) std::cout << "  " << written << "\n";
   if (result.status != CalibrationStatus::kMissedLimits) return 0;
   std::cerr << "rv2aj_study: " << path << ": " << result.message << "; "
-            << flags["--out"] << "/report.txt tells which\n";
+            << flags["--out"] << "/report.txt says which\n";
   return 1;
 }
 

@@ -55,7 +55,7 @@ class Study {
     TimeBaseline();
     ListParameters();
     FindAbsorptions();
-    study_.full_precision = result_.heldout->after;
+    study_.full_precision = result_.validation->after;
     study_.as_printed = EvaluateRounded(published_.length_decimals);
     study_.three_more_decimals =
         EvaluateRounded(published_.length_decimals + 3);
@@ -73,7 +73,8 @@ class Study {
     return result_.parameters[column].decision.state == ParameterState::kFree;
   }
 
-  // The study's fixed number of iterations, past the rounding floor and all.
+  // The study's fixed number of iterations, past the numerical precision limit
+  // and all.
   void TimeBaseline() {
     CalibrationOptions options = job_.options;
     options.solver = SolverName::kPseudoInverse;
@@ -83,7 +84,7 @@ class Study {
     options.uncertainty.map_configurations = 0;
     options.solver_options.max_iterations = published_.baseline_iterations;
     options.solver_options.function_tolerance = 0.0;
-    options.solver_options.rounding_floor_factor = 0.0;
+    options.solver_options.precision_limit_factor = 0.0;
     options.solver_options.wanted_precision = 0.0;
     std::array<double, 3> seconds{};
     for (double& time : seconds) {
@@ -107,24 +108,23 @@ class Study {
     }
   }
 
-  // d(free) = -J_free^+ J_frozen d(frozen): the least-squares answer of the
-  // free parameters to a frozen one that is off, at the identified geometry.
+  // d(free) = -J_free^+ J_fixed d(fixed): the least-squares answer of the
+  // free parameters to a fixed one that is off, at the identified geometry.
   void FindAbsorptions() {
     std::vector<int> free;
-    std::vector<int> frozen;
+    std::vector<int> fixed;
     for (int c = 0; c < layout_.size(); ++c) {
       if (IsFree(c)) {
         free.push_back(c);
       } else if (truth_[c] != nominal_[c]) {
-        frozen.push_back(c);
+        fixed.push_back(c);
       }
     }
-    if (frozen.empty()) return;
+    if (fixed.empty()) return;
     const Eigen::MatrixXd answers =
-        Jacobian(free).colPivHouseholderQr().solve(Jacobian(frozen));
+        Jacobian(free).colPivHouseholderQr().solve(Jacobian(fixed));
     for (std::size_t k = 0; k < free.size(); ++k) {
-      AddAbsorptions(free[k], frozen,
-                     answers.row(static_cast<Eigen::Index>(k)));
+      AddAbsorptions(free[k], fixed, answers.row(static_cast<Eigen::Index>(k)));
     }
   }
 
@@ -148,15 +148,15 @@ class Study {
     return jacobian;
   }
 
-  // What several frozen parameters add and take away again is left out.
-  void AddAbsorptions(int free, const std::vector<int>& frozen,
+  // What several fixed parameters add and take away again is left out.
+  void AddAbsorptions(int free, const std::vector<int>& fixed,
                       const Eigen::RowVectorXd& coefficients) {
     const Parameter& by = layout_.parameter(free);
     std::vector<Absorption> absorptions;
     double total = 0.0;
-    for (std::size_t i = 0; i < frozen.size(); ++i) {
-      const Parameter& one = layout_.parameter(frozen[i]);
-      const double deviation = truth_[frozen[i]] - nominal_[frozen[i]];
+    for (std::size_t i = 0; i < fixed.size(); ++i) {
+      const Parameter& one = layout_.parameter(fixed[i]);
+      const double deviation = truth_[fixed[i]] - nominal_[fixed[i]];
       const double coefficient = coefficients[static_cast<Eigen::Index>(i)];
       const double amount = coefficient * deviation;
       total += amount;

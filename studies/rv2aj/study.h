@@ -29,13 +29,13 @@ struct StudyParameter {
   double obtained = 0.0;   ///< ours, at full precision
 };
 
-/// A free parameter takes up part of a frozen one that is not at its
+/// A free parameter takes up part of a fixed one that is not at its
 /// nominal value: to first order at the identified geometry,
-/// change of `taken_up_by` = coefficient * deviation of `frozen`.
+/// change of `taken_up_by` = coefficient * deviation of `fixed`.
 struct Absorption {
-  std::string frozen;
-  Dimension frozen_dimension = Dimension::kLength;
-  double frozen_deviation = 0.0;
+  std::string fixed;
+  Dimension fixed_dimension = Dimension::kLength;
+  double fixed_deviation = 0.0;
   std::string taken_up_by;
   Dimension dimension = Dimension::kLength;  ///< of `taken_up_by`
   double coefficient = 0.0;
@@ -65,7 +65,7 @@ struct StudyResult {
 /// Sets the job's result beside what the job's `published` says: repeats the
 /// study's fixed number of iterations of its own algorithm (median time of
 /// three), evaluates the identified values rounded as its table prints them,
-/// and finds which free parameters took up the frozen ones. @pre the result
+/// and finds which free parameters took up the fixed ones. @pre the result
 /// is usable; the job has `published`, `validation` and `truth`; the data are
 /// one position per pose, all of the same sigma.
 StudyResult CompareWithStudy(const Job& job, const CalibrationResult& result);

@@ -131,10 +131,10 @@ std::string Coefficient(double value, Dimension from, Dimension to) {
 }
 
 std::string AbsorptionTerm(const Absorption& absorption) {
-  return "the frozen " + absorption.frozen + " (" +
-         Quantity(absorption.frozen_deviation, absorption.frozen_dimension) +
+  return "the fixed " + absorption.fixed + " (" +
+         Quantity(absorption.fixed_deviation, absorption.fixed_dimension) +
          " off its nominal value) with coefficient " +
-         Coefficient(absorption.coefficient, absorption.frozen_dimension,
+         Coefficient(absorption.coefficient, absorption.fixed_dimension,
                      absorption.dimension) +
          ", that is " + Quantity(absorption.amount, absorption.dimension);
 }
@@ -306,9 +306,8 @@ std::string FormatStudyJson(const StudyResult& study) {
   json << "],\n\"absorptions\": [";
   comma = "";
   for (const Absorption& one : study.absorptions) {
-    json << std::exchange(comma, ",")
-         << "\n  {\"frozen\": " << quoted(one.frozen)
-         << ", \"frozen_deviation\": " << one.frozen_deviation
+    json << std::exchange(comma, ",") << "\n  {\"fixed\": " << quoted(one.fixed)
+         << ", \"fixed_deviation\": " << one.fixed_deviation
          << ", \"taken_up_by\": " << quoted(one.taken_up_by)
          << ", \"unit\": " << SiUnit(one.dimension)
          << ", \"coefficient\": " << one.coefficient

@@ -34,7 +34,7 @@ def add_uncertainty(result):
             "whiteness": {"statistic": 9.0, "p_value": 0.5}, "lags": 10,
             "studentised_histogram": histogram},
         "workspace": {"position_std": summary, "rotation_std": summary},
-        "heldout": {
+        "validation": {
             "confidence": 0.95, "rms_z": 1.0, "verdict": "agree",
             "z_histogram": histogram,
             "axes": {"held": 95, "n": 100, "lower": 0.89, "upper": 0.98},

@@ -161,7 +161,7 @@ class Pages(unittest.TestCase):
         result = load(self.study / "result.json")
         self.open(self.study / "report.html")
         rows = {(row[0][0], row[1][0]): row for row in self.table("accuracy")}
-        for name, key in (("validation poses", "heldout"),
+        for name, key in (("validation poses", "validation"),
                           ("training poses", "train")):
             for state in ("before", "after"):
                 expected = result["accuracy"][key][state]
@@ -298,9 +298,9 @@ class Pages(unittest.TestCase):
             def change(result):
                 result["fit"].update(sigma=sigma, estimated_sigma=estimated)
                 result["warnings"] = []
-                heldout = result["accuracy"]["heldout"]
-                heldout["before"]["mean"] = before
-                heldout["after"]["mean"] = heldout["after"]["max"] = after
+                validation = result["accuracy"]["validation"]
+                validation["before"]["mean"] = before
+                validation["after"]["mean"] = validation["after"]["max"] = after
             run_alidade("report", copy_result(self.study, WORK / name, change))
             self.open(WORK / name / "report.html")
             return self.text("#summary")
@@ -414,11 +414,11 @@ class Pages(unittest.TestCase):
                         p["value"] += 5e-3
                 for known in result["uncertainty"]["parameters"]:
                     known["std"] = 1e-5
-                for state in result["accuracy"]["heldout"].values():
+                for state in result["accuracy"]["validation"].values():
                     if isinstance(state, dict):
                         state["mean"] *= 1 + 0.02 * number
                 if number == 4:
-                    result["accuracy"]["heldout"]["before"]["mean"] = 8e-3
+                    result["accuracy"]["validation"]["before"]["mean"] = 8e-3
                 result["inputs"][1]["sha256"] = f"{number:064d}"
             return change
         paths = []

@@ -216,9 +216,9 @@ Dataset RepeatedPositions() {
 TEST(MeasureRepeatsTest, PoolsTheSpreadOfPositions) {
   const RepeatSpread spread = MeasureRepeats(RepeatedPositions());
   // Squares about the means: 2 of configuration 0 and 2 of configuration 1.
-  EXPECT_EQ(spread.length_freedom, 3 * 2 + 3 * 1);
+  EXPECT_EQ(spread.length_degrees_of_freedom, 3 * 2 + 3 * 1);
   EXPECT_NEAR(spread.length / kStep, std::sqrt(4.0 / 9.0), 1e-14);
-  EXPECT_EQ(spread.rotation_freedom, 0);
+  EXPECT_EQ(spread.rotation_degrees_of_freedom, 0);
   EXPECT_EQ(spread.rotation, 0.0);
 }
 
@@ -226,9 +226,9 @@ TEST(MeasureRepeatsTest, OfNothingRepeatedIsZero) {
   Dataset data = PosesOf({0, 1, 2});
   data.blocks = {BlockOf(MeasurementKind::kPosition, 3)};
   const RepeatSpread spread = MeasureRepeats(data);
-  EXPECT_EQ(spread.length_freedom, 0);
+  EXPECT_EQ(spread.length_degrees_of_freedom, 0);
   EXPECT_EQ(spread.length, 0.0);
-  EXPECT_EQ(MeasureRepeats(Dataset()).length_freedom, 0);
+  EXPECT_EQ(MeasureRepeats(Dataset()).length_degrees_of_freedom, 0);
 }
 
 // Neither other targets and kinds, nor what was measured in part.
@@ -237,12 +237,12 @@ TEST(MeasureRepeatsTest, ComparesLikeWithLike) {
   ObservationBlock& block = data.blocks[0];
   block.targets = {0, 0, 0, 0, 1, 0, 0};
   RepeatSpread spread = MeasureRepeats(data);
-  EXPECT_EQ(spread.length_freedom, 6);
+  EXPECT_EQ(spread.length_degrees_of_freedom, 6);
   EXPECT_NEAR(spread.length / kStep, std::sqrt(2.0 / 6.0), 1e-14);
   testing::Edit(&block.sigmas).at(2, 6) = kInfinity;
   spread = MeasureRepeats(data);
   // Left: a step and 0.
-  EXPECT_EQ(spread.length_freedom, 3);
+  EXPECT_EQ(spread.length_degrees_of_freedom, 3);
   EXPECT_NEAR(spread.length / kStep, std::sqrt(0.5 / 3.0), 1e-14);
   // Another block, of the same configurations: lengths and differences.
   ObservationBlock distances = BlockOf(MeasurementKind::kDistance, 7);
@@ -254,7 +254,7 @@ TEST(MeasureRepeatsTest, ComparesLikeWithLike) {
   data.blocks.push_back(distances);
   data.blocks.push_back(differences);
   const RepeatSpread same = MeasureRepeats(data);
-  EXPECT_EQ(same.length_freedom, spread.length_freedom);
+  EXPECT_EQ(same.length_degrees_of_freedom, spread.length_degrees_of_freedom);
   EXPECT_EQ(same.length, spread.length);
 }
 
@@ -277,9 +277,9 @@ TEST(MeasureRepeatsTest, SpreadOfOrientationsHasNoWrap) {
   ASSERT_GT((block.measured.col(0) - block.measured.col(1)).norm(), 6.0);
   data.blocks = {block};
   const RepeatSpread spread = MeasureRepeats(data);
-  EXPECT_EQ(spread.length_freedom, 9);
+  EXPECT_EQ(spread.length_degrees_of_freedom, 9);
   EXPECT_EQ(spread.length, 0.0);
-  EXPECT_EQ(spread.rotation_freedom, 9);
+  EXPECT_EQ(spread.rotation_degrees_of_freedom, 9);
   // Squares 1/2 of the first and 2 of the second; turns about one axis add.
   // Rounding: some eps of a turn of order one.
   EXPECT_NEAR(spread.rotation / kTurn, std::sqrt(2.5 / 9.0), 1e-11);

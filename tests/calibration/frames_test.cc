@@ -55,7 +55,7 @@ JobConfig FarArmJob(int num_poses, double sigma) {
   job.options.identifiability.candidates = {true, true, true};
   HoldOut split = HoldOutFraction(job.data.training, 0.3, 1);
   job.data.training = split.train;
-  job.data.validation = split.heldout;
+  job.data.validation = split.validation;
   return job;
 }
 
@@ -70,12 +70,12 @@ TEST(FramesTest, AreFoundMetresAndHalfATurnAway) {
   EXPECT_EQ(result.stages[0].num_free, 9);
   // Before, millimetres of geometry are left; after, noise: its norm in three
   // coordinates is 0.087 mm, and fitting 27 parameters to 210 equations adds
-  // some 7 % on held-out poses.
-  EXPECT_GT(result.stages[0].heldout.rms, 5e-4);
-  EXPECT_LT(result.stages[0].heldout.rms, 5e-3);
-  EXPECT_LT(result.stages[1].heldout.rms, result.stages[0].heldout.rms);
-  EXPECT_NEAR(result.heldout->after.rms, 9.3e-5, 1.5e-5);
-  EXPECT_EQ(result.heldout->after.rms, result.stages[2].heldout.rms);
+  // some 7 % on validation poses.
+  EXPECT_GT(result.stages[0].validation.rms, 5e-4);
+  EXPECT_LT(result.stages[0].validation.rms, 5e-3);
+  EXPECT_LT(result.stages[1].validation.rms, result.stages[0].validation.rms);
+  EXPECT_NEAR(result.validation->after.rms, 9.3e-5, 1.5e-5);
+  EXPECT_EQ(result.validation->after.rms, result.stages[2].validation.rms);
   EXPECT_NEAR(result.reduced_chi_square, 1.0, 0.3);
   EXPECT_TRUE(result.outliers.empty());
 }
@@ -107,7 +107,7 @@ TEST(FramesTest, OutliersAreListedWithTheirWeight) {
   EXPECT_EQ(outliers[0].weight, 0.0);
   // 70 observations of 27 parameters leave the loss less than its asymptotic
   // efficiency; least squares is at 1.9e-4.
-  EXPECT_NEAR(outcome.heldout->after.rms, 1.05e-4, 2.5e-5);
+  EXPECT_NEAR(outcome.validation->after.rms, 1.05e-4, 2.5e-5);
 }
 
 TEST(FramesTest, ExactDataHaveNoSigmaToEstimate) {
@@ -132,11 +132,11 @@ TEST(FramesTest, AreFoundUnderEveryLossThoughResidualsAreManySigmas) {
     EXPECT_FALSE(result.before_note.empty());
     EXPECT_EQ(result.identifiability.num_free, 27);
     ASSERT_EQ(result.stages.size(), 3u);
-    EXPECT_GT(result.stages[0].heldout.rms, 5e-4);
-    EXPECT_LT(result.stages[0].heldout.rms, 5e-3);
-    EXPECT_LT(result.stages[1].heldout.rms, result.stages[0].heldout.rms);
+    EXPECT_GT(result.stages[0].validation.rms, 5e-4);
+    EXPECT_LT(result.stages[0].validation.rms, 5e-3);
+    EXPECT_LT(result.stages[1].validation.rms, result.stages[0].validation.rms);
     // Of 9.3e-5 without a loss; losses cost some of the efficiency.
-    EXPECT_NEAR(result.heldout->after.rms, 1.0e-4, 2.5e-5);
+    EXPECT_NEAR(result.validation->after.rms, 1.0e-4, 2.5e-5);
   }
 }
 
@@ -177,23 +177,23 @@ TEST(FramesTest, TooFewPosesForASigmaLeaveParametersNearNominal) {
   const CalibrationResult outcome = RunJob(job, "test");
   ASSERT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
   const CalibrationResult& result = outcome;
-  EXPECT_TRUE(IsWarnedOf(result, "too few measurements to tell sigma"));
+  EXPECT_TRUE(IsWarnedOf(result, "too few measurements to determine sigma"));
   // What the nominal geometry leaves: a millimetre or so, not the noise.
   EXPECT_GT(result.estimated_sigma, 2e-4);
   EXPECT_LT(result.estimated_sigma, 3e-3);
-  EXPECT_LT(result.heldout->after.rms, result.heldout->before.rms);
+  EXPECT_LT(result.validation->after.rms, result.validation->before.rms);
 }
 
 TEST(FramesTest, LimitsOfHeldOutPosesHoldForFolds) {
   JobConfig job = FarArmJob(100, kSigma);
   job.data.validation.reset();
   job.options.folds = FoldsOptions{5, 1};
-  job.options.acceptance.heldout_max = 1e-3;
+  job.options.acceptance.validation_max = 1e-3;
   EXPECT_EQ(RunJob(job, "test").status, CalibrationStatus::kDone);
-  job.options.acceptance.heldout_max = 1e-5;
+  job.options.acceptance.validation_max = 1e-5;
   const CalibrationResult outcome = RunJob(job, "test");
   EXPECT_EQ(outcome.status, CalibrationStatus::kMissedLimits);
-  EXPECT_NE(outcome.message.find("heldout_max"), std::string::npos);
+  EXPECT_NE(outcome.message.find("validation_max"), std::string::npos);
   ASSERT_EQ(outcome.acceptance.size(), 1u);
   EXPECT_EQ(outcome.acceptance[0].obtained,
             outcome.cross_validation->position.max);

@@ -62,7 +62,7 @@ TEST_F(InPlaceTest, AJobHasTheBitsThatItHasOfACopy) {
   EXPECT_EQ(a.train.joint_values, b.train.joint_values);
   EXPECT_EQ(a.train.positions, b.train.positions);
   EXPECT_EQ(a.train.residual_after, b.train.residual_after);
-  EXPECT_EQ(a.heldout->residual_after, b.heldout->residual_after);
+  EXPECT_EQ(a.validation->residual_after, b.validation->residual_after);
   EXPECT_EQ(a.train.after.p95, b.train.after.p95);
   EXPECT_EQ(a.uncertainty->residuals.chi_square,
             b.uncertainty->residuals.chi_square);

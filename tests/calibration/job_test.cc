@@ -39,7 +39,7 @@ TEST(JobTest, StudyReachesItsPublishedFigures) {
   const CalibrationResult& result = outcome;
   ASSERT_EQ(result.runs.size(), 2u);
   for (const SolverRun& run : result.runs) {
-    EXPECT_EQ(run.summary.status, SolverStatus::kRoundingFloor);
+    EXPECT_EQ(run.summary.status, SolverStatus::kPrecisionLimit);
     // A few units in the last place of 0.4 m.
     EXPECT_LT(run.train.max, 4e-16);
     EXPECT_GT(run.train.max, 2e-17);
@@ -48,8 +48,8 @@ TEST(JobTest, StudyReachesItsPublishedFigures) {
   EXPECT_LE(result.runs[1].summary.iterations.size(), 7u);
   EXPECT_NEAR(result.train.before.min, 1.955e-3, 0.02e-3);
   EXPECT_NEAR(result.train.before.max, 5.21e-3, 0.005e-3);
-  EXPECT_LT(result.heldout->after.max, 5e-16);
-  EXPECT_EQ(result.heldout->after.n, 3600);
+  EXPECT_LT(result.validation->after.max, 5e-16);
+  EXPECT_EQ(result.validation->after.n, 3600);
 }
 
 TEST(JobTest, PublishedValuesStandBesideThoseObtained) {
@@ -66,7 +66,7 @@ TEST(JobTest, FlangeReachesTheFloorToo) {
   const CalibrationResult outcome = RunJob(LoadStudy("rv2aj_flange"), "test");
   ASSERT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
   EXPECT_EQ(outcome.identifiability.num_free, 18);
-  EXPECT_LT(outcome.heldout->after.max, 5e-16);
+  EXPECT_LT(outcome.validation->after.max, 5e-16);
   EXPECT_NEAR(Find(outcome, "d4").deviation(),
               0.1e-3 + std::sin(0.004) * 0.1e-3, 1e-11);
 }
@@ -140,7 +140,7 @@ TEST(JobTest, DefaultMethodWarnsOfParametersFarFromTheirPriors) {
 
 TEST(JobTest, LimitsDecideTheStatus) {
   JobConfig config = LoadStudy();
-  config.options.acceptance.heldout_rms = 1e-18;
+  config.options.acceptance.validation_rms = 1e-18;
   const CalibrationResult outcome = RunJob(config, "test");
   EXPECT_EQ(outcome.status, CalibrationStatus::kMissedLimits);
   EXPECT_FALSE(outcome.accepted());

@@ -27,7 +27,7 @@ CalibrationResult Calibrate(const JobConfig& job) {
   const CalibrationResult outcome = RunJob(job, "test");
   EXPECT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
   EXPECT_NEAR(outcome.reduced_chi_square, 1.0, 0.3);
-  EXPECT_TRUE(outcome.heldout.has_value());
+  EXPECT_TRUE(outcome.validation.has_value());
   return outcome;
 }
 
@@ -39,13 +39,13 @@ TEST(KindsTest, PosesFindTheFrameOfTheTargetToo) {
   // 4R + 2P + 6 = 30.
   EXPECT_EQ(result.identifiability.num_free, 30);
   // Noise has norms of 0.087 mm and 0.030 deg in three coordinates.
-  EXPECT_NEAR(result.heldout->after.rms, 9.2e-5, 1.5e-5);
-  EXPECT_NEAR(result.heldout->rotation_after.rms, 5.4e-4, 0.8e-4);
-  EXPECT_GT(result.heldout->rotation_before.rms,
-            2.0 * result.heldout->rotation_after.rms);
+  EXPECT_NEAR(result.validation->after.rms, 9.2e-5, 1.5e-5);
+  EXPECT_NEAR(result.validation->rotation_after.rms, 5.4e-4, 0.8e-4);
+  EXPECT_GT(result.validation->rotation_before.rms,
+            2.0 * result.validation->rotation_after.rms);
   ASSERT_EQ(result.stages.size(), 3u);
   EXPECT_EQ(result.stages[0].num_free, 12);
-  EXPECT_GT(result.stages[0].heldout_rotation.n, 0);
+  EXPECT_GT(result.stages[0].validation_rotation.n, 0);
 }
 
 TEST(KindsTest, SeveralTargetsAreFoundAtOnce) {
@@ -61,7 +61,7 @@ TEST(KindsTest, SeveralTargetsAreFoundAtOnce) {
   ASSERT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
   // 4R + 2P + 3 for the first target, 3 for each of the others.
   EXPECT_EQ(outcome.identifiability.num_free, 33);
-  EXPECT_NEAR(outcome.heldout->after.rms, 9.2e-5, 1.5e-5);
+  EXPECT_NEAR(outcome.validation->after.rms, 9.2e-5, 1.5e-5);
   // Sides of the triangle of targets do not depend on any frame.
   for (int k = 1; k < 3; ++k) {
     const double side = (outcome.arm.last_from_target(k).translation() -
@@ -86,7 +86,7 @@ TEST(KindsTest, AxesThatWereNotMeasuredDoNotCount) {
   }
   const CalibrationResult result = Calibrate(JobOf(data));
   // The root mean square of the norms of 2 and 3 coordinates alternately.
-  EXPECT_NEAR(result.heldout->after.rms, 8.2e-5, 1.5e-5);
+  EXPECT_NEAR(result.validation->after.rms, 8.2e-5, 1.5e-5);
 }
 
 TEST(KindsTest, DifferencesTellGeometryButNoPlace) {
@@ -115,8 +115,8 @@ TEST(KindsTest, TwoWiresFindTheirAnchorsAndTheTarget) {
   job.options.identifiability.candidates = {true, false, true};
   job.data.references.points = {{"left"}, {"right"}};
   const CalibrationResult result = Calibrate(job);
-  EXPECT_NEAR(result.heldout->after.rms, kSigma, 0.25 * kSigma);
-  EXPECT_GT(result.heldout->before.rms, 5.0 * kSigma);
+  EXPECT_NEAR(result.validation->after.rms, kSigma, 0.25 * kSigma);
+  EXPECT_GT(result.validation->before.rms, 5.0 * kSigma);
   ASSERT_EQ(result.aliases.size(), 2u);
   EXPECT_EQ(result.aliases[1].first, "point2");
   EXPECT_EQ(result.aliases[1].second, "right");
@@ -179,9 +179,9 @@ TEST(KindsTest, ABallInSocketsAKnownDistanceApartIsEnough) {
   job.data.references.points = {{"a/0"}, {"a/1"}, {"b/0"}, {"b/1"}};
   job.options.estimate_sigma = true;
   const CalibrationResult result = Calibrate(job);
-  EXPECT_GT(result.heldout->before.rms, 1e-3);
-  EXPECT_LT(result.heldout->after.rms, 2e-4);
-  EXPECT_GT(result.heldout->after.rms, 2e-5);
+  EXPECT_GT(result.validation->before.rms, 1e-3);
+  EXPECT_LT(result.validation->after.rms, 2e-4);
+  EXPECT_GT(result.validation->after.rms, 2e-5);
   // The scale is that of the known distances, told to 1e-5 / 0.05 each: were
   // it free, the fit would shrink the arm by all that its priors allow.
   const CalibrationResult outcome = RunJob(job, "test");
@@ -239,8 +239,8 @@ TEST(KindsTest, ContactWithAPlaneFindsThePlane) {
   job.data.references.planes = {{"table"}};
   job.options.estimate_sigma = true;
   const CalibrationResult result = Calibrate(job);
-  EXPECT_LT(result.heldout->after.rms, 1.5e-4);
-  EXPECT_GT(result.heldout->before.rms, 3.0 * result.heldout->after.rms);
+  EXPECT_LT(result.validation->after.rms, 1.5e-4);
+  EXPECT_GT(result.validation->before.rms, 3.0 * result.validation->after.rms);
 }
 
 TEST(KindsTest, KindsMixFreely) {
@@ -257,9 +257,9 @@ TEST(KindsTest, KindsMixFreely) {
   // 56 training poses with an observation of each kind, each held out once.
   EXPECT_EQ(result.cross_validation->position.n, 112);
   EXPECT_EQ(result.cross_validation->rotation.n, 56);
-  ASSERT_EQ(result.heldout->labels.size(), 48u);
-  EXPECT_EQ(result.heldout->labels[0].kind, "pose");
-  EXPECT_EQ(result.heldout->labels[24].kind, "distance");
+  ASSERT_EQ(result.validation->labels.size(), 48u);
+  EXPECT_EQ(result.validation->labels[0].kind, "pose");
+  EXPECT_EQ(result.validation->labels[24].kind, "distance");
 }
 
 TEST(KindsTest, SigmasOfLengthsAndOrientationsAreEstimatedApart) {
@@ -285,8 +285,8 @@ TEST(KindsTest, RepeatsTellTheirOwnSpread) {
   const RepeatSpread& repeats = outcome.repeats;
   // 21 of 30 configurations are fitted, each with two degrees of freedom in
   // three coordinates: the deviation of the estimate is 6 %.
-  EXPECT_EQ(repeats.length_freedom, 126);
-  EXPECT_EQ(repeats.rotation_freedom, 126);
+  EXPECT_EQ(repeats.length_degrees_of_freedom, 126);
+  EXPECT_EQ(repeats.rotation_degrees_of_freedom, 126);
   EXPECT_NEAR(repeats.length, kSigma, 0.2 * kSigma);
   EXPECT_NEAR(repeats.rotation, kRotationSigma, 0.2 * kRotationSigma);
 }

@@ -160,7 +160,7 @@ inline JobConfig JobOf(const Dataset& data) {
   job.options.identifiability.candidates = {true, true, true};
   HoldOut split = HoldOutFraction(job.data.training, 0.3, 1);
   job.data.training = split.train;
-  job.data.validation = split.heldout;
+  job.data.validation = split.validation;
   return job;
 }
 

@@ -207,7 +207,7 @@ TEST_F(PartitionedJobTest, OfPositionsFindsTheSameBitsWhateverItsSize) {
       "data: [a1.csv, a2.csv, a3.csv]\nmeasurement: {sigma: estimate}\n"
       "validation: {fraction: 0.2, seed: 5}\n"
       "identifiability: {parameters: [joints, base, tool]}\n"
-      "acceptance: {heldout_max: 0.01}\n");
+      "acceptance: {validation_max: 0.01}\n");
   // More ranks than files: one has nothing.
   for (const int size : {1, 2, 3, 4}) ExpectSame(job, size);
   // What differs would be too much to print.

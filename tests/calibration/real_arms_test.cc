@@ -20,7 +20,7 @@ std::string PathOf(const std::string& job) {
          ".yaml";
 }
 
-// Mean error on held-out poses (mm) that one split leaves. A plain
+// Mean error on validation poses (mm) that one split leaves. A plain
 // least-squares fit by another program (scipy, weak priors; docs/real_arms.md)
 // reached `plain` as a mean over ten splits; single splits of small sets differ
 // by some 20 % of it.
@@ -45,9 +45,9 @@ TEST_P(RealArmTest, IsAsAccurateOnHeldOutPosesAsAPlainFitOrBetter) {
   const CalibrationResult& result = outcome;
   EXPECT_EQ(result.identifiability.structural_rank.rank, GetParam().rank);
   EXPECT_EQ(result.identifiability.num_free, GetParam().rank);
-  EXPECT_NEAR(result.heldout->after.mean * 1e3, GetParam().plain,
+  EXPECT_NEAR(result.validation->after.mean * 1e3, GetParam().plain,
               GetParam().tolerance);
-  EXPECT_LT(result.heldout->after.mean, result.heldout->before.mean);
+  EXPECT_LT(result.validation->after.mean, result.validation->before.mean);
   ASSERT_EQ(result.stages.size(), 3u);
 }
 
@@ -83,8 +83,8 @@ TEST(RealArmsTest, ABallInSocketsCalibratesAnArmWithoutAnInstrument) {
   const CalibrationResult outcome = RunJob(LoadJob(path), "test");
   ASSERT_EQ(outcome.status, CalibrationStatus::kDone) << outcome.message;
   // The plain fit leaves 0.199 mm over ten splits.
-  EXPECT_NEAR(outcome.heldout->after.mean, 0.2e-3, 0.04e-3);
-  EXPECT_GT(outcome.heldout->before.mean, 5e-3);
+  EXPECT_NEAR(outcome.validation->after.mean, 0.2e-3, 0.04e-3);
+  EXPECT_GT(outcome.validation->before.mean, 5e-3);
   // Sockets of a plate are 50 mm apart, which keeps the arm from shrinking.
   const std::vector<ReferenceResult>& points = outcome.references;
   ASSERT_EQ(points.size(), 6u);

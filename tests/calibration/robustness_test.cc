@@ -37,7 +37,7 @@ double TrueError(const Arm& found, const Arm& real) {
 }
 
 // 27 parameters of 180 equations of 0.05 mm each: the expected RMS error is
-// sigma sqrt(27 / 60), 0.034 mm; twice as much is beyond chance.
+// sigma sqrt(27 / 60), 0.034 mm; twice as much is beyond what chance allows.
 constexpr double kGood = 7e-5;
 
 // The axes of joints 2 to 4 of a calibrated UR10 are some mrad from parallel:

@@ -42,9 +42,9 @@ bool HasFinding(const CalibrationResult& result, const std::string& key) {
 // Mean errors at the validation poses, before 10 mm.
 CalibrationResult MakeResultAfter(double mean) {
   CalibrationResult result = MakeResult();
-  result.heldout->before.mean = 0.01;
-  result.heldout->after.mean = mean;
-  result.heldout->after.max = mean;
+  result.validation->before.mean = 0.01;
+  result.validation->after.mean = mean;
+  result.validation->after.max = mean;
   return result;
 }
 
@@ -68,7 +68,7 @@ TEST(VerdictTest, UsableWithoutLimitsAndValidation) {
   EXPECT_EQ(VerdictOf(result).title, "Usable");
   EXPECT_EQ(FindingOf(result, "acceptance").sentence,
             "No acceptance limits were set.");
-  result.heldout.reset();
+  result.validation.reset();
   const Finding finding = FindingOf(result, "acceptance");
   EXPECT_TRUE(Contains(finding.sentence, "there are no validation poses"));
   EXPECT_EQ(finding.level, FindingLevel::kNote);
@@ -77,13 +77,13 @@ TEST(VerdictTest, UsableWithoutLimitsAndValidation) {
 
 TEST(VerdictTest, AMissedLimitIsNotAccepted) {
   CalibrationResult result = MakeResult();
-  result.acceptance.push_back({"heldout_max", 1e-5, 7.1e-5});
+  result.acceptance.push_back({"validation_max", 1e-5, 7.1e-5});
   const Verdict verdict = VerdictOf(result);
   EXPECT_EQ(verdict.level, FindingLevel::kFailed);
   EXPECT_EQ(verdict.title, "Not accepted");
   EXPECT_TRUE(
       Contains(verdict.sentence, "1 of 2 acceptance limits is missed."));
-  const Finding finding = FindingOf(result, "acceptance.heldout_max");
+  const Finding finding = FindingOf(result, "acceptance.validation_max");
   EXPECT_EQ(finding.statistic, 7.1e-5);
   EXPECT_EQ(finding.threshold, 1e-5);
   EXPECT_EQ(finding.sentence,
@@ -165,7 +165,7 @@ TEST(VerdictTest, NoiseIsSaidWhereItExplainsAGoodPart) {
   EXPECT_NEAR(finding.statistic, 3.19154e-5, 1e-10);
   EXPECT_TRUE(Contains(finding.sentence, "a mean error of 0.0319 mm"));
   const auto is_said = [&result](double error) {
-    result.heldout->after.mean = error;
+    result.validation->after.mean = error;
     return HasFinding(result, "measurement_noise");
   };
   EXPECT_TRUE(is_said(3.191e-4));
@@ -207,7 +207,7 @@ TEST(VerdictTest, PredictionIsComparedWithWhatChanceAllows) {
             "than predicted.");
   CalibrationResult result = MakeResult();
   result.uncertainty.emplace();
-  result.uncertainty->heldout = check;
+  result.uncertainty->validation = check;
   const Finding finding = FindingOf(result, "prediction");
   EXPECT_EQ(finding.level, FindingLevel::kNote);
   EXPECT_EQ(finding.statistic, 0.9);

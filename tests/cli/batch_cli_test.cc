@@ -206,7 +206,7 @@ class BatchCrashTest : public BatchCliTest {
     int kills = 0;
     while (kills < num_kills) {
       BatchProcess process(few, Out());
-      // Anywhere from its start to a little behind the end of a third of it: a
+      // Anywhere from its start to a little after the end of a third of it: a
       // batch needs some runs to come to its end, which is a moment too.
       std::this_thread::sleep_for(whole * random.Uniform(0.0, 0.35));
       if (process.Kill()) {

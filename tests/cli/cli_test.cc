@@ -123,7 +123,7 @@ std::string WhatIsWrongWith(const std::filesystem::path& path) {
     }
   }
   const std::map<std::string, int> expected = {
-      {"residuals.csv", 56}, {"influence.csv", 56}, {"heldout.csv", 3600}};
+      {"residuals.csv", 56}, {"influence.csv", 56}, {"validation.csv", 3600}};
   const auto found = expected.find(name);
   const bool is_right =
       found == expected.end() ? rows > 0 : rows == found->second;
@@ -150,7 +150,7 @@ TEST_F(StudyTest, CalibrateWritesTheWholeResultDirectory) {
   EXPECT_EQ(names,
             (std::set<std::string>{
                 "arm.yaml", "convergence.svg", "error_after.svg",
-                "error_before.svg", "heldout.csv", "heldout_z_scores.svg",
+                "error_before.svg", "validation.csv", "validation_z_scores.svg",
                 "influence.csv", "iterations.csv", "predicted_map.csv",
                 "predicted_map.svg", "report.txt", "residual_histogram.svg",
                 "residuals.csv", "result.json", "singular_values.svg",
@@ -177,7 +177,7 @@ TEST_F(StudyTest, ResultDoesNotDependOnThreadsOrTheRun) {
                   .status,
               0);
     for (const char* name :
-         {"arm.yaml", "residuals.csv", "heldout.csv", "error_before.svg",
+         {"arm.yaml", "residuals.csv", "validation.csv", "error_before.svg",
           "error_after.svg", "convergence.svg", "validation_before.svg",
           "validation_after.svg"}) {
       EXPECT_EQ(ReadWhole(first + "/" + name), ReadWhole(again + "/" + name))
@@ -222,12 +222,12 @@ TEST_F(StudyTest, VerbosityTellsWhatIsDoneOnStandardError) {
               AllOf(HasSubstr("read 56 poses"), HasSubstr("solved: ceres")));
 }
 
-TEST_F(StudyTest, IdentifySaysWhatIsFrozenAndWhy) {
+TEST_F(StudyTest, IdentifySaysWhatIsFixedAndWhy) {
   const ProcessResult result = Alidade("identify " + kStudy);
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_THAT(result.out,
               AllOf(HasSubstr("r2 + r3 + r4"), HasSubstr("column is zero"),
-                    HasSubstr("beta4 acts as -160 mm * r2")));
+                    HasSubstr("beta4 is linearly dependent on -160 mm * r2")));
 }
 
 TEST_F(StudyTest, UnitsOfTheFilesDoNotChangeTheAnalysis) {

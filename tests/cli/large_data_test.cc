@@ -52,7 +52,7 @@ class LargeDataTest : public ::testing::Test {
   }
 
   void ExpectSameResults(const std::string& a, const std::string& b) {
-    for (const char* name : {"arm.yaml", "residuals.csv", "heldout.csv",
+    for (const char* name : {"arm.yaml", "residuals.csv", "validation.csv",
                              "influence.csv", "error_after.svg"}) {
       // What differs would be too much to print.
       EXPECT_TRUE(ReadWhole(directory_ / (a + "/" + name)) ==

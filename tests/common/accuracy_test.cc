@@ -89,8 +89,8 @@ TEST(SummarizeErrorsTest, TheMedianIsNotTheMean) {
 }
 
 TEST(SummarizeErrorsTest, TheSpreadOfTinyErrorsSurvives) {
-  // Errors at the rounding floor: squares near 1e-32 must not be lost to a
-  // difference of sums.
+  // Errors at the numerical precision limit: squares near 1e-32 must not be
+  // lost to a difference of sums.
   const Accuracy accuracy =
       SummarizeErrors(Eigen::Vector3d(1e-16, 2e-16, 3e-16));
   EXPECT_NEAR(accuracy.stddev, 1e-16, 1e-30);

@@ -43,6 +43,6 @@ int main() {
 
   // Five standard deviations, and an accuracy of the order of the noise.
   const bool is_found = std::abs(d3.value - 0.251) < 5 * d3.std;
-  const double rms = result.heldout->after.rms;
+  const double rms = result.validation->after.rms;
   return is_found && rms > 0.5 * sigma && rms < 4 * sigma ? 0 : 1;
 }

@@ -44,7 +44,7 @@ TEST(RotationConventionTest, HasAllSequencesAndTheRotationVector) {
   EXPECT_FALSE(FindRotationConvention("xyz").has_value());
 }
 
-// Written out by hand: rx stands behind x wherever x stands.
+// Written out by hand: rx stands after x wherever x stands.
 TEST(RotationConventionTest, AnglesBelongToTheirAxes) {
   const double a = 0.3;
   const double b = -0.7;

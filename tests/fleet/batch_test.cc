@@ -106,8 +106,8 @@ TEST_F(BatchTest, ASecondRunDoesNothingAndTellsTheSame) {
 }
 
 TEST_F(BatchTest, ThePageOfResultsSaysTheSameOnceTheyAreRead) {
-  // Priors, sigmas that are estimated, held-out poses, a limit that is missed,
-  // and one without a result.
+  // Priors, sigmas that are estimated, validation poses, a limit that is
+  // missed, and one without a result.
   WriteWhole(Path("other.yaml"),
              "format: alidade-job-1\nextends: fleet.yaml\nmatrix: ~\n"
              "identifiability: {method: rank}\nvalidation: {fraction: 0.3}\n"
@@ -215,7 +215,7 @@ TEST_F(BatchTest, ATornLineOfTheJournalIsOneJobMore) {
   WriteWhole(path, journal.substr(0, journal.size() - 20));
   Run({"fleet.yaml"});
   EXPECT_EQ(ran_.size(), 1U);
-  // The line behind the torn one is whole.
+  // The line after the torn one is whole.
   Run({"fleet.yaml"});
   EXPECT_THAT(ran_, IsEmpty());
 }

@@ -63,7 +63,7 @@ TEST(AnalysisTest, DefaultFreesTheStructuralRankWithPriors) {
   const Eigen::VectorXd priors = PriorsOf(result);
   ASSERT_EQ(priors.size(), model.layout().size());
   EXPECT_EQ(priors[*model.layout().Find("beta4")], 5e-3);
-  // r2 stands for r2 + r3 + r4, each known to 1 mm beforehand.
+  // r2 identifies r2 + r3 + r4, each known to 1 mm beforehand.
   EXPECT_NEAR(priors[*model.layout().Find("r2")], std::sqrt(3.0) * 1e-3, 1e-12);
   EXPECT_EQ(priors[*model.layout().Find("r1")], 1e-3);
   EXPECT_TRUE(std::isnan(priors[*model.layout().Find("r3")]));
@@ -73,9 +73,10 @@ TEST(AnalysisTest, WarnsBeforeASolveAndNamesWhatTheNoiseDrowns) {
   const Arm arm = testing::Rv2ajWrist();
   const IdentifiabilityResult result =
       AnalyzeIdentifiability(MeasurementModel(arm), StudyData(arm), {});
-  EXPECT_THAT(result.warnings,
-              Contains(AllOf(HasSubstr("beta4 acts as -160 mm * r2"),
-                             HasSubstr("alpha2 acts as 85 mm * r2"))));
+  EXPECT_THAT(
+      result.warnings,
+      Contains(AllOf(HasSubstr("beta4 is linearly dependent on -160 mm * r2"),
+                     HasSubstr("alpha2 is linearly dependent on 85 mm * r2"))));
   EXPECT_THAT(result.warnings, Contains(HasSubstr("last joint")));
   EXPECT_THAT(result.weak, UnorderedElementsAre("alpha4", "beta4", "alpha2"));
   EXPECT_THAT(result.advice, Contains(HasSubstr("joint 2")));
@@ -89,7 +90,7 @@ TEST(AnalysisTest, FreezeHoldsWhatIsToldBadlyAndSaysWhatStandsForIt) {
   EXPECT_EQ(Find(result, "beta4").rule, "at_geometry");
   EXPECT_EQ(Find(result, "alpha2").rule, "not_excited");
   EXPECT_EQ(Find(result, "alpha5").rule, "no_effect");
-  EXPECT_EQ(Find(result, "r2").stands_for,
+  EXPECT_EQ(Find(result, "r2").identified_combination,
             "r2 + r3 + r4 - 160 mm * beta4 + 85 mm * alpha2");
   EXPECT_EQ(PriorsOf(result).size(), 0);
 }
@@ -125,7 +126,8 @@ TEST(AnalysisTest, PreferIsRespectedAndImpossibleFreeIsRefusedWithTheReason) {
   const IdentifiabilityResult refused =
       AnalyzeIdentifiability(MeasurementModel(arm), StudyData(arm), options);
   EXPECT_TRUE(refused.exceeds_rank);
-  EXPECT_THAT(refused.refusal, AllOf(HasSubstr("r3"), HasSubstr("acts as r2")));
+  EXPECT_THAT(refused.refusal,
+              AllOf(HasSubstr("r3"), HasSubstr("is linearly dependent on r2")));
 }
 
 TEST(AnalysisTest, FixedParametersStayOutOfTheAnalysis) {
@@ -136,7 +138,8 @@ TEST(AnalysisTest, FixedParametersStayOutOfTheAnalysis) {
       AnalyzeIdentifiability(MeasurementModel(arm), StudyData(arm), options);
   EXPECT_EQ(Find(result, "r2").rule, "fixed_by_user");
   EXPECT_EQ(Find(result, "r3").state, ParameterState::kFree);
-  EXPECT_THAT(Find(result, "r4").reason, HasSubstr("acts as r3"));
+  EXPECT_THAT(Find(result, "r4").reason,
+              HasSubstr("is linearly dependent on r3"));
 }
 
 TEST(AnalysisTest, LargeNoiseMakesParametersImpractical) {
@@ -151,7 +154,7 @@ TEST(AnalysisTest, LargeNoiseMakesParametersImpractical) {
   EXPECT_GT(noisy.weak.size(), 5u);
   EXPECT_EQ(Find(noisy, noisy.weak.front()).rule, "not_practical");
   EXPECT_THAT(Find(noisy, noisy.weak.front()).reason,
-              HasSubstr("known beforehand"));
+              HasSubstr("known a priori"));
 }
 
 // The study's poses with the tool held vertical.

@@ -47,7 +47,8 @@ TEST(PredictDeviationsTest, MatchesTheInverseOfTheInformationMatrix) {
   }
 }
 
-TEST(PredictDeviationsTest, UntoldParametersAreInfiniteAndOthersAreNot) {
+TEST(PredictDeviationsTest,
+     UnidentifiableParametersAreInfiniteAndOthersAreNot) {
   Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(3, 3);
   factor << 2, 0, 0, 0, 1, 1, 0, 0, 0;
   const Eigen::VectorXd none =
@@ -135,7 +136,8 @@ TEST(PredictTotalOfRowsTest, OfTheIdentityIsTheNormOfTheDeviations) {
       1.0, 1e-12);
 }
 
-TEST(PredictTotalOfRowsTest, IsInfiniteOnlyWhereUntoldDirectionsAreSeen) {
+TEST(PredictTotalOfRowsTest,
+     IsInfiniteOnlyWhereUnidentifiableDirectionsAreSeen) {
   const double infinity = std::numeric_limits<double>::infinity();
   // The sum of the second and third parameter is told, their difference not.
   Eigen::MatrixXd jacobian(2, 3);

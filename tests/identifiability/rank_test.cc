@@ -324,10 +324,12 @@ TEST(FindDependenciesTest, KeepsWhatComesFirstInCanonicalOrder) {
   for (const Dependency& dependency : dependencies) {
     texts.push_back(DescribeDependency(layout, dependency));
   }
-  EXPECT_EQ(texts, (std::vector<std::string>{
-                       "tool_rx has no effect", "r1 acts as base_z",
-                       "theta1 acts as base_rz", "theta5 has no effect",
-                       "alpha1 acts as base_rx"}));
+  EXPECT_EQ(
+      texts,
+      (std::vector<std::string>{
+          "tool_rx has no effect", "r1 is linearly dependent on base_z",
+          "theta1 is linearly dependent on base_rz", "theta5 has no effect",
+          "alpha1 is linearly dependent on base_rx"}));
 }
 
 // Two joints whose axes are `angle` apart: r2 is as far from r1.
@@ -361,8 +363,8 @@ TEST(FindDependenciesTest, ToleranceIsTheSineBetweenAColumnAndThoseKept) {
       1U);
 }
 
-// r1 points along (0, -sin angle, cos angle), so that it acts as
-// -sin angle * base_y + cos angle * base_z.
+// r1 points along (0, -sin angle, cos angle), so that it is linearly dependent
+// on -sin angle * base_y + cos angle * base_z.
 TEST(FindDependenciesTest, LeavesOutTermsBelowOneTenThousandth) {
   for (const double angle : {0.9e-4, 1.1e-4}) {
     Arm arm = AlmostParallelAxes(0.1).nominal();
@@ -396,15 +398,19 @@ TEST(DescribeDependencyTest, SaysWhatActsAsWhatInMillimetresAndRadians) {
         return DescribeDependency(layout, dependency);
       };
   EXPECT_EQ(describe("theta5", {}), "theta5 has no effect");
-  EXPECT_EQ(describe("r4", {{"r2", 1.0}}), "r4 acts as r2");
-  EXPECT_EQ(describe("r4", {{"r2", -1.0}}), "r4 acts as -r2");
-  EXPECT_EQ(describe("r4", {{"r2", 0.5}}), "r4 acts as 0.5 * r2");
-  EXPECT_EQ(describe("alpha5", {{"r2", -0.072}}), "alpha5 acts as -72 mm * r2");
-  EXPECT_EQ(describe("d5", {{"theta4", 2.0}}), "d5 acts as 0.002 /mm * theta4");
-  EXPECT_EQ(describe("theta5", {{"theta4", 0.5}, {"d5", -0.072}, {"r1", 0.01}}),
-            "theta5 acts as 0.5 * theta4 - 72 mm * d5 + 10 mm * r1");
+  EXPECT_EQ(describe("r4", {{"r2", 1.0}}), "r4 is linearly dependent on r2");
+  EXPECT_EQ(describe("r4", {{"r2", -1.0}}), "r4 is linearly dependent on -r2");
+  EXPECT_EQ(describe("r4", {{"r2", 0.5}}),
+            "r4 is linearly dependent on 0.5 * r2");
+  EXPECT_EQ(describe("alpha5", {{"r2", -0.072}}),
+            "alpha5 is linearly dependent on -72 mm * r2");
+  EXPECT_EQ(describe("d5", {{"theta4", 2.0}}),
+            "d5 is linearly dependent on 0.002 /mm * theta4");
+  EXPECT_EQ(
+      describe("theta5", {{"theta4", 0.5}, {"d5", -0.072}, {"r1", 0.01}}),
+      "theta5 is linearly dependent on 0.5 * theta4 - 72 mm * d5 + 10 mm * r1");
   EXPECT_EQ(describe("r3", {{"r1", -1.0}, {"r2", -1.0}, {"d2", 1.0}}),
-            "r3 acts as -r1 - r2 + d2");
+            "r3 is linearly dependent on -r1 - r2 + d2");
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ namespace alidade::internal {
 namespace {
 
 using testing::DecisionOn;
-using testing::FrozenBy;
+using testing::FixedBy;
 using testing::Names;
 using testing::WithReason;
 
@@ -61,7 +61,7 @@ TEST(BetaRuleTest, FreezesBetaWhereAxesAreNotParallel) {
   const Arm arm =
       ChainWithAlphas({0.5 * kPi, 0.0, kPi, -kPi, 0.3, -0.5 * kPi, 1e-9});
   const IdentifiabilityResult result = Analyze(arm);
-  EXPECT_EQ(FrozenBy(result, "beta_rule"), (Names{"beta1", "beta5", "beta6"}));
+  EXPECT_EQ(FixedBy(result, "beta_rule"), (Names{"beta1", "beta5", "beta6"}));
   for (const char* name : {"beta2", "beta3", "beta4", "beta7"}) {
     EXPECT_EQ(DecisionOn(result, name).state, ParameterState::kFree) << name;
   }
@@ -73,7 +73,7 @@ TEST(BetaRuleTest, FreezesBetaWhereAxesAreNotParallel) {
 TEST(BetaRuleTest, HoldsForPrismaticJoints) {
   Arm arm = ChainWithAlphas({0.0, 0.4, 0.0});
   for (Joint& joint : arm.joints) joint.type = JointType::kPrismatic;
-  EXPECT_EQ(FrozenBy(Analyze(arm), "beta_rule"), Names{"beta2"});
+  EXPECT_EQ(FixedBy(Analyze(arm), "beta_rule"), Names{"beta2"});
 }
 
 TEST(BetaRuleTest, ToleranceIsOfTheSineAboutZeroAndPi) {
@@ -86,7 +86,7 @@ TEST(BetaRuleTest, ToleranceIsOfTheSineAboutZeroAndPi) {
         const double outside = parallel + side * 1.01 * tolerance;
         const IdentifiabilityResult result =
             Analyze(ChainWithAlphas({inside, outside}), options);
-        EXPECT_EQ(FrozenBy(result, "beta_rule"), Names{"beta2"})
+        EXPECT_EQ(FixedBy(result, "beta_rule"), Names{"beta2"})
             << parallel << ", " << side * tolerance;
       }
     }
@@ -117,7 +117,7 @@ TEST(ZeroColumnRuleTest, FindsTheZeroColumnsOfTheReference) {
 
 TEST(ZeroColumnRuleTest, FreezesNothingWhereTheTargetIsOffEveryAxis) {
   const Arm arm = ChainWithAlphas({0.1, 0.5 * kPi, 0.0, kPi});
-  EXPECT_EQ(FrozenBy(Analyze(arm), "zero_column"), Names{});
+  EXPECT_EQ(FixedBy(Analyze(arm), "zero_column"), Names{});
 }
 
 // The target of a sliding joint lies on the x axis that alpha turns about, as
@@ -128,13 +128,11 @@ TEST(ZeroColumnRuleTest, LooksAtTheMeasuredPosesOnly) {
   arm.joints[1].r = 0.0;
   arm.last_from_target().setIdentity();
   Dataset data = GenericPoses(arm);
-  EXPECT_EQ(
-      FrozenBy(ApplyRules(MeasurementModel(arm), data, {}), "zero_column"),
-      Names{"theta2"});
+  EXPECT_EQ(FixedBy(ApplyRules(MeasurementModel(arm), data, {}), "zero_column"),
+            Names{"theta2"});
   testing::Edit(&data.joint_values)->row(1).setZero();
-  EXPECT_EQ(
-      FrozenBy(ApplyRules(MeasurementModel(arm), data, {}), "zero_column"),
-      (Names{"alpha2", "theta2"}));
+  EXPECT_EQ(FixedBy(ApplyRules(MeasurementModel(arm), data, {}), "zero_column"),
+            (Names{"alpha2", "theta2"}));
 }
 
 // The column of alpha5 at the flange is as long as r5 / reach.
@@ -165,7 +163,7 @@ TEST(ZeroColumnRuleTest, ToleranceIsRelativeToTheLargestScaledColumn) {
 struct ParallelCase {
   std::string name;
   std::vector<double> alphas;
-  Names frozen;
+  Names fixed;
   Names stand_for;
   std::vector<double> betas;   // empty: all zero
   std::vector<int> prismatic;  // joints from 0
@@ -191,13 +189,13 @@ class ParallelRuleTest : public ::testing::TestWithParam<ParallelCase> {
 
 TEST_P(ParallelRuleTest, KeepsTheFirstOfEveryRun) {
   const IdentifiabilityResult result = Analyze(arm_);
-  EXPECT_EQ(FrozenBy(result, "parallel_r"), GetParam().frozen);
+  EXPECT_EQ(FixedBy(result, "parallel_r"), GetParam().fixed);
   Names stand_for;
   for (const ParameterDecision& decision : result.decisions) {
-    if (decision.stands_for.empty()) continue;
+    if (decision.identified_combination.empty()) continue;
     EXPECT_EQ(decision.state, ParameterState::kFree);
-    EXPECT_EQ(decision.stands_for.find(decision.name + " "), 0U);
-    stand_for.push_back(decision.stands_for);
+    EXPECT_EQ(decision.identified_combination.find(decision.name + " "), 0U);
+    stand_for.push_back(decision.identified_combination);
   }
   EXPECT_EQ(stand_for, GetParam().stand_for);
 }
@@ -208,7 +206,7 @@ TEST_P(ParallelRuleTest, SumsHaveTheSignsOfTheReference) {
   const ParameterLayout layout(arm_.num_joints());
   const testing::VectorXl nominal = testing::MatrixValues(arm_);
   for (const ParameterDecision& decision : Analyze(arm_).decisions) {
-    std::istringstream terms(decision.stands_for);
+    std::istringstream terms(decision.identified_combination);
     std::string kept;
     terms >> kept;
     std::string sign;
@@ -225,7 +223,7 @@ TEST_P(ParallelRuleTest, SumsHaveTheSignsOfTheReference) {
                    testing::MatrixPosition(arm_, nominal, q))
                       .norm(),
                   1e-15L)
-            << decision.stands_for << ", " << name;
+            << decision.identified_combination << ", " << name;
       }
     }
   }
@@ -300,7 +298,7 @@ TEST(ParallelRuleTest, ToleranceIsOfAlphaAndOfBeta) {
     for (const double angle : {0.99e-3, 1.01e-3}) {
       Arm arm = ChainWithAlphas({0.2, 0.5 * kPi, of_beta ? 0.0 : angle});
       if (of_beta) arm.joints[2].beta = angle;
-      EXPECT_EQ(FrozenBy(Analyze(arm, options), "parallel_r"),
+      EXPECT_EQ(FixedBy(Analyze(arm, options), "parallel_r"),
                 angle < 1e-3 ? Names{"r3"} : Names{});
     }
   }
@@ -312,7 +310,7 @@ TEST(UserChoiceTest, FreezesWhatTheRulesKeep) {
   const Arm arm = ChainWithAlphas({0.2, 0.5 * kPi, 0.3});
   const int before = Analyze(arm).num_free;
   const IdentifiabilityResult result = Analyze(arm, options);
-  EXPECT_EQ(FrozenBy(result, "fixed_by_user"), (Names{"d2", "theta1"}));
+  EXPECT_EQ(FixedBy(result, "fixed_by_user"), (Names{"d2", "theta1"}));
   EXPECT_EQ(DecisionOn(result, "d2").reason, "fixed by the user");
   EXPECT_EQ(result.num_free, before - 2);
 }
@@ -376,8 +374,8 @@ TEST_P(RandomArmRulesTest, EveryDecisionIsExplained) {
     const ParameterDecision& decision = result.decisions[c];
     EXPECT_EQ(decision.name, model_.layout().parameter(c).name);
     const bool free = decision.state == ParameterState::kFree;
-    const bool frozen = decision.state == ParameterState::kFrozen;
-    EXPECT_EQ(decision.rule.empty(), !frozen) << decision.name;
+    const bool fixed = decision.state == ParameterState::kFixed;
+    EXPECT_EQ(decision.rule.empty(), !fixed) << decision.name;
     EXPECT_EQ(decision.reason.empty(), free) << decision.name;
   }
 }
@@ -408,7 +406,7 @@ TEST_P(RandomArmRulesTest, NominalRankIsThatOfTheReference) {
             1e-12L);
 }
 
-// Prismatic joints leave more parameters than can be told apart.
+// Prismatic joints leave more parameters than can be distinguished.
 TEST_P(RandomArmRulesTest, FollowingTheRefusalResolvesIt) {
   testing::ExpectFollowingTheRefusalHelps(model_, data_);
 }

@@ -25,11 +25,11 @@ inline const ParameterDecision& DecisionOn(const IdentifiabilityResult& result,
   return missing;
 }
 
-inline Names FrozenBy(const IdentifiabilityResult& result,
-                      const std::string& rule) {
+inline Names FixedBy(const IdentifiabilityResult& result,
+                     const std::string& rule) {
   Names names;
   for (const ParameterDecision& decision : result.decisions) {
-    if (decision.state == ParameterState::kFrozen && decision.rule == rule) {
+    if (decision.state == ParameterState::kFixed && decision.rule == rule) {
       names.push_back(decision.name);
     }
   }

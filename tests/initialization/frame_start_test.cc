@@ -54,7 +54,7 @@ TEST(FitRigidTest, NeverReflects) {
   ASSERT_TRUE(fit);
   EXPECT_NEAR(fit->b_from_a.linear().determinant(), 1.0, 1e-12);
   EXPECT_GT(fit->rms, 0.1);
-  // Flat points could be reflected without a misfit.
+  // Flat points could be reflected without a residual.
   points.row(2).setZero();
   const Eigen::Isometry3d truth = RandomFrame(5.0, &random);
   const auto flat = FitRigid(points, truth * points);

@@ -45,7 +45,7 @@ std::set<double> Configurations(const Dataset& data) {
 }
 
 void ExpectDisjoint(const HoldOut& split) {
-  for (const double configuration : Configurations(split.heldout)) {
+  for (const double configuration : Configurations(split.validation)) {
     EXPECT_EQ(Configurations(split.train).count(configuration), 0u);
   }
 }
@@ -59,9 +59,9 @@ TEST(GroupByConfigurationTest, NumbersConfigurationsByFirstRow) {
 TEST(HoldOutFractionTest, HoldsOutTheFractionAndKeepsRepeatsTogether) {
   const Dataset data = HundredConfigurations();
   const HoldOut split = HoldOutFraction(data, 0.3, 5);
-  EXPECT_EQ(Configurations(split.heldout).size(), 30u);
+  EXPECT_EQ(Configurations(split.validation).size(), 30u);
   EXPECT_EQ(Configurations(split.train).size(), 70u);
-  EXPECT_EQ(split.train.num_poses() + split.heldout.num_poses(),
+  EXPECT_EQ(split.train.num_poses() + split.validation.num_poses(),
             data.num_poses());
   ExpectDisjoint(split);
 }
@@ -82,7 +82,7 @@ TEST(HoldOutFractionTest, KeepsWhatBelongsToARowAndTheOrderOfRows) {
 TEST(HoldOutFractionTest, DependsOnTheSeedAlone) {
   const Dataset data = HundredConfigurations();
   const auto drawn = [&](std::uint64_t seed) {
-    return Configurations(HoldOutFraction(data, 0.3, seed).heldout);
+    return Configurations(HoldOutFraction(data, 0.3, seed).validation);
   };
   EXPECT_EQ(drawn(1), drawn(1));
   EXPECT_NE(drawn(1), drawn(2));
@@ -96,7 +96,7 @@ TEST(HoldOutFractionTest, DrawsEveryConfigurationEquallyOften) {
   std::vector<int> counts(100, 0);
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     for (const double drawn :
-         Configurations(HoldOutFraction(data, 0.3, seed).heldout)) {
+         Configurations(HoldOutFraction(data, 0.3, seed).validation)) {
       ++counts[static_cast<int>(drawn)];
     }
   }
@@ -109,7 +109,7 @@ TEST(HoldOutFoldTest, HoldsOutEveryConfigurationOnce) {
   for (int k = 0; k < 7; ++k) {
     const HoldOut split = HoldOutFold(data, 7, k, 3);
     ExpectDisjoint(split);
-    const std::set<double> fold = Configurations(split.heldout);
+    const std::set<double> fold = Configurations(split.validation);
     // 100 = 7 * 14 + 2.
     EXPECT_EQ(fold.size(), k < 2 ? 15u : 14u);
     all.insert(fold.begin(), fold.end());
@@ -120,7 +120,7 @@ TEST(HoldOutFoldTest, HoldsOutEveryConfigurationOnce) {
 
 TEST(HoldOutFoldTest, LeavesAPartEmptyWhereNothingIsLeftForIt) {
   const HoldOut split = HoldOutFold(RowsAt({4, 4, 4}), 2, 1, 1);
-  EXPECT_EQ(split.heldout.num_poses(), 0);
+  EXPECT_EQ(split.validation.num_poses(), 0);
   EXPECT_EQ(split.train.num_poses(), 3);
 }
 
@@ -242,16 +242,17 @@ TEST(HoldOutTest, DifferencesStayWholeAndDistancesOfPointsAreFitted) {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     for (const HoldOut& split :
          {HoldOutFraction(data, 0.4, seed), HoldOutFold(data, 2, 0, seed)}) {
-      EXPECT_EQ(split.train.num_poses() + split.heldout.num_poses(), 8);
-      EXPECT_GT(split.heldout.num_poses(), 0);
-      EXPECT_EQ(split.train.blocks[2].size() + split.heldout.blocks[2].size(),
-                differences);
+      EXPECT_EQ(split.train.num_poses() + split.validation.num_poses(), 8);
+      EXPECT_GT(split.validation.num_poses(), 0);
+      EXPECT_EQ(
+          split.train.blocks[2].size() + split.validation.blocks[2].size(),
+          differences);
       // Nothing is lost and nothing is there twice.
       EXPECT_EQ(
-          split.train.num_observations() + split.heldout.num_observations(),
+          split.train.num_observations() + split.validation.num_observations(),
           data.num_observations());
       EXPECT_EQ(split.train.blocks[3].size(), 2);
-      EXPECT_FALSE(split.heldout.Has(MeasurementKind::kPointDistance));
+      EXPECT_FALSE(split.validation.Has(MeasurementKind::kPointDistance));
       ExpectDisjoint(split);
     }
   }

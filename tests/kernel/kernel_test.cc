@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "src/common/random.h"
-#include "src/kernel/compression.h"
 #include "src/kernel/measurement_model.h"
+#include "src/kernel/reduction.h"
 #include "src/kernel/sine.h"
 #include "src/kernel/tiles.h"
 #include "tests/support/edit.h"
@@ -173,17 +173,17 @@ TEST_P(KernelTest, BitsDoNotDependOnTheCache) {
   const MeasuredArm measured = ManyPoses(60, &random);
   const MeasurementModel model(measured.arm, measured.references, 2);
   const std::vector<int> columns = {0, 5, 9, 14, 20, 25, 30};
-  CompressedProblem expected;
+  ReducedLeastSquares expected;
   for (const std::size_t bytes :
        {std::size_t{0}, std::size_t{100000}, std::size_t{1} << 30}) {
-    CompressorOptions options;
+    ReducerOptions options;
     options.cache_bytes = bytes;
     options.factorization = Factorization::kOrthogonal;
-    Compressor compressor(model, measured.data, columns, {}, options);
+    Reducer reducer(model, measured.data, columns, {}, options);
     // The first evaluation fills the cache, the second one reads it.
     for (int evaluation = 0; evaluation < 2; ++evaluation) {
-      CompressedProblem problem;
-      compressor.Compress(measured.values, &problem);
+      ReducedLeastSquares problem;
+      reducer.Reduce(measured.values, &problem);
       if (expected.factor.size() == 0) expected = problem;
       EXPECT_EQ(problem.factor, expected.factor) << bytes;
       EXPECT_EQ(problem.projected, expected.projected) << bytes;

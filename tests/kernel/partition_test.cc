@@ -15,9 +15,9 @@
 
 #include "alidade/robust_loss.h"
 #include "src/common/random.h"
-#include "src/kernel/compression.h"
 #include "src/kernel/holdout.h"
 #include "src/kernel/measurement_model.h"
+#include "src/kernel/reduction.h"
 #include "src/kernel/sigma_totals.h"
 #include "src/model/joint_draw.h"
 #include "tests/support/classic_arms.h"
@@ -178,31 +178,30 @@ TEST_F(PartitionTest, FactorsHaveTheBitsOfOneProcess) {
   });
 }
 
-TEST_F(PartitionTest, CompressedProblemsHaveTheBitsOfOneProcess) {
+TEST_F(PartitionTest, ReducedProblemsHaveTheBitsOfOneProcess) {
   const Dataset global = PartsOf(0, 1);
   for (const LossKind kind : {LossKind::kNone, LossKind::kHuber}) {
     const std::vector<RobustLoss> losses = TunedLosses(kind);
-    Compressor compressor(model_, global, columns_, losses);
-    CompressedProblem first;
-    CompressedProblem second;
-    compressor.Compress(values_, &first);
-    compressor.Compress(values_, &second);
+    Reducer reducer(model_, global, columns_, losses);
+    ReducedLeastSquares first;
+    ReducedLeastSquares second;
+    reducer.Reduce(values_, &first);
+    reducer.Reduce(values_, &second);
     OnRanks([&](const MeasurementModel& model, const Dataset& part) {
-      Compressor mine(model, part, columns_, losses);
-      CompressedProblem problem;
+      Reducer mine(model, part, columns_, losses);
+      ReducedLeastSquares problem;
       // The second may be by products.
-      for (const CompressedProblem* expected : {&first, &second}) {
-        mine.Compress(values_, &problem);
-        EXPECT_EQ(mine.used_gram(),
-                  expected == &second && compressor.used_gram());
+      for (const ReducedLeastSquares* expected : {&first, &second}) {
+        mine.Reduce(values_, &problem);
+        EXPECT_EQ(mine.used_gram(), expected == &second && reducer.used_gram());
         EXPECT_EQ(problem.factor, expected->factor);
         EXPECT_EQ(problem.projected, expected->projected);
         EXPECT_EQ(problem.cost, expected->cost);
       }
       EXPECT_EQ(mine.Summarize(values_).rms_error,
-                compressor.Summarize(values_).rms_error);
+                reducer.Summarize(values_).rms_error);
       EXPECT_EQ(mine.Summarize(values_).max_error,
-                compressor.Summarize(values_).max_error);
+                reducer.Summarize(values_).max_error);
     });
   }
 }
@@ -236,10 +235,10 @@ TEST_F(PartitionTest, FractionsAreHeldOutAlike) {
   OnRanks([&](const MeasurementModel& model, const Dataset& part) {
     const HoldOut split = HoldOutFraction(part, 0.3, 9, model.communicator());
     EXPECT_EQ(split.train.global_poses(), expected.train.num_poses());
-    const SharedMatrix heldout = PosesInOrder(
-        model.communicator(), split.heldout, split.heldout.joint_values);
+    const SharedMatrix validation = PosesInOrder(
+        model.communicator(), split.validation, split.validation.joint_values);
     if (model.communicator()->is_root()) {
-      EXPECT_EQ(heldout, expected.heldout.joint_values);
+      EXPECT_EQ(validation, expected.validation.joint_values);
     }
     // Shards stay where they were.
     EXPECT_EQ(JacobianFactor(model, values_, split.train, columns_),

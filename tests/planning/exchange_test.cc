@@ -150,8 +150,8 @@ TEST(PlanStateTest, GainsAreRatiosOfDeterminants) {
 }
 
 // Against determinants of every plan that one exchange leads to. The gains
-// between which candidates are told apart are those of half of the exchanges,
-// so that neither all nor none improve the plan.
+// between which candidates are distinguished are those of half of the
+// exchanges, so that neither all nor none improve the plan.
 TEST(PlanStateTest, ImprovingCandidatesAreThoseOfDeterminants) {
   Random random(11);
   for (const int rows_each : {1, 2, 3}) {

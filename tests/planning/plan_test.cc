@@ -132,7 +132,7 @@ TEST(RunPlanTest, TooFewPosesForTheParametersFail) {
   config.design.num_poses = 5;
   const PlanResult result = RunPlan(config, "test");
   EXPECT_EQ(result.status, PlanStatus::kFailed);
-  EXPECT_NE(result.message.find("do not tell 18 parameters apart"),
+  EXPECT_NE(result.message.find("do not determine 18 parameters"),
             std::string::npos)
       << result.message;
 }
@@ -165,9 +165,10 @@ TEST(RunPlanTest, WhatNoNumberOfPosesTellsIsNotAskedFor) {
   config.design.num_poses = 200;
   const PlanResult result = RunPlan(config, "test");
   EXPECT_EQ(result.status, PlanStatus::kFailed);
-  EXPECT_NE(result.message.find("all 600 candidates together tell only 9 of "
-                                "16 parameters apart"),
-            std::string::npos)
+  EXPECT_NE(
+      result.message.find("all 600 candidates together determine only 9 of "
+                          "16 parameters apart"),
+      std::string::npos)
       << result.message;
   EXPECT_EQ(result.message.find("plan more poses"), std::string::npos);
 }

@@ -116,7 +116,7 @@ TEST(ResultPageTest, AnEmptyResultHasAPage) {
 TEST(ResultPageTest, ManyPosesTakeAsMuchRoomAsTheirPixels) {
   CalibrationResult result = testing::MakeResult();
   result.train = testing::MakeSet(100'000, 5.21e-3, 1e-4);
-  result.heldout = testing::MakeSet(100'000, 5.21e-3, 1e-4);
+  result.validation = testing::MakeSet(100'000, 5.21e-3, 1e-4);
   EXPECT_LT(RenderResultPage(result, "", {}).size(), 1'500'000U);
 }
 

@@ -110,8 +110,9 @@ TEST(MakeCsvFilesTest, HasEveryIterationOfEverySolver) {
 
 TEST(MakeCsvFilesTest, HasValidationPosesOnlyWhereThereAreAny) {
   CalibrationResult result = MakeResult();
-  EXPECT_EQ(Lines(ContentOf(MakeCsvFiles(result), "heldout.csv")).size(), 21U);
-  result.heldout.reset();
+  EXPECT_EQ(Lines(ContentOf(MakeCsvFiles(result), "validation.csv")).size(),
+            21U);
+  result.validation.reset();
   EXPECT_EQ(MakeCsvFiles(result).size(), 2U);
 }
 
@@ -127,14 +128,14 @@ TEST(MakeFiguresTest, EachIsWellFormedAndHasItsHeadline) {
   const std::string convergence = ContentOf(files, "convergence.svg");
   EXPECT_TRUE(Contains(convergence, "after 3 iterations"));
   EXPECT_TRUE(Contains(convergence, "after 2 iterations"));
-  EXPECT_TRUE(Contains(convergence, "rounding floor"));
+  EXPECT_TRUE(Contains(convergence, "numerical precision limit"));
 }
 
 TEST(MakeFiguresTest, ValidationIsAMapOnlyInAHorizontalPlane) {
   CalibrationResult result = MakeResult();
   EXPECT_TRUE(Contains(ContentOf(MakeFigures(result), "validation_after.svg"),
                        ">x [mm]</text>"));
-  testing::Edit(&result.heldout->positions).at(2, 3) += 0.05;
+  testing::Edit(&result.validation->positions).at(2, 3) += 0.05;
   const std::string svg =
       ContentOf(MakeFigures(result), "validation_after.svg");
   EXPECT_FALSE(Contains(svg, ">x [mm]</text>"));

@@ -92,10 +92,10 @@ inline std::vector<ParameterResult> MakeParameters() {
   beta.truth = 0.009;
   ParameterResult d = MakeParameter("d4", Dimension::kLength, 0.16, 0.1601004);
   d.truth = 0.1601;
-  d.decision.stands_for = "d4 + 0.004 r4";
+  d.decision.identified_combination = "d4 + 0.004 r4";
   ParameterResult r = MakeParameter("r4", Dimension::kLength, 0.0, 0.0);
   r.truth = 1e-4;
-  r.decision.state = ParameterState::kFrozen;
+  r.decision.state = ParameterState::kFixed;
   r.decision.rule = "parallel_r";
   r.decision.reason =
       "the axis of joint 4 is parallel to that of joint 2, so that r4 moves "
@@ -128,12 +128,12 @@ inline SolverRun MakeRun(const std::string& solver,
                          std::vector<double> errors) {
   SolverRun run;
   run.summary.solver = solver;
-  run.summary.status = SolverStatus::kRoundingFloor;
+  run.summary.status = SolverStatus::kPrecisionLimit;
   run.summary.message = "further steps are rounding";
   run.summary.initial_cost = 1000.0;
   run.summary.final_cost = 1e-20;
   run.summary.accepted_steps = static_cast<int>(errors.size()) - 1;
-  run.summary.rounding_floor = 1.6e-16;
+  run.summary.precision_limit = 1.6e-16;
   run.summary.setup_time_s = 1e-3;
   run.summary.solve_time_s = 4.2e-3;
   for (std::size_t i = 0; i < errors.size(); ++i) {
@@ -159,7 +159,7 @@ inline CalibrationResult MakeResult() {
   result.parameters = MakeParameters();
   result.identifiability = MakeIdentifiability(result.parameters);
   result.train = MakeSet(5, 5.21e-3, 2.1e-16);
-  result.heldout = MakeSet(20, 5.0e-3, 3e-16);
+  result.validation = MakeSet(20, 5.0e-3, 3e-16);
   result.runs = {MakeRun("ceres", {5.21e-3, 3e-5, 1e-8, 2.1e-16}),
                  MakeRun("pseudo_inverse", {5.21e-3, 1e-8, 2.2e-16})};
   result.runs[0].summary.iterations[1].accepted = false;

@@ -80,7 +80,7 @@ TEST(ConfigsTest, StudyIsTheOneOfTheDesign) {
   EXPECT_EQ(job.options.compare_with,
             std::vector<SolverName>{SolverName::kPseudoInverse});
   EXPECT_EQ(job.options.acceptance.train_max, 1e-6);
-  EXPECT_EQ(job.options.acceptance.heldout_max, 1e-6);
+  EXPECT_EQ(job.options.acceptance.validation_max, 1e-6);
   ASSERT_TRUE(job.published.has_value());
   EXPECT_NEAR(job.published->baseline_time_s / 60.0, 59.0533, 1e-12);
   EXPECT_EQ(job.published->figures.size(), PublishedQuantityNames().size());

@@ -303,13 +303,13 @@ TEST(JobDataTest, DealsFolds) {
   const DataJob files;
   const JobConfig job = files.Load(
       "data: a.csv\nvalidation: {folds: 3, seed: 8}\n"
-      "acceptance: {heldout_rms: 1}\n");
+      "acceptance: {validation_rms: 1}\n");
   ASSERT_TRUE(job.options.folds.has_value());
   EXPECT_EQ(job.options.folds->folds, 3);
   EXPECT_EQ(job.options.folds->seed, 8U);
   EXPECT_EQ(job.data.training.num_poses(), 3);
   EXPECT_FALSE(job.data.validation.has_value());
-  EXPECT_EQ(job.options.acceptance.heldout_rms, 1e-3);
+  EXPECT_EQ(job.options.acceptance.validation_rms, 1e-3);
 }
 
 TEST(JobDataErrorTest, Entries) {
@@ -407,7 +407,7 @@ TEST(JobDataErrorTest, Validation) {
   files.ExpectError(
       "data: [a.csv, {file: b.csv, target: ball}]\nvalidation: {file: 2}\n",
       {8, 13, "validation",
-       "\"P\" is measured against at held-out poses alone"});
+       "\"P\" is measured against at validation poses alone"});
 }
 
 TEST(JobDataErrorTest, RotationLimitsNeedOrientations) {
@@ -416,8 +416,8 @@ TEST(JobDataErrorTest, RotationLimitsNeedOrientations) {
       "data: a.csv\nacceptance: {train_rotation_rms: 1}\n",
       {8, 34, "acceptance.train_rotation_rms", "no orientation is measured"});
   files.ExpectError(
-      "data: a.csv\nacceptance: {heldout_rotation_max: 1}\n",
-      {8, 36, "acceptance.heldout_rotation_max", "add \"validation\""});
+      "data: a.csv\nacceptance: {validation_rotation_max: 1}\n",
+      {8, 36, "acceptance.validation_rotation_max", "add \"validation\""});
 }
 
 }  // namespace

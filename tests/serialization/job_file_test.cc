@@ -80,7 +80,7 @@ TEST(LoadJobTest, ReadsTheSolverAndItsLimits) {
   EXPECT_EQ(job.options.solver, SolverName::kPseudoInverse);
   EXPECT_EQ(job.options.solver_options.max_iterations, 12);
   EXPECT_EQ(job.options.solver_options.function_tolerance, 1e-14);
-  EXPECT_EQ(job.options.solver_options.rounding_floor_factor, 2.0);
+  EXPECT_EQ(job.options.solver_options.precision_limit_factor, 2.0);
   EXPECT_EQ(job.options.solver_options.wanted_precision, 1e-6);
   EXPECT_EQ(job.options.solver_options.initial_trust_region_radius, 1e6);
   EXPECT_EQ(job.options.solver_options.pseudo_inverse_tolerance, 1e-9);
@@ -88,8 +88,8 @@ TEST(LoadJobTest, ReadsTheSolverAndItsLimits) {
             std::vector<SolverName>{SolverName::kCeres});
   EXPECT_EQ(job.options.acceptance.train_rms, 1e-4);
   EXPECT_EQ(job.options.acceptance.train_max, 2e-4);
-  EXPECT_EQ(job.options.acceptance.heldout_rms, 3e-4);
-  EXPECT_EQ(job.options.acceptance.heldout_max, 4e-4);
+  EXPECT_EQ(job.options.acceptance.validation_rms, 3e-4);
+  EXPECT_EQ(job.options.acceptance.validation_max, 4e-4);
 }
 
 TEST(LoadJobTest, ReadsTheEvaluation) {
@@ -98,7 +98,7 @@ TEST(LoadJobTest, ReadsTheEvaluation) {
   for (const auto& [name, evaluation] :
        {std::pair("auto", Evaluation::kAutomatic),
         std::pair("autodiff", Evaluation::kAutodiff),
-        std::pair("compressed", Evaluation::kCompressed)}) {
+        std::pair("reduced", Evaluation::kReduced)}) {
     const ConfigFiles files({"  max_iterations: 12\n",
                              std::string("  evaluation: ") + name + "\n"});
     EXPECT_EQ(LoadJob(files.job()).options.solver_options.evaluation,
@@ -125,7 +125,7 @@ TEST(LoadJobTest, ListsEveryFileItRead) {
   const ConfigFiles files;
   std::vector<std::string> expected = {files.job()};
   for (const char* name :
-       {"arm.yaml", "data.csv", "heldout.csv", "deviations.yaml"}) {
+       {"arm.yaml", "data.csv", "validation.csv", "deviations.yaml"}) {
     expected.push_back(files.directory().Path(name));
   }
   EXPECT_EQ(LoadJob(files.job()).input_files, expected);
@@ -225,11 +225,11 @@ INSTANTIATE_TEST_SUITE_P(
                         {26, 41, "acceptance.train_max",
                          "expected a length above 0, found -1"}},
         ConfigErrorCase{
-            "HeldoutWithoutValidation",
-            {"validation: {data: heldout.csv}\n", ""},
-            {25, 59, "acceptance.heldout_rms", "add \"validation\""}},
+            "ValidationWithoutValidation",
+            {"validation: {data: validation.csv}\n", ""},
+            {25, 59, "acceptance.validation_rms", "add \"validation\""}},
         ConfigErrorCase{"ValidationIsText",
-                        {"{data: heldout.csv}", "heldout.csv"},
+                        {"{data: validation.csv}", "validation.csv"},
                         {8, 13, "validation", "expected a map of data"}},
         ConfigErrorCase{"UnknownPublished",
                         {"{r1: 0.4}", "{r9: 0.4}"},
@@ -303,7 +303,7 @@ TEST(LoadJobTest, NamesTheFileThatAnErrorIsIn) {
   }
 }
 
-// The smallest job, with `more` behind it.
+// The smallest job, with `more` after it.
 std::string WriteJob(const TestDirectory& directory, const std::string& data,
                      const std::string& more = "") {
   directory.Write("arm.yaml", kArmText);

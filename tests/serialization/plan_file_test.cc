@@ -127,7 +127,7 @@ TEST(LoadPlanTest, ReadsAJobThatValidates) {
                   "units: {length: mm, angle: deg}\narm: arm.yaml\n"
                   "data: data.csv\nmeasurement: {sigma: 0.02}\n"
                   "validation: {data: data.csv}\n"
-                  "acceptance: {heldout_max: 0.3, train_max: 0.2}\n");
+                  "acceptance: {validation_max: 0.3, train_max: 0.2}\n");
   const std::string path = directory.Write(
       "plan.yaml",
       Apply(Apply(kPlanText, {"arm: arm.yaml\n", "job: job.yaml\n"}),
@@ -135,7 +135,7 @@ TEST(LoadPlanTest, ReadsAJobThatValidates) {
   const PlanConfig plan = LoadPlan(path);
   EXPECT_EQ(plan.job.data.training.num_poses(), 2);
   EXPECT_FALSE(plan.job.data.validation);
-  EXPECT_FALSE(plan.job.options.acceptance.heldout_max);
+  EXPECT_FALSE(plan.job.options.acceptance.validation_max);
   EXPECT_EQ(plan.job.options.acceptance.train_max, 2e-4);
 }
 

@@ -26,11 +26,11 @@ using testing::RoundTrip;
 // add to a result.
 CalibrationResult MakeResultOfKinds() {
   CalibrationResult result = MakeResult();
-  result.runs[0].summary.evaluation = "compressed";
+  result.runs[0].summary.evaluation = "reduced";
   result.train.rotation_before = MakeAccuracy(0.1);
   result.train.rotation_after = MakeAccuracy(0.01);
-  result.heldout->rotation_before = MakeAccuracy(0.2);
-  result.heldout->rotation_after = MakeAccuracy(0.02);
+  result.validation->rotation_before = MakeAccuracy(0.2);
+  result.validation->rotation_after = MakeAccuracy(0.02);
   result.stages = {{"frames only", 12, MakeAccuracy(3.0), MakeAccuracy(4.0),
                     MakeAccuracy(0.3), MakeAccuracy(0.4)},
                    {"all geometry", 30, MakeAccuracy(5.0), {}, {}, {}}};
@@ -44,7 +44,7 @@ CalibrationResult MakeResultOfKinds() {
       {"plane1", "table, \"top\"", false, {0.6, 0.0, 0.8}, -1.0 / 7.0}};
   result.repeats = {1.0 / 3e4, 123456789012, 1.0 / 7e3, 9};
   result.acceptance.push_back(
-      {"heldout_rotation_rms", 1e-3, 1.0 / 3e3, Dimension::kAngle});
+      {"validation_rotation_rms", 1e-3, 1.0 / 3e3, Dimension::kAngle});
   result.estimated_sigma = 1.0 / 3e5;
   result.estimated_rotation_sigma = 1.0 / 7e4;
   result.reduced_chi_square = 1.0 / 0.9;
@@ -55,14 +55,14 @@ void ExpectEqual(const StageResult& a, const StageResult& b) {
   EXPECT_EQ(a.name, b.name);
   EXPECT_EQ(a.num_free, b.num_free);
   ExpectEqual(a.train, b.train);
-  ExpectEqual(a.heldout, b.heldout);
+  ExpectEqual(a.validation, b.validation);
   ExpectEqual(a.train_rotation, b.train_rotation);
-  ExpectEqual(a.heldout_rotation, b.heldout_rotation);
+  ExpectEqual(a.validation_rotation, b.validation_rotation);
 }
 
 TEST(ResultJsonTest, KeepsTheEvaluationOfEachSolver) {
   const CalibrationResult read = RoundTrip(MakeResultOfKinds());
-  EXPECT_EQ(read.runs[0].summary.evaluation, "compressed");
+  EXPECT_EQ(read.runs[0].summary.evaluation, "reduced");
   EXPECT_EQ(read.runs[1].summary.evaluation, "");
 }
 
@@ -71,9 +71,11 @@ TEST(ResultJsonTest, KeepsAccuraciesOfRotations) {
   const CalibrationResult read = RoundTrip(result);
   ExpectEqual(read.train.rotation_before, result.train.rotation_before);
   ExpectEqual(read.train.rotation_after, result.train.rotation_after);
-  ASSERT_TRUE(read.heldout.has_value());
-  ExpectEqual(read.heldout->rotation_before, result.heldout->rotation_before);
-  ExpectEqual(read.heldout->rotation_after, result.heldout->rotation_after);
+  ASSERT_TRUE(read.validation.has_value());
+  ExpectEqual(read.validation->rotation_before,
+              result.validation->rotation_before);
+  ExpectEqual(read.validation->rotation_after,
+              result.validation->rotation_after);
   // Without orientations there are none.
   EXPECT_EQ(RoundTrip(MakeResult()).train.rotation_after.n, 0);
 }
@@ -169,9 +171,9 @@ TEST(ResultJsonTest, KeepsRepeatsAndTheFit) {
   const CalibrationResult result = MakeResultOfKinds();
   const CalibrationResult read = RoundTrip(result);
   EXPECT_EQ(read.repeats.length, result.repeats.length);
-  EXPECT_EQ(read.repeats.length_freedom, 123456789012);
+  EXPECT_EQ(read.repeats.length_degrees_of_freedom, 123456789012);
   EXPECT_EQ(read.repeats.rotation, result.repeats.rotation);
-  EXPECT_EQ(read.repeats.rotation_freedom, 9);
+  EXPECT_EQ(read.repeats.rotation_degrees_of_freedom, 9);
   EXPECT_EQ(read.estimated_sigma, result.estimated_sigma);
   EXPECT_EQ(read.estimated_rotation_sigma, result.estimated_rotation_sigma);
   EXPECT_EQ(read.reduced_chi_square, result.reduced_chi_square);
@@ -207,7 +209,7 @@ UncertaintyResult MakeUncertainty() {
   check.rms_z = 1.0 / 0.9;
   check.verdict = "agree";
   check.histogram.counts = {4, 5};
-  uncertainty.heldout = check;
+  uncertainty.validation = check;
   uncertainty.warnings = {"it bends"};
   return uncertainty;
 }
@@ -243,11 +245,11 @@ TEST(ResultJsonTest, KeepsTheUncertainty) {
   EXPECT_EQ(a.residuals.histogram.counts, b.residuals.histogram.counts);
   ExpectEqual(a.workspace->summary, b.workspace->summary);
   ExpectEqual(a.workspace->true_summary, b.workspace->true_summary);
-  EXPECT_EQ(a.heldout->axes.held, b.heldout->axes.held);
-  EXPECT_EQ(a.heldout->ellipsoids.n, b.heldout->ellipsoids.n);
-  EXPECT_EQ(a.heldout->rms_z, b.heldout->rms_z);
-  EXPECT_EQ(a.heldout->verdict, b.heldout->verdict);
-  EXPECT_EQ(a.heldout->histogram.counts, b.heldout->histogram.counts);
+  EXPECT_EQ(a.validation->axes.held, b.validation->axes.held);
+  EXPECT_EQ(a.validation->ellipsoids.n, b.validation->ellipsoids.n);
+  EXPECT_EQ(a.validation->rms_z, b.validation->rms_z);
+  EXPECT_EQ(a.validation->verdict, b.validation->verdict);
+  EXPECT_EQ(a.validation->histogram.counts, b.validation->histogram.counts);
   EXPECT_EQ(a.warnings, b.warnings);
 }
 
@@ -264,10 +266,10 @@ TEST(ResultJsonTest, KeepsTheUnitOfEachAcceptanceLimit) {
 TEST(FormatResultJsonTest, HasTheKeysOfKinds) {
   const auto json =
       nlohmann::json::parse(FormatResultJson(MakeResultOfKinds()));
-  EXPECT_EQ(json["solver"]["evaluation"], "compressed");
+  EXPECT_EQ(json["solver"]["evaluation"], "reduced");
   EXPECT_EQ(json["accuracy"]["train"]["rotation_after"]["n"], 56);
-  EXPECT_EQ(json["stages"][0]["heldout_rotation"]["max"], 0.4 / 23.0);
-  EXPECT_FALSE(json["stages"][1].contains("heldout_rotation"));
+  EXPECT_EQ(json["stages"][0]["validation_rotation"]["max"], 0.4 / 23.0);
+  EXPECT_FALSE(json["stages"][1].contains("validation_rotation"));
   EXPECT_EQ(json["cross_validation"]["folds"], 7);
   EXPECT_EQ(json["rejected_rows"][1]["line"], 3);
   EXPECT_EQ(json["aliases"][0]["block"], "point1");
@@ -277,7 +279,7 @@ TEST(FormatResultJsonTest, HasTheKeysOfKinds) {
   EXPECT_EQ(json["references"][1]["normal"][2], 0.8);
   EXPECT_EQ(json["references"][1]["offset"], -1.0 / 7.0);
   EXPECT_FALSE(json["references"][0].contains("offset"));
-  EXPECT_EQ(json["repeats"]["rotation_freedom"], 9);
+  EXPECT_EQ(json["repeats"]["rotation_degrees_of_freedom"], 9);
   EXPECT_EQ(json["acceptance"][0]["unit"], "m");
   EXPECT_EQ(json["acceptance"][2]["unit"], "rad");
 }

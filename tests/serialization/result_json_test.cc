@@ -127,7 +127,7 @@ TEST(ResultJsonTest, KeepsEveryStatus) {
   CalibrationResult result = MakeResult();
   for (const SolverStatus status :
        {SolverStatus::kNotRun, SolverStatus::kConverged,
-        SolverStatus::kRoundingFloor, SolverStatus::kIterationLimit,
+        SolverStatus::kPrecisionLimit, SolverStatus::kIterationLimit,
         SolverStatus::kFailed, SolverStatus::kUnusable}) {
     result.runs[0].summary.status = status;
     EXPECT_EQ(RoundTrip(result).runs[0].summary.status, status);
@@ -138,10 +138,10 @@ TEST(ResultJsonTest, KeepsAccuracyAndAcceptance) {
   const CalibrationResult result = MakeResult();
   const CalibrationResult read = RoundTrip(result);
   ExpectEqual(read.train, result.train);
-  ASSERT_TRUE(read.heldout.has_value());
-  ExpectEqual(*read.heldout, *result.heldout);
+  ASSERT_TRUE(read.validation.has_value());
+  ExpectEqual(*read.validation, *result.validation);
   ASSERT_EQ(read.acceptance.size(), 2U);
-  EXPECT_EQ(read.acceptance[1].quantity, "heldout_max");
+  EXPECT_EQ(read.acceptance[1].quantity, "validation_max");
   EXPECT_EQ(read.acceptance[1].limit, 1e-6);
   EXPECT_EQ(read.acceptance[1].obtained, 1.0);
 }
@@ -166,7 +166,7 @@ TEST(ResultJsonTest, StudyOfAnEarlierVersionIsPassedOver) {
 TEST(ResultJsonTest, KeepsAnEmptyResult) {
   const CalibrationResult read = RoundTrip(CalibrationResult());
   EXPECT_TRUE(read.parameters.empty() && read.runs.empty());
-  EXPECT_FALSE(read.heldout);
+  EXPECT_FALSE(read.validation);
   EXPECT_EQ(read.published_source, "");
 }
 
@@ -176,15 +176,15 @@ TEST(FormatResultJsonTest, HasTheKeysOfTheDocumentation) {
   EXPECT_EQ(json["format"], "alidade-result-1");
   EXPECT_EQ(json["inputs"][0]["sha256"], std::string(64, 'a'));
   EXPECT_EQ(json["seed"], 18446744073709551615U);
-  EXPECT_EQ(json["parameters"][1]["state"], "frozen");
+  EXPECT_EQ(json["parameters"][1]["state"], "fixed");
   EXPECT_EQ(json["parameters"][1]["unit"], "m");
-  EXPECT_EQ(json["parameters"][1]["stands_for"], "r2 + r3");
+  EXPECT_EQ(json["parameters"][1]["identified_combination"], "r2 + r3");
   EXPECT_TRUE(json["parameters"][1]["std"].is_null());
   EXPECT_TRUE(json["identifiability"]["perturbed_rank"]["gap"].is_null());
   EXPECT_EQ(json["accuracy"]["train"]["before"]["n"], 56);
-  EXPECT_EQ(json["accuracy"]["heldout"]["after"]["max"], 2e-13 / 23.0);
+  EXPECT_EQ(json["accuracy"]["validation"]["after"]["max"], 2e-13 / 23.0);
   EXPECT_EQ(json["solver"]["name"], "ceres");
-  EXPECT_EQ(json["solver"]["status"], "rounding_floor");
+  EXPECT_EQ(json["solver"]["status"], "precision_limit");
   EXPECT_EQ(json["solver"]["iterations"], 1);
   EXPECT_EQ(json["solver"]["time_s"], 0.251);
   EXPECT_EQ(json["runs"][0]["history"][1]["accepted"], false);

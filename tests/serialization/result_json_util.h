@@ -53,7 +53,7 @@ inline SolverRun MakeRun() {
   SolverRun run;
   SolverSummary& summary = run.summary;
   summary.solver = "ceres";
-  summary.status = SolverStatus::kRoundingFloor;
+  summary.status = SolverStatus::kPrecisionLimit;
   summary.message = "stopped where rounding begins";
   summary.num_poses = 56;
   summary.num_residuals = 168;
@@ -69,7 +69,7 @@ inline SolverRun MakeRun() {
   summary.trust_region_used = 1e10;
   summary.pseudo_inverse_tolerance_given = 1e-3;
   summary.pseudo_inverse_tolerance_used = 1e-9;
-  summary.rounding_floor = 2e-16;
+  summary.precision_limit = 2e-16;
   summary.setup_time_s = 0.001;
   summary.solve_time_s = 0.25;
   summary.iterations = {{0, 1234.5, 0.005, 0.002, 0.0, true, 0.0},
@@ -94,10 +94,10 @@ inline CalibrationResult MakeResult() {
   result.parameters[0].published = 0.3;
   result.parameters[0].std = 1e-5;
   ParameterDecision& decision = result.parameters[1].decision;
-  decision.state = ParameterState::kFrozen;
+  decision.state = ParameterState::kFixed;
   decision.rule = "parallel_r";
   decision.reason = "joint 3 is parallel to joint 2";
-  decision.stands_for = "r2 + r3";
+  decision.identified_combination = "r2 + r3";
   IdentifiabilityResult& identifiability = result.identifiability;
   identifiability.method = "rules";
   identifiability.decisions = {result.parameters[0].decision, decision};
@@ -115,9 +115,10 @@ inline CalibrationResult MakeResult() {
   result.runs = {MakeRun(), SolverRun()};
   result.runs[1].summary.solver = "pseudo_inverse";
   result.train = MakeEvaluatedSet("train.csv", 1.0);
-  result.heldout = MakeEvaluatedSet("heldout.csv", 2.0);
+  result.validation = MakeEvaluatedSet("validation.csv", 2.0);
   result.published_source = "A study";
-  result.acceptance = {{"train_max", 1e-6, 2e-16}, {"heldout_max", 1e-6, 1.0}};
+  result.acceptance = {{"train_max", 1e-6, 2e-16},
+                       {"validation_max", 1e-6, 1.0}};
   result.identify_time_s = 0.002;
   result.total_time_s = 0.5;
   return result;
@@ -153,7 +154,7 @@ inline void ExpectEqual(const ParameterDecision& a,
   EXPECT_EQ(a.state, b.state);
   EXPECT_EQ(a.rule, b.rule);
   EXPECT_EQ(a.reason, b.reason);
-  EXPECT_EQ(a.stands_for, b.stands_for);
+  EXPECT_EQ(a.identified_combination, b.identified_combination);
 }
 
 inline void ExpectEqual(const RankReport& a, const RankReport& b) {
@@ -180,7 +181,7 @@ inline void ExpectEqual(const SolverSummary& a, const SolverSummary& b) {
   EXPECT_EQ(a.trust_region_used, b.trust_region_used);
   EXPECT_EQ(a.pseudo_inverse_tolerance_given, b.pseudo_inverse_tolerance_given);
   EXPECT_EQ(a.pseudo_inverse_tolerance_used, b.pseudo_inverse_tolerance_used);
-  EXPECT_EQ(a.rounding_floor, b.rounding_floor);
+  EXPECT_EQ(a.precision_limit, b.precision_limit);
   EXPECT_EQ(a.setup_time_s, b.setup_time_s);
   EXPECT_EQ(a.solve_time_s, b.solve_time_s);
 }

@@ -105,7 +105,7 @@ TEST(MonteCarloTest, StopsWhereTheMeanErrorIsKnownWellEnough) {
   EXPECT_EQ(result.trials.size(), 256u);
 }
 
-// A frozen parameter that is off: what stands for it takes it up, and that
+// A fixed parameter that is off: what depends on it takes it up, and that
 // counts as the truth.
 TEST(MonteCarloTest, TruthIsWhatExactMeasurementsWouldGive) {
   JobConfig config = FlangeJob(100);

@@ -11,7 +11,7 @@
 
 #include "alidade/units.h"
 #include "src/common/random.h"
-#include "src/kernel/compression.h"
+#include "src/kernel/reduction.h"
 #include "src/model/joint_draw.h"
 #include "src/solve/solve.h"
 #include "tests/support/edit.h"
@@ -102,10 +102,10 @@ TEST_P(ConditionTest, BothEvaluationsHaveTheSameSolution) {
     Eigen::VectorXd solutions[2];
     Eigen::VectorXd sigmas;
     double cost = 0.0;
-    for (const bool compressed : {false, true}) {
+    for (const bool reduced : {false, true}) {
       options.evaluation =
-          compressed ? Evaluation::kCompressed : Evaluation::kAutodiff;
-      Eigen::VectorXd& values = solutions[compressed ? 1 : 0];
+          reduced ? Evaluation::kReduced : Evaluation::kAutodiff;
+      Eigen::VectorXd& values = solutions[reduced ? 1 : 0];
       values = measured.model.NominalValues();
       const SolverSummary summary =
           SolveLevenbergMarquardt(measured.Problem(), options, &values);
@@ -146,11 +146,11 @@ TEST(GramRuleTest, ProductsAreForWellConditionedColumnsAlone) {
         Case{1e-4, 900, false}, Case{0.0, 1500, false}}) {
     const Measured measured = MakeMeasured(one.skew, one.poses);
     const Eigen::VectorXd values = measured.model.NominalValues();
-    Compressor compressor(measured.model, measured.data, measured.columns);
-    CompressedProblem problem;
+    Reducer reducer(measured.model, measured.data, measured.columns);
+    ReducedLeastSquares problem;
     for (int evaluation = 0; evaluation < 2; ++evaluation) {
-      compressor.Compress(values, &problem);
-      EXPECT_EQ(compressor.used_gram(), one.uses_products)
+      reducer.Reduce(values, &problem);
+      EXPECT_EQ(reducer.used_gram(), one.uses_products)
           << one.skew << ", " << one.poses;
       EXPECT_TRUE(problem.factor.allFinite());
     }
@@ -160,18 +160,18 @@ TEST(GramRuleTest, ProductsAreForWellConditionedColumnsAlone) {
 TEST(GramRuleTest, ProductsGiveTheSameProblem) {
   const Measured measured = MakeMeasured(0.3, 1500, 2);
   const Eigen::VectorXd values = measured.model.NominalValues();
-  CompressedProblem problems[2];
+  ReducedLeastSquares problems[2];
   for (const bool gram : {false, true}) {
-    CompressorOptions options;
+    ReducerOptions options;
     options.factorization =
         gram ? Factorization::kGram : Factorization::kOrthogonal;
-    Compressor compressor(measured.model, measured.data, measured.columns, {},
-                          options);
-    compressor.Compress(values, &problems[gram ? 1 : 0]);
-    EXPECT_EQ(compressor.used_gram(), gram);
+    Reducer reducer(measured.model, measured.data, measured.columns, {},
+                    options);
+    reducer.Reduce(values, &problems[gram ? 1 : 0]);
+    EXPECT_EQ(reducer.used_gram(), gram);
   }
   EXPECT_EQ(problems[0].cost, problems[1].cost);
-  const auto gradient = [](const CompressedProblem& problem) {
+  const auto gradient = [](const ReducedLeastSquares& problem) {
     return Eigen::VectorXd(problem.factor.transpose() * problem.projected);
   };
   const Eigen::VectorXd expected = gradient(problems[0]);
@@ -182,7 +182,7 @@ TEST(GramRuleTest, ProductsGiveTheSameProblem) {
                 1e-12 * norm * problems[0].factor.col(k).norm());
   }
   // Steps differ by eps times the condition, 1e3 squared, at most.
-  const auto step = [](const CompressedProblem& problem) {
+  const auto step = [](const ReducedLeastSquares& problem) {
     return Eigen::VectorXd(
         problem.factor.triangularView<Eigen::Upper>().solve(problem.projected));
   };
@@ -191,18 +191,18 @@ TEST(GramRuleTest, ProductsGiveTheSameProblem) {
 }
 
 TEST(GramRuleTest, BitsDoNotDependOnThreadsOrCache) {
-  CompressedProblem expected;
+  ReducedLeastSquares expected;
   for (const int threads : {1, 2, 8}) {
     const Measured measured = MakeMeasured(0.3, 9000, threads);
     const Eigen::VectorXd values = measured.model.NominalValues();
-    CompressorOptions options;
+    ReducerOptions options;
     if (threads == 2) options.cache_bytes = 200000;
-    Compressor compressor(measured.model, measured.data, measured.columns, {},
-                          options);
-    CompressedProblem problem;
-    compressor.Compress(values, &problem);
-    compressor.Compress(values, &problem);
-    EXPECT_TRUE(compressor.used_gram());
+    Reducer reducer(measured.model, measured.data, measured.columns, {},
+                    options);
+    ReducedLeastSquares problem;
+    reducer.Reduce(values, &problem);
+    reducer.Reduce(values, &problem);
+    EXPECT_TRUE(reducer.used_gram());
     if (threads == 1) expected = problem;
     EXPECT_EQ(problem.factor, expected.factor) << threads;
     EXPECT_EQ(problem.projected, expected.projected) << threads;
@@ -213,18 +213,17 @@ TEST(GramRuleTest, BitsDoNotDependOnThreadsOrCache) {
 // What products cannot factor is left to transformations.
 TEST(GramRuleTest, DependentColumnsFallBack) {
   const Measured measured = MakeMeasured(0.0, 1500);
-  CompressorOptions options;
+  ReducerOptions options;
   options.factorization = Factorization::kAutomatic;
-  Compressor compressor(measured.model, measured.data, measured.columns, {},
-                        options);
+  Reducer reducer(measured.model, measured.data, measured.columns, {}, options);
   // Well conditioned first, with a skew.
   Eigen::VectorXd skewed = measured.model.NominalValues();
   skewed[*measured.model.layout().Find("alpha1")] = 0.3;
-  CompressedProblem problem;
-  compressor.Compress(skewed, &problem);
-  EXPECT_TRUE(compressor.used_gram());
-  compressor.Compress(measured.model.NominalValues(), &problem);
-  EXPECT_FALSE(compressor.used_gram());
+  ReducedLeastSquares problem;
+  reducer.Reduce(skewed, &problem);
+  EXPECT_TRUE(reducer.used_gram());
+  reducer.Reduce(measured.model.NominalValues(), &problem);
+  EXPECT_FALSE(reducer.used_gram());
   const Eigen::MatrixXd factor =
       JacobianFactor(measured.model, measured.model.NominalValues(),
                      measured.data, measured.columns);

@@ -78,7 +78,7 @@ TEST_P(PriorsTest, TightPriorHoldsAParameterAndAWideOneDoesNothing) {
   problem.priors[d3] = 1e3;
   Eigen::VectorXd wide = model.NominalValues();
   ASSERT_TRUE(GetParam()(problem, {}, &wide).IsSolutionUsable());
-  // Residuals of the frozen parameters leave a cost of 1e6. Of that the last
+  // Residuals of the fixed parameters leave a cost of 1e6. Of that the last
   // step, 3e-10 long, gains less than rounding: it is accepted or not.
   EXPECT_NEAR((wide - without).cwiseAbs().maxCoeff(), 0.0, 1e-9);
 }

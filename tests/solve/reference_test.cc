@@ -87,7 +87,7 @@ std::string NameOfCase(const ::testing::TestParamInfo<ReferenceCase>& info) {
 }
 
 TEST_P(ReferenceCaseTest, StopsAtTheFloorOfItselfInFewIterations) {
-  EXPECT_EQ(summary_.status, SolverStatus::kRoundingFloor) << summary_.message;
+  EXPECT_EQ(summary_.status, SolverStatus::kPrecisionLimit) << summary_.message;
   const bool ceres = std::get<0>(GetParam()).name == "Ceres";
   EXPECT_LE(summary_.accepted_steps + summary_.rejected_steps, ceres ? 12 : 6);
   // A few units in the last place of coordinates of some 0.3 m.
@@ -106,20 +106,20 @@ TEST_P(ReferenceCaseTest, FindsTheExactMinimum) {
   EXPECT_LT(difference.angle, 1e-8);
 }
 
-// d4 takes up beta4 * r4 = 0.004 * 0.1 mm of the frozen r4. The tolerance is
+// d4 takes up beta4 * r4 = 0.004 * 0.1 mm of the fixed r4. The tolerance is
 // half of the last digit that is printed; the sine of beta4 and what r3 adds
 // are below it.
-TEST_P(ReferenceCaseTest, D4TakesUpWhatTheFrozenR4Leaves) {
+TEST_P(ReferenceCaseTest, D4TakesUpWhatTheFixedR4Leaves) {
   EXPECT_NEAR(Deviation("d4") / kMillimetre, 0.100400, 5e-7);
 }
 
-// r2 stands for r2 + r3 + r4: 1 - 0.1 + 0.1 mm. The frozen lengths act through
+// r2 identifies r2 + r3 + r4: 1 - 0.1 + 0.1 mm. The fixed lengths act through
 // cosines of angles of milliradians: 1e-5 of 0.1 mm, and less.
 TEST_P(ReferenceCaseTest, R2IsTheSumOfTheRun) {
   EXPECT_NEAR(Deviation("r2") / kMillimetre, 1.0, 1e-4);
 }
 
-TEST_P(ReferenceCaseTest, FrozenAndGivenValuesKeepTheirBits) {
+TEST_P(ReferenceCaseTest, FixedAndGivenValuesKeepTheirBits) {
   EXPECT_TRUE(
       testing::HoldsTheOthers(nominal_, values_, calibration_.free_columns));
 }

@@ -11,15 +11,15 @@ namespace alidade::internal {
 namespace {
 
 constexpr std::array<SolverStatus, 6> kAllStatuses = {
-    SolverStatus::kNotRun,        SolverStatus::kConverged,
-    SolverStatus::kRoundingFloor, SolverStatus::kIterationLimit,
-    SolverStatus::kFailed,        SolverStatus::kUnusable};
+    SolverStatus::kNotRun,         SolverStatus::kConverged,
+    SolverStatus::kPrecisionLimit, SolverStatus::kIterationLimit,
+    SolverStatus::kFailed,         SolverStatus::kUnusable};
 
 // Every number differs from every other, so that a mixed-up line shows.
 SolverSummary MakeSummary() {
   SolverSummary summary;
   summary.solver = "ceres";
-  summary.status = SolverStatus::kRoundingFloor;
+  summary.status = SolverStatus::kPrecisionLimit;
   summary.message = "The next step is below rounding.";
   summary.num_poses = 56;
   summary.num_residuals = 168;
@@ -31,7 +31,7 @@ SolverSummary MakeSummary() {
   summary.rejected_steps = 2;
   summary.threads_given = 8;
   summary.threads_used = 3;
-  summary.rounding_floor = 1.5e-16;
+  summary.precision_limit = 1.5e-16;
   summary.setup_time_s = 0.125;
   summary.solve_time_s = 0.75;
   return summary;
@@ -75,7 +75,7 @@ TEST(SolverSummaryTest, UsableByStatus) {
   for (const SolverStatus status : kAllStatuses) {
     summary.status = status;
     const bool usable = status == SolverStatus::kConverged ||
-                        status == SolverStatus::kRoundingFloor ||
+                        status == SolverStatus::kPrecisionLimit ||
                         status == SolverStatus::kIterationLimit;
     EXPECT_EQ(summary.IsSolutionUsable(), usable) << ToString(status);
   }
@@ -114,7 +114,7 @@ TEST(SolverSummaryTest, FullReportHasALineForEverything) {
   ExpectLine(summary, "Chi-square", "  1234.5 -> 6.25e-20");
   ExpectLine(summary, "Steps accepted, rejected", "  7, 2");
   ExpectLine(summary, "Threads given, used", "  8, 3");
-  ExpectLine(summary, "Rounding floor", "  1.5e-16 m");
+  ExpectLine(summary, "Numerical precision limit", "  1.5e-16 m");
   ExpectLine(summary, "Time to set up, solve", "  0.125 s, 0.75 s");
 }
 

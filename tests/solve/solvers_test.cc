@@ -41,7 +41,7 @@ TEST_P(RandomArmSolverTest, ReachesTheExactMinimumAndStopsAtTheFloor) {
     const Eigen::VectorXd nominal = calibration.model.NominalValues();
     Eigen::VectorXd values = nominal;
     const SolverSummary summary = calibration.Solve(solver(), &values);
-    EXPECT_EQ(summary.status, SolverStatus::kRoundingFloor) << summary.message;
+    EXPECT_EQ(summary.status, SolverStatus::kPrecisionLimit) << summary.message;
     EXPECT_TRUE(
         testing::HoldsTheOthers(nominal, values, calibration.free_columns));
     const testing::ReferenceSolution reference = calibration.Reference();
@@ -94,7 +94,7 @@ class SolverTest : public ::testing::TestWithParam<SolverCase> {};
 TEST_P(SolverTest, CostOfNoiseIsChiSquare) {
   constexpr int kTrials = 30;
   constexpr int kPoses = 100;
-  constexpr double kFreedom = 3.0 * kPoses - 18.0;
+  constexpr double kDegreesOfFreedom = 3.0 * kPoses - 18.0;
   double sum = 0.0;
   for (int trial = 0; trial < kTrials; ++trial) {
     const Calibration calibration =
@@ -103,12 +103,13 @@ TEST_P(SolverTest, CostOfNoiseIsChiSquare) {
     const SolverSummary summary = calibration.Solve(GetParam(), &values);
     EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
     // Five standard deviations of one trial.
-    EXPECT_NEAR(summary.final_cost, kFreedom, 5.0 * std::sqrt(2.0 * kFreedom));
+    EXPECT_NEAR(summary.final_cost, kDegreesOfFreedom,
+                5.0 * std::sqrt(2.0 * kDegreesOfFreedom));
     sum += summary.final_cost;
   }
   // Four of the mean: about 1 % of f.
-  EXPECT_NEAR(sum / kTrials, kFreedom,
-              4.0 * std::sqrt(2.0 * kFreedom / kTrials));
+  EXPECT_NEAR(sum / kTrials, kDegreesOfFreedom,
+              4.0 * std::sqrt(2.0 * kDegreesOfFreedom / kTrials));
 }
 
 // Each parameter is within five of its standard deviations of the truth, and,
@@ -163,7 +164,7 @@ TEST_P(SolverTest, RecoversBaseAndTool) {
     const Eigen::VectorXd nominal = calibration.model.NominalValues();
     Eigen::VectorXd values = nominal;
     const SolverSummary summary = calibration.Solve(GetParam(), &values);
-    EXPECT_EQ(summary.status, SolverStatus::kRoundingFloor) << summary.message;
+    EXPECT_EQ(summary.status, SolverStatus::kPrecisionLimit) << summary.message;
     EXPECT_TRUE(
         testing::HoldsTheOthers(nominal, values, calibration.free_columns));
     const Difference difference = testing::DifferenceOf(
@@ -188,7 +189,7 @@ TEST_P(SolverTest, RecoversPartsOfFramesBesideJoints) {
   const Eigen::VectorXd nominal = calibration.model.NominalValues();
   Eigen::VectorXd values = nominal;
   const SolverSummary summary = calibration.Solve(GetParam(), &values);
-  EXPECT_EQ(summary.status, SolverStatus::kRoundingFloor) << summary.message;
+  EXPECT_EQ(summary.status, SolverStatus::kPrecisionLimit) << summary.message;
   EXPECT_TRUE(
       testing::HoldsTheOthers(nominal, values, calibration.free_columns));
   EXPECT_LT((values - calibration.true_values).cwiseAbs().maxCoeff(), 1e-11);
@@ -230,7 +231,7 @@ TEST_P(SolverTest, TakesAnEmptyRankAsFull) {
   calibration.start_rank = RankReport();
   Eigen::VectorXd values = calibration.model.NominalValues();
   const SolverSummary summary = calibration.Solve(GetParam(), &values);
-  EXPECT_EQ(summary.status, SolverStatus::kRoundingFloor) << summary.message;
+  EXPECT_EQ(summary.status, SolverStatus::kPrecisionLimit) << summary.message;
   EXPECT_LT((values - calibration.true_values).cwiseAbs().maxCoeff(), 1e-11);
 }
 

@@ -71,7 +71,7 @@ struct Calibration {
     return solver.solve(Problem(), options, values);
   }
 
-  /// The independent minimum with the frozen values at nominal.
+  /// The independent minimum with the fixed values at nominal.
   ReferenceSolution Reference() const {
     VectorXl start = model.NominalValues().cast<long double>();
     for (const int column : free_columns) start[column] = true_values[column];
@@ -114,7 +114,7 @@ inline void AddNoise(Random* random, Dataset* data) {
 }
 
 /// The RV-2AJ at the flange over generic poses, where all 18 parameters are
-/// told apart well; the frozen ones are at nominal. Noise of 0.02 mm.
+/// distinguished well; the fixed ones are at nominal. Noise of 0.02 mm.
 inline Calibration NoisyFlangeCalibration(std::uint64_t seed, int num_poses,
                                           int num_threads = 1) {
   Calibration calibration(Rv2ajFlange(), num_threads);

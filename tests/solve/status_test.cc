@@ -116,8 +116,8 @@ TEST_P(SolverStatusTest, InvalidOptionsAreNamed) {
   for (const auto& [name, field] :
        {std::make_pair("function_tolerance",
                        &SolverOptions::function_tolerance),
-        std::make_pair("rounding_floor_factor",
-                       &SolverOptions::rounding_floor_factor),
+        std::make_pair("precision_limit_factor",
+                       &SolverOptions::precision_limit_factor),
         std::make_pair("wanted_precision", &SolverOptions::wanted_precision),
         std::make_pair("initial_trust_region_radius",
                        &SolverOptions::initial_trust_region_radius),
@@ -246,7 +246,7 @@ TEST(CeresStatusTest, EndWithoutAStepIsNoSolutionUnlessItBeganAtOne) {
   options.function_tolerance = 1.0;
   options.initial_trust_region_radius = 1e16;
   for (const Evaluation evaluation :
-       {Evaluation::kAutodiff, Evaluation::kCompressed}) {
+       {Evaluation::kAutodiff, Evaluation::kReduced}) {
     options.evaluation = evaluation;
     Eigen::VectorXd again = minimum;
     EXPECT_TRUE(
@@ -256,7 +256,7 @@ TEST(CeresStatusTest, EndWithoutAStepIsNoSolutionUnlessItBeganAtOne) {
   std::iota(calibration.free_columns.begin(), calibration.free_columns.end(),
             0);
   for (const Evaluation evaluation :
-       {Evaluation::kAutodiff, Evaluation::kCompressed}) {
+       {Evaluation::kAutodiff, Evaluation::kReduced}) {
     options.evaluation = evaluation;
     int without_step = 0;
     for (int draw = 0; draw < 40; ++draw) {

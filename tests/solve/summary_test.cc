@@ -119,9 +119,9 @@ TEST_P(SolverSummaryTest, RecordsAreNumberedTimedAndCounted) {
   EXPECT_GE(summary.setup_time_s + summary.solve_time_s, time_s);
 }
 
-TEST_P(SolverSummaryTest, SaysWhichRoundingFloorWasUsed) {
+TEST_P(SolverSummaryTest, SaysWhichPrecisionLimitWasUsed) {
   // The lengths of the arm, 300 + 250 + 160 + 72 mm, times epsilon.
-  EXPECT_NEAR(Solve().rounding_floor,
+  EXPECT_NEAR(Solve().precision_limit,
               0.782 * std::numeric_limits<double>::epsilon(), 1e-22);
 }
 
@@ -205,7 +205,7 @@ TEST(PseudoInverseSummaryTest, RunsAFixedNumberOfIterations) {
   const Calibration calibration = testing::WristCalibration(2);
   SolverOptions options;
   options.max_iterations = 100;
-  options.rounding_floor_factor = 0.0;
+  options.precision_limit_factor = 0.0;
   options.function_tolerance = 0.0;
   Eigen::VectorXd values = calibration.model.NominalValues();
   const SolverSummary summary =

@@ -75,10 +75,10 @@ const StudyResult& RunStudy() {
   return kStudy;
 }
 
-TEST(CompareWithStudyTest, D4TakesUpTheFrozenR4) {
+TEST(CompareWithStudyTest, D4TakesUpTheFixedR4) {
   const StudyResult& study = RunStudy();
   ASSERT_EQ(study.absorptions.size(), 1u);
-  EXPECT_EQ(study.absorptions[0].frozen, "r4");
+  EXPECT_EQ(study.absorptions[0].fixed, "r4");
   EXPECT_EQ(study.absorptions[0].taken_up_by, "d4");
   EXPECT_NEAR(study.absorptions[0].coefficient, std::sin(0.004), 1e-7);
 }
@@ -106,7 +106,7 @@ TEST(StudySectionTest, ExplainsWhatAFrozenParameterDoes) {
   EXPECT_THAT(
       TextOf(MakeStudy()),
       HasSubstr("d4 comes out as 0.100400 mm, not 0.100000 mm: it takes up the "
-                "frozen r4 (0.1000 mm off its nominal value) with coefficient "
+                "fixed r4 (0.1000 mm off its nominal value) with coefficient "
                 "0.004000, that is 4.000e-04 mm. That explains the "
                 "difference."));
 }
@@ -170,7 +170,7 @@ TEST(StudyJsonTest, HasEveryNumberToTheLastBit) {
   EXPECT_EQ(json["parameters"][1]["unit"], "m");
   EXPECT_EQ(json["parameters"][1]["obtained"], 1.004e-4);
   EXPECT_EQ(json["parameters"][2]["identified"], false);
-  EXPECT_EQ(json["absorptions"][0]["frozen_deviation"], 1e-4);
+  EXPECT_EQ(json["absorptions"][0]["fixed_deviation"], 1e-4);
   EXPECT_EQ(json["absorptions"][0]["coefficient"], 0.004);
   EXPECT_EQ(json["absorptions"][0]["amount"], 4e-7);
   EXPECT_EQ(json["as_printed"]["n"], 20);
@@ -214,7 +214,7 @@ TEST_F(StudyProgramTest, EndsOnPublishedAgainstObtainedAndThePaths) {
   EXPECT_GT(result.out.find("result.json"), result.out.find("17 of 25"));
   EXPECT_THAT(result.err, AllOf(HasSubstr("warning"), HasSubstr("beta4")));
   for (const char* name : {"arm.yaml", "report.html", "report.txt",
-                           "result.json", "study.json", "heldout.csv"}) {
+                           "result.json", "study.json", "validation.csv"}) {
     EXPECT_TRUE(std::filesystem::exists(out + "/" + name)) << name;
     EXPECT_THAT(result.out, HasSubstr(out + "/" + name));
   }
@@ -240,7 +240,7 @@ TEST_F(StudyProgramTest, ExitStatusIsThatOfCalibrate) {
   const ProcessResult missed =
       Run(Changed("acceptance: {train_max: 1e-16}") + out);
   EXPECT_EQ(missed.status, 1) << missed.err;
-  EXPECT_THAT(missed.err, HasSubstr("/report.txt tells which"));
+  EXPECT_THAT(missed.err, HasSubstr("/report.txt says which"));
   EXPECT_THAT(missed.out, HasSubstr("17 of 25"));
 }
 

@@ -35,7 +35,7 @@ inline constexpr char kJobText[] =
     "data: data.csv\n"
     "measurement: {sigma: 0.02}\n"
     "truth: deviations.yaml\n"
-    "validation: {data: heldout.csv}\n"
+    "validation: {data: validation.csv}\n"
     "identifiability:\n"
     "  method: rules\n"
     "  fix: [alpha2, d1]\n"
@@ -48,13 +48,13 @@ inline constexpr char kJobText[] =
     "  name: pseudo_inverse\n"
     "  max_iterations: 12\n"
     "  function_tolerance: 1e-14\n"
-    "  rounding_floor_factor: 2\n"
+    "  precision_limit_factor: 2\n"
     "  wanted_precision: 0.001\n"
     "  initial_trust_region_radius: 1e6\n"
     "  pseudo_inverse_tolerance: 1e-9\n"
     "compare_with: [ceres]\n"
-    "acceptance: {train_rms: 0.1, train_max: 0.2, heldout_rms: 0.3, "
-    "heldout_max: 0.4}\n"
+    "acceptance: {train_rms: 0.1, train_max: 0.2, validation_rms: 0.3, "
+    "validation_max: 0.4}\n"
     "published:\n"
     "  source: A study\n"
     "  deviations: {r1: 0.4}\n"
@@ -102,7 +102,7 @@ class ConfigFiles {
     directory_.Write("arm.yaml", kArmText);
     directory_.Write("deviations.yaml", kDeviationsText);
     directory_.Write("data.csv", kDataText);
-    directory_.Write("heldout.csv", kDataText);
+    directory_.Write("validation.csv", kDataText);
     job_ = directory_.Write("job.yaml", EditIfFound(kJobText, edit));
     simulation_ =
         directory_.Write("simulation.yaml", EditIfFound(kSimulationText, edit));

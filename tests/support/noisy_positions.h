@@ -32,7 +32,7 @@ inline Dataset NoisyPositions(const Arm& arm, int num_poses, double sigma,
                        Eigen::Matrix3Xd::Constant(3, num_poses, sigma));
 }
 
-/// What generic poses can tell apart, without priors.
+/// What generic poses can distinguish, without priors.
 inline std::vector<int> TellableColumns(const MeasurementModel& model,
                                         const Dataset& data) {
   IdentifiabilityOptions options;

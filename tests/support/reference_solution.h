@@ -52,7 +52,7 @@ MatrixXl ScaledDifferences(const Arm& arm, const VectorXl& values,
 VectorXl RelativeSingularValues(const MatrixXl& matrix);
 
 /// Joint columns, in order, each of which has a part of `fraction` of its norm
-/// or more that is orthogonal to those before: what a solver can tell apart
+/// or more that is orthogonal to those before: what a solver can distinguish
 /// well.
 std::vector<int> IndependentColumns(const Arm& arm, const VectorXl& values,
                                     const Dataset& data, long double fraction);

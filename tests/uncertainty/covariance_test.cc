@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "src/kernel/compression.h"
+#include "src/kernel/reduction.h"
 #include "src/solve/solve.h"
 #include "tests/support/classic_arms.h"
 #include "tests/support/noisy_positions.h"
@@ -69,7 +69,7 @@ TEST(CovarianceTest, AgreesWithExtendedPrecision) {
                     1e-8 * unit);
       }
     }
-    EXPECT_EQ(covariance.untold.cols(), 0);
+    EXPECT_EQ(covariance.null_space.cols(), 0);
   }
 }
 
@@ -84,7 +84,7 @@ TEST(CovarianceTest, WhatNothingTellsIsInfiniteAndTheRestIsNot) {
   EXPECT_EQ(deviations[0], kInfinity);
   EXPECT_EQ(deviations[1], kInfinity);
   EXPECT_NEAR(deviations[2], 0.2, 1e-15);
-  EXPECT_EQ(covariance.untold.cols(), 1);
+  EXPECT_EQ(covariance.null_space.cols(), 1);
   // Rows of the factor see nothing of it, whatever the parameters' units.
   EXPECT_TRUE(covariance.AreTold(factor));
   EXPECT_FALSE(covariance.AreTold(Eigen::RowVector3d(1.0, 0.0, 0.0)));

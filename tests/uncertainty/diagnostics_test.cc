@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "src/common/random.h"
-#include "src/kernel/compression.h"
+#include "src/kernel/reduction.h"
 #include "src/solve/solve.h"
 #include "tests/support/edit.h"
 #include "tests/support/noisy_positions.h"
@@ -36,7 +36,7 @@ class Fitted {
         .values.cast<double>();
   }
 
-  FinishedProblem problem() const {
+  FittedProblem problem() const {
     return {model_, data_, columns_, no_priors_, losses_, values_};
   }
   ResidualDiagnostics Diagnose() const {

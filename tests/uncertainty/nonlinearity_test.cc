@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "src/kernel/compression.h"
+#include "src/kernel/reduction.h"
 
 namespace alidade::internal {
 namespace {
@@ -30,7 +30,7 @@ class Polar {
     columns_ = {angle_, radius_};
   }
 
-  FinishedProblem problem() const {
+  FittedProblem problem() const {
     return {model_, data_, columns_, no_priors_, losses_, values_};
   }
   ParameterCovariance covariance() const { return CovarianceOf(problem()); }

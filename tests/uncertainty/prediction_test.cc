@@ -10,7 +10,7 @@
 
 #include "alidade/rotation.h"
 #include "src/common/random.h"
-#include "src/kernel/compression.h"
+#include "src/kernel/reduction.h"
 #include "tests/support/classic_arms.h"
 #include "tests/support/edit.h"
 #include "tests/support/noisy_positions.h"
@@ -100,7 +100,7 @@ TEST(PredictionTest, SemiAxesAreThoseOfTheEllipsoid) {
 TEST(PredictionTest, WhatIsNotToldIsSeenAsInfinite) {
   Known known;
   // Nothing tells the first column any more.
-  known.covariance.untold =
+  known.covariance.null_space =
       Eigen::MatrixXd::Identity(known.covariance.size(), 1);
   const std::vector<PoseCovariance> predicted = PredictCovariances(
       known.model, known.model.NominalValues(), known.covariance,
@@ -111,7 +111,7 @@ TEST(PredictionTest, WhatIsNotToldIsSeenAsInfinite) {
 // Calibrations drawn from their own covariance, and fresh measurements.
 TEST(PredictionTest, HeldOutMeasurementsAgreeWithWhatIsPredicted) {
   const Known known;
-  const Dataset heldout =
+  const Dataset validation =
       testing::NoisyPositions(known.model.nominal(), 4, kSigma, 99);
   Random random(5);
   double squares = 0.0;
@@ -123,7 +123,7 @@ TEST(PredictionTest, HeldOutMeasurementsAgreeWithWhatIsPredicted) {
     for (double& entry : u) entry = random.Normal();
     Eigen::VectorXd values = known.model.NominalValues();
     values(known.columns) += known.covariance.root * u;
-    Dataset fresh = heldout;
+    Dataset fresh = validation;
     Eigen::MatrixXd positions(3, fresh.num_poses());
     for (Eigen::Index i = 0; i < fresh.num_poses(); ++i) {
       positions.col(i) =
@@ -149,18 +149,18 @@ TEST(PredictionTest, HeldOutMeasurementsAgreeWithWhatIsPredicted) {
 }
 
 // Where the prediction is right 95 % of the verdicts say so, however many
-// held-out poses there are: all of them share one calibration. Each draw is
+// validation poses there are: all of them share one calibration. Each draw is
 // one, with fresh measurements, and where sigma is estimated with an estimate
 // that its degrees of freedom allow. Of 150 the standard error is 1.8 %; three
-// of these, and half a percent for the draws behind each verdict. Both wrong
+// of these, and half a percent for the draws after each verdict. Both wrong
 // verdicts occur.
 TEST(PredictionTest, VerdictsAreWrongAsOftenAsTheyMayBe) {
   Known known;
   const Eigen::MatrixXd root = known.covariance.root;
-  const Dataset heldout =
+  const Dataset validation =
       testing::NoisyPositions(known.model.nominal(), 700, kSigma, 98);
   const Eigen::Matrix3Xd exact =
-      known.model.Predict(known.model.NominalValues(), heldout.joint_values);
+      known.model.Predict(known.model.NominalValues(), validation.joint_values);
   for (const double dof : {kInfinity, 30.0}) {
     Random random(6);
     std::map<std::string, int> verdicts;
@@ -179,7 +179,7 @@ TEST(PredictionTest, VerdictsAreWrongAsOftenAsTheyMayBe) {
         }
         scale = std::sqrt(chi_square / dof);
       }
-      Dataset fresh = heldout;
+      Dataset fresh = validation;
       fresh.positions() = exact;
       Eigen::MatrixXd noisy = fresh.positions().map();
       for (double& x : noisy.reshaped()) x += kSigma * random.Normal();

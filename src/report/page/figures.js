@@ -1,4 +1,4 @@
-// Figures tell their numbers under the pointer and by the arrow keys, and save
+// Figures show their numbers under the pointer and by the arrow keys, and save
 // themselves as files.
 
 // A ring about the spot, and its text in a box that stays within the figure.
@@ -15,7 +15,7 @@ function tipShapes(spot, right) {
   ];
 }
 
-// The nearest spot tells its text, in place of what browsers show of titles.
+// The nearest spot shows its text, in place of what browsers show of titles.
 function attachTips(svg) {
   const group = svg.querySelector('.tips');
   if (!group) return;

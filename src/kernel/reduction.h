@@ -1,5 +1,5 @@
-#ifndef ALIDADE_SRC_KERNEL_COMPRESSION_H_
-#define ALIDADE_SRC_KERNEL_COMPRESSION_H_
+#ifndef ALIDADE_SRC_KERNEL_REDUCTION_H_
+#define ALIDADE_SRC_KERNEL_REDUCTION_H_
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -39,7 +39,7 @@ double RobustChiSquare(const SharedVector& errors, const Dataset& data,
 
 /// A least-squares problem in few rows that has the cost, the gradient and the
 /// Gauss-Newton matrix of a whole data set, priors included.
-struct CompressedProblem {
+struct ReducedLeastSquares {
   Eigen::MatrixXd factor;     ///< R of J, columns x columns
   Eigen::VectorXd projected;  ///< Q^T r, columns
   double cost = 0.0;          ///< chi-square, or sum of rho(|r_i|^2)
@@ -51,7 +51,7 @@ enum class Factorization {
   /// not. Products are where |S| |S^-1| <= 1e4 in Frobenius' norm, S being
   /// their
   /// R with columns of norm 1: they lose some 1e8 eps of a step's length then,
-  /// which the next step mends, and at that condition Cholesky's R tells it to
+  /// which the next step mends, and at that condition Cholesky's R gives it to
   /// as many digits. Behind a failure transformations, until their R shows that
   /// products do again.
   kAutomatic,
@@ -59,7 +59,7 @@ enum class Factorization {
   kGram,        ///< products [J r]^T [J r] and Cholesky: for comparisons
 };
 
-struct CompressorOptions {
+struct ReducerOptions {
   Factorization factorization = Factorization::kAutomatic;
   /// What is kept of sines, cosines, measured values and sigmas in the order of
   /// the kernel (bytes). Of what does not fit they are taken anew at every
@@ -71,36 +71,36 @@ struct CompressorOptions {
   Eigen::VectorXd priors = {};
 };
 
-/// Compresses one data set again and again, at changing parameter values.
+/// Reduces one data set again and again, at changing parameter values.
 /// Nothing is allocated after the first evaluation but threads, where there are
 /// several. Work is done by as many
 /// threads as the model has; parts and the order in which they are merged are
 /// fixed, so that bits do not depend on it.
-class Compressor {
+class Reducer {
  public:
   /// `losses`: of 1, 2 ... rows; empty for least squares. The model and the
   /// data outlive the object and do not change. Takes O(N) time for sines and
   /// cosines.
-  Compressor(const MeasurementModel& model, const Dataset& data,
-             const std::vector<int>& columns,
-             const std::vector<RobustLoss>& losses = {},
-             const CompressorOptions& options = {});
-  ~Compressor();
-  Compressor(const Compressor&) = delete;
-  Compressor& operator=(const Compressor&) = delete;
+  Reducer(const MeasurementModel& model, const Dataset& data,
+          const std::vector<int>& columns,
+          const std::vector<RobustLoss>& losses = {},
+          const ReducerOptions& options = {});
+  ~Reducer();
+  Reducer(const Reducer&) = delete;
+  Reducer& operator=(const Reducer&) = delete;
 
   /// [J r], the rows of each observation scaled by sqrt(rho'(|r|^2)) of the
   /// loss for the observation's dimension, so that R^T R = sum rho' J^T J and
   /// R^T projected = sum rho' J^T r, half the gradient of the cost. Losses have
   /// rho'' <= 0 (Triggs et al. 2000, "Bundle adjustment", section 4.3, where
   /// the second-order term is left out). O(N columns^2).
-  void Compress(const Eigen::VectorXd& values, CompressedProblem* problem);
+  void Reduce(const Eigen::VectorXd& values, ReducedLeastSquares* problem);
 
   /// The cost alone, O(N). Known without work where `values` are those of the
   /// last evaluation of either kind.
   const ResidualSummary& Summarize(const Eigen::VectorXd& values);
 
-  /// Whether the last call of Compress used products.
+  /// Whether the last call of Reduce used products.
   bool used_gram() const;
 
  private:
@@ -110,4 +110,4 @@ class Compressor {
 
 }  // namespace alidade::internal
 
-#endif  // ALIDADE_SRC_KERNEL_COMPRESSION_H_
+#endif  // ALIDADE_SRC_KERNEL_REDUCTION_H_

@@ -1,4 +1,4 @@
-// The compressed evaluation against the reference, one autodiff residual per
+// The reduced evaluation against the reference, one autodiff residual per
 // observation that Ceres solves: cost, gradient and Gauss-Newton matrix are the
 // same, so that both take the same steps but for rounding.
 
@@ -17,7 +17,7 @@
 #include "alidade/robust_loss.h"
 #include "src/common/random.h"
 #include "src/identifiability/analysis.h"
-#include "src/kernel/compression.h"
+#include "src/kernel/reduction.h"
 #include "src/solve/solve.h"
 #include "tests/solve/solvers_test_util.h"
 #include "tests/support/edit.h"
@@ -117,7 +117,7 @@ std::vector<int> AllColumns(const ParameterLayout& layout) {
   return columns;
 }
 
-// Columns that the data tell apart well, by pivoting: those that are at least
+// Columns that the data distinguish well, by pivoting: those that are at least
 // a thirtieth of the first away from the span of the ones before.
 std::vector<int> ToldColumns(const MixedCase& mixed) {
   const std::vector<int> all = AllColumns(mixed.model.layout());
@@ -194,36 +194,36 @@ void ExpectSameWay(const SolverSummary& a, const SolverSummary& b) {
   EXPECT_NEAR(b.iterations[1].step_norm / a.iterations[1].step_norm, 1.0, 1e-8);
 }
 
-// Solves both ways, expects the same, and returns the compressed outcome.
+// Solves both ways, expects the same, and returns the reduced outcome.
 Outcome ExpectSameSolution(const CalibrationProblem& problem,
                            const Eigen::VectorXd& start) {
   const Outcome reference = SolveBy(Evaluation::kAutodiff, problem, start);
-  const Outcome compressed = SolveBy(Evaluation::kCompressed, problem, start);
+  const Outcome reduced = SolveBy(Evaluation::kReduced, problem, start);
   EXPECT_EQ(reference.summary.evaluation, "autodiff");
-  EXPECT_EQ(compressed.summary.evaluation, "compressed");
+  EXPECT_EQ(reduced.summary.evaluation, "reduced");
   EXPECT_TRUE(reference.summary.IsSolutionUsable())
       << reference.summary.message;
-  ExpectSameWay(reference.summary, compressed.summary);
+  ExpectSameWay(reference.summary, reduced.summary);
   // Both stop where a step predicts some 1e-15 of the cost (within bounds,
   // where it changes by less than 1e-13 of it), whose root is 2e-6 (2e-5) of a
   // standard deviation in a cost of some thousands. Steps of a robust loss
   // shrink linearly, by a tenth only where many observations are given up, and
   // leave several times that.
-  EXPECT_LT(DeviationsBetween(problem, reference, compressed), 2e-4);
+  EXPECT_LT(DeviationsBetween(problem, reference, reduced), 2e-4);
   // Off a minimum by so much, the cost is off by the square, 4e-8 of some
   // thousands; rounding of the residuals, 1e-16 m over sigmas of 1e-5 m, is
   // less.
   const double cost = reference.summary.final_cost;
-  EXPECT_NEAR(compressed.summary.final_cost, cost, 1e-10 * cost);
+  EXPECT_NEAR(reduced.summary.final_cost, cost, 1e-10 * cost);
   EXPECT_LT(cost, reference.summary.initial_cost);
   EXPECT_TRUE(
-      testing::HoldsTheOthers(start, compressed.values, problem.free_columns));
-  return compressed;
+      testing::HoldsTheOthers(start, reduced.values, problem.free_columns));
+  return reduced;
 }
 
 using MixedParam = std::tuple<LossKind, Weighting>;
 
-class CompressedTest : public ::testing::TestWithParam<MixedParam> {
+class ReducedTest : public ::testing::TestWithParam<MixedParam> {
  protected:
   std::vector<RobustLoss> losses() const {
     return TunedLosses(std::get<0>(GetParam()));
@@ -238,7 +238,7 @@ std::string NameOfCase(const ::testing::TestParamInfo<MixedParam>& info) {
          weightings[static_cast<int>(std::get<1>(info.param))];
 }
 
-TEST_P(CompressedTest, SolvesForAWellToldSubsetOfMixedKinds) {
+TEST_P(ReducedTest, SolvesForAWellToldSubsetOfMixedKinds) {
   for (const int num_joints : {3, 6}) {
     SCOPED_TRACE(num_joints);
     const MixedCase mixed = MakeMixedCase(num_joints, weighting(), 10);
@@ -254,9 +254,9 @@ TEST_P(CompressedTest, SolvesForAWellToldSubsetOfMixedKinds) {
   }
 }
 
-// All parameters, many of which stand for each other; four of five have a
+// All parameters, many of which depend on each other; four of five have a
 // prior.
-TEST_P(CompressedTest, SolvesForAllParametersWithPriors) {
+TEST_P(ReducedTest, SolvesForAllParametersWithPriors) {
   const MixedCase mixed = MakeMixedCase(4, weighting(), 10);
   const ParameterLayout& layout = mixed.model.layout();
   CalibrationProblem problem = mixed.Problem(AllColumns(layout));
@@ -282,17 +282,17 @@ TEST_P(CompressedTest, SolvesForAllParametersWithPriors) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    LossesAndWeightings, CompressedTest,
+    LossesAndWeightings, ReducedTest,
     ::testing::Combine(::testing::ValuesIn(kAllLosses),
                        ::testing::Values(Weighting::kSigmas, Weighting::kMasked,
                                          Weighting::kFull)),
     NameOfCase);
 
-class CompressedLossTest : public ::testing::TestWithParam<LossKind> {};
+class ReducedLossTest : public ::testing::TestWithParam<LossKind> {};
 
 // Some bounds between the start and the solution without any: the solution is
 // at one of them at least.
-TEST_P(CompressedLossTest, SolvesWithinActiveBounds) {
+TEST_P(ReducedLossTest, SolvesWithinActiveBounds) {
   const MixedCase mixed = MakeMixedCase(3, Weighting::kSigmas, 5);
   const std::vector<int> columns = ToldColumns(mixed);
   CalibrationProblem problem = mixed.Problem(columns);
@@ -323,7 +323,7 @@ TEST_P(CompressedLossTest, SolvesWithinActiveBounds) {
 }
 
 // Joint parameters alone, for which autodiff has no blocks of frames.
-TEST_P(CompressedLossTest, SolvesForJointsByPositions) {
+TEST_P(ReducedLossTest, SolvesForJointsByPositions) {
   Calibration calibration = testing::NoisyFlangeCalibration(7, 120);
   for (int k = 0; k < 6; ++k) {
     testing::Edit(&calibration.data.positions()).at(k % 3, 20 * k) += 5e-4;
@@ -339,7 +339,7 @@ TEST_P(CompressedLossTest, SolvesForJointsByPositions) {
   EXPECT_EQ(outcome.summary.num_residuals, 360);
 }
 
-TEST_P(CompressedLossTest, BitsDoNotDependOnThreads) {
+TEST_P(ReducedLossTest, BitsDoNotDependOnThreads) {
   Outcome expected;
   for (const int num_threads : {1, 2, 8}) {
     SCOPED_TRACE(num_threads);
@@ -350,7 +350,7 @@ TEST_P(CompressedLossTest, BitsDoNotDependOnThreads) {
     problem.losses = TunedLosses(GetParam());
     // As many iterations as tell bits apart.
     const Outcome outcome =
-        SolveBy(Evaluation::kCompressed, problem, mixed.start, 5);
+        SolveBy(Evaluation::kReduced, problem, mixed.start, 5);
     ASSERT_TRUE(outcome.summary.IsSolutionUsable()) << outcome.summary.message;
     EXPECT_EQ(outcome.summary.threads_used, num_threads);
     if (num_threads == 1) expected = outcome;
@@ -366,12 +366,12 @@ TEST_P(CompressedLossTest, BitsDoNotDependOnThreads) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Losses, CompressedLossTest,
+INSTANTIATE_TEST_SUITE_P(Losses, ReducedLossTest,
                          ::testing::ValuesIn(kAllLosses));
 
 // All parameters and no prior: what the data do not tell is held by the trust
 // region alone, so that predictions are compared, not values.
-TEST(CompressedRankTest, PredictsTheSameWhereTheRankIsShort) {
+TEST(ReducedRankTest, PredictsTheSameWhereTheRankIsShort) {
   const MixedCase mixed = MakeMixedCase(3, Weighting::kSigmas, 10);
   const CalibrationProblem problem =
       mixed.Problem(AllColumns(mixed.model.layout()));
@@ -383,7 +383,7 @@ TEST(CompressedRankTest, PredictsTheSameWhereTheRankIsShort) {
 // the geometry leaves it. Both ways end at a chi-square that noise explains: at
 // most 40 measurements, and no less than what the parameters cannot take up by
 // far.
-TEST(CompressedRankTest, SolvesWhereColumnsAreRounding) {
+TEST(ReducedRankTest, SolvesWhereColumnsAreRounding) {
   constexpr double kSigma = 2e-5;
   for (const Arm& nominal : {testing::Rv2ajFlange(), testing::Rv2ajWrist()}) {
     Arm real = testing::WithRv2ajDeviations(nominal);
@@ -398,7 +398,7 @@ TEST(CompressedRankTest, SolvesWhereColumnsAreRounding) {
     SolverOptions options;
     options.max_iterations = 200;
     for (const Evaluation evaluation :
-         {Evaluation::kAutodiff, Evaluation::kCompressed}) {
+         {Evaluation::kAutodiff, Evaluation::kReduced}) {
       options.evaluation = evaluation;
       Eigen::VectorXd values = model.NominalValues();
       const SolverSummary summary =
@@ -411,16 +411,16 @@ TEST(CompressedRankTest, SolvesWhereColumnsAreRounding) {
   }
 }
 
-TEST(CompressedRankTest, ReachesTheFloorOfExactData) {
+TEST(ReducedRankTest, ReachesTheFloorOfExactData) {
   for (const int num_joints : {3, 5, 8}) {
     SCOPED_TRACE(num_joints);
     const Calibration calibration =
         testing::RandomCalibration(num_joints, 2, 5e-3);
     for (const Evaluation evaluation :
-         {Evaluation::kAutodiff, Evaluation::kCompressed}) {
+         {Evaluation::kAutodiff, Evaluation::kReduced}) {
       const Outcome outcome = SolveBy(evaluation, calibration.Problem(),
                                       calibration.model.NominalValues());
-      EXPECT_EQ(outcome.summary.status, SolverStatus::kRoundingFloor)
+      EXPECT_EQ(outcome.summary.status, SolverStatus::kPrecisionLimit)
           << outcome.summary.message;
       // Exact data: the minimum is the truth, up to the rounding of positions.
       const Eigen::VectorXd off = outcome.values - calibration.true_values;
@@ -429,14 +429,14 @@ TEST(CompressedRankTest, ReachesTheFloorOfExactData) {
   }
 }
 
-TEST(AutomaticEvaluationTest, IsCompressedWhateverTheNumberOfPoses) {
+TEST(AutomaticEvaluationTest, IsReducedWhateverTheNumberOfPoses) {
   for (const int num_poses : {10, 60, 400}) {
     const Calibration calibration =
         testing::NoisyFlangeCalibration(5, num_poses);
     const Outcome outcome =
         SolveBy(Evaluation::kAutomatic, calibration.Problem(),
                 calibration.model.NominalValues());
-    EXPECT_EQ(outcome.summary.evaluation, "compressed");
+    EXPECT_EQ(outcome.summary.evaluation, "reduced");
     Eigen::VectorXd values = calibration.model.NominalValues();
     EXPECT_EQ(SolvePseudoInverse(calibration.Problem(), {}, &values).evaluation,
               "");
@@ -452,7 +452,7 @@ TEST(AutomaticEvaluationTest, IsToTheBitWhatItPicks) {
         SolveBy(Evaluation::kAutomatic, calibration.Problem(), start);
     EXPECT_TRUE(testing::SameBits(
         automatic.values,
-        SolveBy(Evaluation::kCompressed, calibration.Problem(), start).values));
+        SolveBy(Evaluation::kReduced, calibration.Problem(), start).values));
   }
 }
 

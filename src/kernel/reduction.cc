@@ -1,4 +1,4 @@
-#include "src/kernel/compression.h"
+#include "src/kernel/reduction.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
@@ -76,12 +76,12 @@ Eigen::MatrixXd JacobianFactor(const MeasurementModel& model,
   return factor;
 }
 
-class Compressor::Implementation {
+class Reducer::Implementation {
  public:
   Implementation(const MeasurementModel& model, const Dataset& data,
                  const std::vector<int>& columns,
                  const std::vector<RobustLoss>& losses,
-                 const CompressorOptions& options)
+                 const ReducerOptions& options)
       : parted_(model, data, static_cast<int>(columns.size()) + 1,
                 options.cache_bytes),
         columns_(model.layout(), columns),
@@ -98,10 +98,10 @@ class Compressor::Implementation {
         prior_weights_.array().isFinite().select(prior_weights_, 0.0);
   }
 
-  void Compress(const Eigen::VectorXd& values, CompressedProblem* problem) {
+  void Reduce(const Eigen::VectorXd& values, ReducedLeastSquares* problem) {
     used_gram_ = may_use_gram_ && SampleIsGood(values, problem) &&
-                 CompressByProducts(values, problem);
-    if (!used_gram_) CompressByReflections(values, problem);
+                 ReduceByProducts(values, problem);
+    if (!used_gram_) ReduceByReflections(values, problem);
     Remember(values);
     problem->cost = summary_.cost;
     // Products that were kept have shown it already.
@@ -141,8 +141,8 @@ class Compressor::Implementation {
     return condition_(factor) <= kGramCondition;
   }
 
-  void CompressByReflections(const Eigen::VectorXd& values,
-                             CompressedProblem* problem) {
+  void ReduceByReflections(const Eigen::VectorXd& values,
+                           ReducedLeastSquares* problem) {
     parted_.ForEachTile(values, columns_, [this](Part* part, TileRows* rows) {
       part->AddCost(losses_, true, rows);
       part->AddRows(rows);
@@ -169,17 +169,18 @@ class Compressor::Implementation {
 
   // Before anything is known of the columns: whether a few tiles of many let
   // expect that products will do, lest a whole pass be made in vain.
-  bool SampleIsGood(const Eigen::VectorXd& values, CompressedProblem* problem) {
+  bool SampleIsGood(const Eigen::VectorXd& values,
+                    ReducedLeastSquares* problem) {
     const bool is_first = summarized_.size() == 0;
     return !is_first || !is_large_ || factorization_ == Factorization::kGram ||
-           CompressByProducts(values, problem, PartedData::Extent::kSample);
+           ReduceByProducts(values, problem, PartedData::Extent::kSample);
   }
 
   // False where the products have no Cholesky factor, or one that shows that
   // they are not good enough.
-  bool CompressByProducts(
-      const Eigen::VectorXd& values, CompressedProblem* problem,
-      PartedData::Extent extent = PartedData::Extent::kAll) {
+  bool ReduceByProducts(const Eigen::VectorXd& values,
+                        ReducedLeastSquares* problem,
+                        PartedData::Extent extent = PartedData::Extent::kAll) {
     const auto add = [this](Part* part, TileRows* rows) {
       part->AddCost(losses_, true, rows);
       part->AddProducts(rows);
@@ -230,24 +231,24 @@ class Compressor::Implementation {
   ResidualSummary summary_;
 };
 
-Compressor::Compressor(const MeasurementModel& model, const Dataset& data,
-                       const std::vector<int>& columns,
-                       const std::vector<RobustLoss>& losses,
-                       const CompressorOptions& options)
+Reducer::Reducer(const MeasurementModel& model, const Dataset& data,
+                 const std::vector<int>& columns,
+                 const std::vector<RobustLoss>& losses,
+                 const ReducerOptions& options)
     : implementation_(std::make_unique<Implementation>(model, data, columns,
                                                        losses, options)) {}
 
-Compressor::~Compressor() = default;
+Reducer::~Reducer() = default;
 
-void Compressor::Compress(const Eigen::VectorXd& values,
-                          CompressedProblem* problem) {
-  implementation_->Compress(values, problem);
+void Reducer::Reduce(const Eigen::VectorXd& values,
+                     ReducedLeastSquares* problem) {
+  implementation_->Reduce(values, problem);
 }
 
-const ResidualSummary& Compressor::Summarize(const Eigen::VectorXd& values) {
+const ResidualSummary& Reducer::Summarize(const Eigen::VectorXd& values) {
   return implementation_->Summarize(values);
 }
 
-bool Compressor::used_gram() const { return implementation_->used_gram(); }
+bool Reducer::used_gram() const { return implementation_->used_gram(); }
 
 }  // namespace alidade::internal

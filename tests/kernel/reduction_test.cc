@@ -1,4 +1,4 @@
-#include "src/kernel/compression.h"
+#include "src/kernel/reduction.h"
 
 #include <gtest/gtest.h>
 
@@ -135,22 +135,22 @@ void ExpectFactorOf(const MatrixXl& exact, const Eigen::MatrixXd& factor) {
   }
 }
 
-class CompressTest : public ::testing::TestWithParam<LossKind> {};
+class ReduceTest : public ::testing::TestWithParam<LossKind> {};
 
-CompressedProblem Compress(const MeasurementModel& model,
+ReducedLeastSquares Reduce(const MeasurementModel& model,
                            const Eigen::VectorXd& values, const Dataset& data,
                            const std::vector<int>& columns,
                            const std::vector<RobustLoss>& losses) {
-  CompressorOptions options;
+  ReducerOptions options;
   options.factorization = Factorization::kOrthogonal;
   options.cache_bytes = 0;
-  Compressor compressor(model, data, columns, losses, options);
-  CompressedProblem problem;
-  compressor.Compress(values, &problem);
+  Reducer reducer(model, data, columns, losses, options);
+  ReducedLeastSquares problem;
+  reducer.Reduce(values, &problem);
   return problem;
 }
 
-TEST_P(CompressTest, KeepsGaussNewtonMatrixGradientAndCost) {
+TEST_P(ReduceTest, KeepsGaussNewtonMatrixGradientAndCost) {
   const std::vector<RobustLoss> losses = LossesOf(GetParam());
   for (const int repeats : {1, 180}) {
     const MeasuredArm measured = ManyMeasurements(repeats, 1);
@@ -161,7 +161,7 @@ TEST_P(CompressTest, KeepsGaussNewtonMatrixGradientAndCost) {
     } else {
       EXPECT_GT(exact.num_downweighted, 3 * repeats);
     }
-    const CompressedProblem problem = Compress(
+    const ReducedLeastSquares problem = Reduce(
         ModelOf(measured, 2), measured.values, measured.data, columns, losses);
     ExpectFactorOf(exact.matrix, problem.factor);
     const Eigen::VectorXd error =
@@ -181,40 +181,40 @@ TEST_P(CompressTest, KeepsGaussNewtonMatrixGradientAndCost) {
   }
 }
 
-TEST_P(CompressTest, BitsDoNotDependOnThreads) {
+TEST_P(ReduceTest, BitsDoNotDependOnThreads) {
   const std::vector<RobustLoss> losses = LossesOf(GetParam());
   const MeasuredArm measured = ManyMeasurements(180, 2);
   const std::vector<int> columns = AllColumns(measured);
-  const auto compress = [&](int num_threads) {
-    return Compress(ModelOf(measured, num_threads), measured.values,
-                    measured.data, columns, losses);
+  const auto reduce = [&](int num_threads) {
+    return Reduce(ModelOf(measured, num_threads), measured.values,
+                  measured.data, columns, losses);
   };
-  const CompressedProblem expected = compress(1);
+  const ReducedLeastSquares expected = reduce(1);
   // Twice, as threads may happen to run one after the other.
   for (const int num_threads : {2, 8}) {
-    const CompressedProblem actual = compress(num_threads);
+    const ReducedLeastSquares actual = reduce(num_threads);
     EXPECT_EQ(actual.factor, expected.factor) << num_threads;
     EXPECT_EQ(actual.projected, expected.projected) << num_threads;
     EXPECT_EQ(actual.cost, expected.cost) << num_threads;
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Losses, CompressTest,
+INSTANTIATE_TEST_SUITE_P(Losses, ReduceTest,
                          ::testing::Values(LossKind::kNone, LossKind::kHuber,
                                            LossKind::kCauchy,
                                            LossKind::kTukey));
 
 // The cost has the gradient that the problem claims: 2 R^T projected, by
 // differences of the cost alone.
-TEST(CompressGradientTest, IsThatOfTheRobustCost) {
+TEST(ReduceGradientTest, IsThatOfTheRobustCost) {
   const std::vector<RobustLoss> losses = LossesOf(LossKind::kCauchy);
   const MeasuredArm measured = ManyMeasurements(2, 3);
   const std::vector<int> columns = AllColumns(measured);
   const MeasurementModel model = ModelOf(measured, 1);
-  const auto compress = [&](const Eigen::VectorXd& values) {
-    return Compress(model, values, measured.data, columns, losses);
+  const auto reduce = [&](const Eigen::VectorXd& values) {
+    return Reduce(model, values, measured.data, columns, losses);
   };
-  const CompressedProblem problem = compress(measured.values);
+  const ReducedLeastSquares problem = reduce(measured.values);
   const Eigen::VectorXd gradient =
       2.0 * problem.factor.transpose() * problem.projected;
   for (const int column : columns) {
@@ -223,7 +223,7 @@ TEST(CompressGradientTest, IsThatOfTheRobustCost) {
       Eigen::VectorXd below = measured.values;
       above[column] += step;
       below[column] -= step;
-      return (compress(above).cost - compress(below).cost) /
+      return (reduce(above).cost - reduce(below).cost) /
              (above[column] - below[column]);
     };
     const double h = 1e-7;
@@ -239,7 +239,7 @@ TEST(CompressGradientTest, IsThatOfTheRobustCost) {
 
 // Against the template's errors: the cost with each loss, and the largest and
 // the mean length.
-TEST(CompressorTest, SummarizesAllKinds) {
+TEST(ReducerTest, SummarizesAllKinds) {
   const MeasuredArm measured = ManyMeasurements(30, 7);
   const MeasurementModel model = ModelOf(measured, 2);
   const SharedVector errors = model.Errors(measured.values, measured.data);
@@ -248,30 +248,30 @@ TEST(CompressorTest, SummarizesAllKinds) {
   for (const LossKind kind : {LossKind::kNone, LossKind::kHuber,
                               LossKind::kCauchy, LossKind::kTukey}) {
     const std::vector<RobustLoss> losses = LossesOf(kind);
-    Compressor compressor(model, measured.data, AllColumns(measured), losses);
-    const ResidualSummary summary = compressor.Summarize(measured.values);
+    Reducer reducer(model, measured.data, AllColumns(measured), losses);
+    const ResidualSummary summary = reducer.Summarize(measured.values);
     const double cost = RobustChiSquare(errors, measured.data, losses);
     EXPECT_NEAR(summary.cost, cost, 1e-12 * cost);
     EXPECT_NEAR(summary.max_error, lengths.map().maxCoeff(), 1e-14);
     EXPECT_NEAR(summary.rms_error, rms, 1e-14);
     // The same of an evaluation with derivatives, and kept from it.
-    CompressedProblem problem;
-    compressor.Compress(measured.values, &problem);
+    ReducedLeastSquares problem;
+    reducer.Reduce(measured.values, &problem);
     EXPECT_NEAR(problem.cost, cost, 1e-12 * cost);
-    EXPECT_EQ(compressor.Summarize(measured.values).cost, problem.cost);
+    EXPECT_EQ(reducer.Summarize(measured.values).cost, problem.cost);
     Eigen::VectorXd moved = measured.values;
     moved[0] += 1e-3;
-    EXPECT_NE(compressor.Summarize(moved).cost, problem.cost);
+    EXPECT_NE(reducer.Summarize(moved).cost, problem.cost);
   }
 }
 
 // Four of five parameters have a prior: a row of its own below the data.
-TEST(CompressorTest, TakesPriorsAsObservations) {
+TEST(ReducerTest, TakesPriorsAsObservations) {
   const MeasuredArm measured = ManyMeasurements(2, 9);
   const MeasurementModel model = ModelOf(measured, 1);
   const std::vector<int> columns = AllColumns(measured);
   Normal exact = ExactNormal(measured, columns, {});
-  CompressorOptions options;
+  ReducerOptions options;
   options.priors = Eigen::VectorXd::Constant(measured.values.size(), 1e-3);
   for (std::size_t k = 0; k < columns.size(); ++k) {
     const int c = columns[k];
@@ -291,13 +291,13 @@ TEST(CompressorTest, TakesPriorsAsObservations) {
   for (const Factorization factorization :
        {Factorization::kOrthogonal, Factorization::kGram}) {
     options.factorization = factorization;
-    Compressor compressor(model, measured.data, columns, {}, options);
-    CompressedProblem problem;
-    compressor.Compress(measured.values, &problem);
+    Reducer reducer(model, measured.data, columns, {}, options);
+    ReducedLeastSquares problem;
+    reducer.Reduce(measured.values, &problem);
     ExpectFactorOf(exact.matrix, problem.factor);
     const auto cost = static_cast<double>(exact.cost);
     EXPECT_NEAR(problem.cost, cost, 1e-13 * cost);
-    EXPECT_EQ(compressor.Summarize(measured.values).cost, problem.cost);
+    EXPECT_EQ(reducer.Summarize(measured.values).cost, problem.cost);
     const Eigen::VectorXd error =
         (problem.factor.cast<long double>().transpose() *
              problem.projected.cast<long double>() -
@@ -311,12 +311,12 @@ TEST(CompressorTest, TakesPriorsAsObservations) {
 }
 
 // What was not measured says nothing, whatever the data hold there.
-TEST(CompressorTest, PassesOverNanThatWasNotMeasured) {
+TEST(ReducerTest, PassesOverNanThatWasNotMeasured) {
   MeasuredArm measured = ManyMeasurements(2, 8);
   const MeasurementModel model = ModelOf(measured, 1);
   const std::vector<int> columns = AllColumns(measured);
-  const CompressedProblem expected =
-      Compress(model, measured.values, measured.data, columns, {});
+  const ReducedLeastSquares expected =
+      Reduce(model, measured.values, measured.data, columns, {});
   int num_nan = 0;
   for (ObservationBlock& block : measured.data.blocks) {
     for (Eigen::Index i = 0; i < block.size(); ++i) {
@@ -330,8 +330,8 @@ TEST(CompressorTest, PassesOverNanThatWasNotMeasured) {
     }
   }
   ASSERT_GE(num_nan, 3);
-  const CompressedProblem actual =
-      Compress(model, measured.values, measured.data, columns, {});
+  const ReducedLeastSquares actual =
+      Reduce(model, measured.values, measured.data, columns, {});
   EXPECT_EQ(actual.factor, expected.factor);
   EXPECT_EQ(actual.projected, expected.projected);
   EXPECT_EQ(actual.cost, expected.cost);
@@ -391,12 +391,12 @@ TEST(JacobianFactorTest, OfSomeColumnsIsThatOfTheirSelection) {
   ExpectFactorOf(ExactNormal(measured, columns, {}).matrix, factor);
 }
 
-TEST(CompressEmptyTest, AnEmptyDataSetIsAProblemOfZeros) {
+TEST(ReduceEmptyTest, AnEmptyDataSetIsAProblemOfZeros) {
   MeasuredArm measured = ManyMeasurements(1, 6);
   measured.data.blocks = {testing::MakeBlock(MeasurementKind::kPose, 0)};
-  const CompressedProblem problem =
-      Compress(ModelOf(measured, 2), measured.values, measured.data, {0, 3},
-               LossesOf(LossKind::kHuber));
+  const ReducedLeastSquares problem =
+      Reduce(ModelOf(measured, 2), measured.values, measured.data, {0, 3},
+             LossesOf(LossKind::kHuber));
   EXPECT_EQ(problem.factor, Eigen::MatrixXd::Zero(2, 2));
   EXPECT_EQ(problem.projected, Eigen::VectorXd::Zero(2));
   EXPECT_EQ(problem.cost, 0.0);

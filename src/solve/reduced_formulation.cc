@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "src/kernel/compression.h"
+#include "src/kernel/reduction.h"
 #include "src/solve/formulation.h"
 #include "src/solve/progress.h"
 
@@ -29,11 +29,11 @@ class ReducedResidual : public ceres::CostFunction {
  public:
   // `start`: the reduced problem at `values`.
   ReducedResidual(const CalibrationProblem& problem,
-                  const Eigen::VectorXd& values, CompressedProblem start,
+                  const Eigen::VectorXd& values, ReducedLeastSquares start,
                   Progress* progress)
       : problem_(problem),
         progress_(*progress),
-        compressor_(*progress->compressor()),
+        reducer_(*progress->reducer()),
         values_(values),
         current_(std::move(start)),
         current_at_(values),
@@ -80,7 +80,7 @@ class ReducedResidual : public ceres::CostFunction {
  private:
   // Of a trial step only the cost is asked for. Most steps succeed, and then
   // all else is asked for at the same values: it is made at once. Behind a step
-  // that was taken back, and of one that ends the solve whatever it does, the
+  // that was rejected, and of one that ends the solve whatever it does, the
   // cost alone is, which is cheaper.
   void TryStep() const {
     const Eigen::VectorXd step = (values_ - current_at_)(problem_.free_columns);
@@ -91,7 +91,7 @@ class ReducedResidual : public ceres::CostFunction {
                progress_.WouldStop(predicted_decrease_);
     if (expects_success_ && !is_last_) MakeNext();
     expects_success_ = false;
-    cost_ = compressor_.Summarize(values_).cost;
+    cost_ = reducer_.Summarize(values_).cost;
   }
 
   // The reduced problem at the values, but not where the last step led to:
@@ -108,34 +108,34 @@ class ReducedResidual : public ceres::CostFunction {
   }
 
   void MakeNext() const {
-    compressor_.Compress(values_, &next_);
+    reducer_.Reduce(values_, &next_);
     next_at_ = values_;
   }
 
   const CalibrationProblem& problem_;
   Progress& progress_;
-  Compressor& compressor_;
+  Reducer& reducer_;
   mutable Eigen::VectorXd values_;
-  mutable CompressedProblem current_;
+  mutable ReducedLeastSquares current_;
   mutable Eigen::VectorXd current_at_;
-  mutable CompressedProblem next_;
+  mutable ReducedLeastSquares next_;
   mutable Eigen::VectorXd next_at_;
   mutable double cost_ = 0.0;
   mutable double predicted_decrease_ = 0.0;
   mutable bool is_last_ = false;
-  // False behind a trial whose Jacobian was never asked for.
+  // False after a trial whose Jacobian was never asked for.
   mutable bool expects_success_ = true;
 };
 
 class ReducedFormulation : public Formulation {
  public:
   ReducedFormulation(const CalibrationProblem& problem,
-                     const Eigen::VectorXd& values, CompressedProblem start,
+                     const Eigen::VectorXd& values, ReducedLeastSquares start,
                      Progress* progress)
       : problem_(problem),
         values_(values),
         free_(values(problem.free_columns)),
-        used_gram_(progress->compressor()->used_gram()),
+        used_gram_(progress->reducer()->used_gram()),
         residual_(
             new ReducedResidual(problem, values, std::move(start), progress)) {
     ceres_problem_.AddResidualBlock(residual_, nullptr, free_.data());
@@ -155,7 +155,7 @@ class ReducedFormulation : public Formulation {
     Expand(problem_, free_.data(), &all);
     return all;
   }
-  // Normal equations tell a step to as many digits as products tell R.
+  // Normal equations give a step to as many digits as products give R.
   ceres::LinearSolverType linear_solver() const override {
     return used_gram_ ? ceres::DENSE_NORMAL_CHOLESKY : ceres::DENSE_QR;
   }
@@ -176,7 +176,7 @@ class ReducedFormulation : public Formulation {
 
 std::unique_ptr<Formulation> MakeReducedFormulation(
     const CalibrationProblem& problem, const Eigen::VectorXd& values,
-    CompressedProblem start, Progress* progress) {
+    ReducedLeastSquares start, Progress* progress) {
   return std::make_unique<ReducedFormulation>(problem, values, std::move(start),
                                               progress);
 }
