@@ -40,8 +40,28 @@ MISSING = Path("missing")  # prints well, and equals no value
 REMOVED = re.compile(r"(?!)")
 # Keys, columns and files that it calls otherwise, and words. How a solver noticed
 # that it was done is a matter of its steps.
-RENAMED: dict[str, str] = {}
-WORDS = {"rounding_floor": "converged"}
+RENAMED = {
+    "heldout.csv": "validation.csv",
+    "stands_for": "identified_combination",
+    "length_freedom": "length_degrees_of_freedom",
+    "rotation_freedom": "rotation_degrees_of_freedom",
+} | {
+    key: key.replace("heldout", "validation")
+    for key in (
+        "heldout heldout_rotation heldout_rms_before heldout_rms_after"
+        " heldout_max_before heldout_max_after"
+    ).split()
+}
+WORDS = {
+    "rounding_floor": "converged",
+    "precision_limit": "converged",
+    "frozen": "fixed",
+    "heldout_rms": "validation_rms",
+    "heldout_max": "validation_max",
+    "alidade-result-1": "alidade-result-2",
+    "alidade-plan-result-1": "alidade-plan-result-2",
+    "alidade-batch-1": "alidade-batch-2",
+}
 
 IDENTITIES = "name parameter first second observation quantity path frozen".split()
 UNITS = {"_mm": 1e-3, "_deg": math.pi / 180}

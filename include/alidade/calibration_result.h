@@ -293,6 +293,9 @@ struct CalibrationResult {
   bool IsUsable() const;
   /// By name ("d3"). @pre the layout has it, and the result is usable.
   const ParameterResult& Parameter(const std::string& name) const;
+  /// Its confidence interval (CalibrationOptions::uncertainty); NaN where the
+  /// parameter is not estimated or uncertainties were not asked for.
+  ConfidenceInterval Interval(const std::string& name) const;
   /// One line: status, and the accuracy before and after.
   std::string BriefReport() const;
   /// Status, accuracy, the estimated parameters with their standard deviations,

@@ -68,11 +68,11 @@ void RotatePlane(const T& sine, const T& cosine, T* a, T* b) {
 }
 
 /// Carries a point of frame j (index `j` from 0) to frame j - 1, and with it
-/// the `num_axes` directions at `axes`.
+/// the columns of `axes`, directions, where that is not null.
 template <typename T>
 void CarryThroughJoint(const Arm& arm, const GeometryView<T>& geometry, int j,
-                       double q, Vector3<T>* point, int num_axes = 0,
-                       Vector3<T>* axes = nullptr) {
+                       double q, Vector3<T>* point,
+                       Eigen::Matrix<T, 3, 3>* axes = nullptr) {
   using std::cos;
   using std::sin;
   T theta = geometry.theta[j];
@@ -94,11 +94,12 @@ void CarryThroughJoint(const Arm& arm, const GeometryView<T>& geometry, int j,
   x += geometry.d[j];
   RotatePlane<T>(sin_alpha, cos_alpha, &y, &z);
   RotatePlane<T>(sin_beta, cos_beta, &z, &x);
-  for (int k = 0; k < num_axes; ++k) {
-    Vector3<T>& axis = axes[k];
-    RotatePlane<T>(sin_theta, cos_theta, &axis.x(), &axis.y());
-    RotatePlane<T>(sin_alpha, cos_alpha, &axis.y(), &axis.z());
-    RotatePlane<T>(sin_beta, cos_beta, &axis.z(), &axis.x());
+  if (axes == nullptr) return;
+  for (int k = 0; k < 3; ++k) {
+    T* const axis = axes->col(k).data();
+    RotatePlane<T>(sin_theta, cos_theta, axis, axis + 1);
+    RotatePlane<T>(sin_alpha, cos_alpha, axis + 1, axis + 2);
+    RotatePlane<T>(sin_beta, cos_beta, axis + 2, axis);
   }
 }
 
@@ -138,11 +139,9 @@ Vector3<T> TargetPose(const Arm& arm, const GeometryView<T>& geometry,
     const Vector3<T> turn = Eigen::Map<const Vector3<T>>(geometry.tool + 3);
     rotation = RotationFromVector<T>(turn) * rotation;
   }
-  Vector3<T> axes[3] = {rotation.col(0), rotation.col(1), rotation.col(2)};
   for (int j = arm.num_joints() - 1; j >= 0; --j) {
-    CarryThroughJoint(arm, geometry, j, joint_values[j], &point, 3, axes);
+    CarryThroughJoint(arm, geometry, j, joint_values[j], &point, &rotation);
   }
-  for (int k = 0; k < 3; ++k) rotation.col(k) = axes[k];
   Eigen::Matrix<T, 3, 3> base =
       arm.instrument_from_base.linear().template cast<T>();
   Vector3<T> origin = arm.instrument_from_base.translation().template cast<T>();

@@ -110,7 +110,7 @@ struct ParameterDecision {
   /// What a free parameter identifies once others are fixed
   /// ("r2 + r3 + r4"), or empty.
   std::string identified_combination;
-  /// Known beforehand, of its whole combination; NaN where no prior
+  /// Known a priori, of its whole combination; NaN where no prior
   /// applies.
   double prior_std = std::numeric_limits<double>::quiet_NaN();
   /// Predicted from these poses and their sigmas, priors included where the

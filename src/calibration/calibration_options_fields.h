@@ -46,17 +46,21 @@ void VisitFields(Visitor& v, Subject<Visitor, AcceptanceLimits>& limits) {
       "likewise of the orientation error, where orientations are measured";
   v.Field(LengthKey("train_rms").Above(0), limits.train_rms, train);
   v.Field(LengthKey("train_max").Above(0), limits.train_max, train);
-  v.Field(LengthKey("validation_rms").Above(0), limits.validation_rms,
-          validation);
-  v.Field(LengthKey("validation_max").Above(0), limits.validation_max,
-          validation);
+  v.Field(LengthKey("validation_rms").Formerly("heldout_rms").Above(0),
+          limits.validation_rms, validation);
+  v.Field(LengthKey("validation_max").Formerly("heldout_max").Above(0),
+          limits.validation_max, validation);
   v.Field(AngleKey("train_rotation_rms").Above(0), limits.train_rotation_rms,
           rotation);
   v.Field(AngleKey("train_rotation_max").Above(0), limits.train_rotation_max,
           rotation);
-  v.Field(AngleKey("validation_rotation_rms").Above(0),
+  v.Field(AngleKey("validation_rotation_rms")
+              .Formerly("heldout_rotation_rms")
+              .Above(0),
           limits.validation_rotation_rms, rotation);
-  v.Field(AngleKey("validation_rotation_max").Above(0),
+  v.Field(AngleKey("validation_rotation_max")
+              .Formerly("heldout_rotation_max")
+              .Above(0),
           limits.validation_rotation_max, rotation);
 }
 

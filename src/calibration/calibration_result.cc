@@ -57,6 +57,15 @@ const ParameterResult& CalibrationResult::Parameter(
   return *found;
 }
 
+ConfidenceInterval CalibrationResult::Interval(const std::string& name) const {
+  if (!uncertainty) return {};
+  const auto& all = uncertainty->parameters;
+  const auto found = std::find_if(
+      all.begin(), all.end(),
+      [&name](const ParameterUncertainty& one) { return one.name == name; });
+  return found == all.end() ? ConfidenceInterval() : found->interval;
+}
+
 std::string CalibrationResult::BriefReport() const {
   std::string text = arm_name + ": " + ToString(status);
   if (!message.empty()) text += ": " + message;

@@ -38,7 +38,7 @@ Fit FitPart(const CalibrationTask& task, const MeasurementModel& model,
 /// fit where the arm may be far from its nominal geometry.
 IdentifiabilityOptions WidenPriors(IdentifiabilityOptions options);
 
-/// What a typical residual is in sigmas: the median of the norms over that of
+/// The typical standardised residual: the median of the norms over that of
 /// their distribution, for observations of any dimension. 0 for no data.
 double TypicalResidual(const MeasurementModel& model, const Dataset& data,
                        const Eigen::VectorXd& values);

@@ -16,7 +16,7 @@ bool IsWorse(const CalibrationSolution& fit, const EvaluatedSet& set) {
          set.after.mean > set.before.mean && set.change_t > kBeyondChance;
 }
 
-// Residuals in sigmas; of a robust fit those of a typical observation.
+// Standardised residuals; of a robust fit those of a typical observation.
 double ResidualRatio(const CalibrationSolution& fit,
                      const CalibrationResult& result) {
   return fit.task.options.loss == LossKind::kNone

@@ -60,6 +60,10 @@ struct Key {
   }
   /// The unit, where neither that of lengths nor that of angles.
   Key In(const char* words) const { return Set(&Key::unit_words, words); }
+  /// What files called it before, and may still.
+  Key Formerly(const char* other) const {
+    return Set(&Key::former_name, other);
+  }
   /// What its words name, in messages: "solver"; else the key itself.
   Key Named(const char* kind) const { return Set(&Key::what, kind); }
   /// The names that a list of texts may hold, each once.
@@ -83,6 +87,7 @@ struct Key {
 
   const char* name;
   const char* what;
+  const char* former_name = nullptr;
   std::optional<Dimension> dimension = {};
   double lower = -std::numeric_limits<double>::infinity();  ///< (SI)
   double upper = std::numeric_limits<double>::infinity();

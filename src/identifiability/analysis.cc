@@ -195,17 +195,17 @@ class RankMethod {
   // others.
   void DecideImpractical(const GenericAnalysis& generic,
                          const DataAnalysis& data) {
-    std::vector<int> told;
+    std::vector<int> kept;
     for (const int c : generic.kept) {
-      if (decision(c).rule.empty()) told.push_back(c);
+      if (decision(c).rule.empty()) kept.push_back(c);
     }
-    while (!told.empty()) {
-      const Eigen::VectorXd deviations = data.Deviations(told);
+    while (!kept.empty()) {
+      const Eigen::VectorXd deviations = data.Deviations(kept);
       int worst = -1;
       double worst_ratio = 1.0;
-      for (std::size_t k = 0; k < told.size(); ++k) {
+      for (std::size_t k = 0; k < kept.size(); ++k) {
         const double known =
-            options_.priors.Of(layout_.parameter(told[k]).kind);
+            options_.priors.Of(layout_.parameter(kept[k]).kind);
         const double ratio = deviations[static_cast<Eigen::Index>(k)] / known;
         if (ratio > worst_ratio) {
           worst = static_cast<int>(k);
@@ -213,8 +213,8 @@ class RankMethod {
         }
       }
       if (worst < 0) return;
-      MarkImpractical(told[worst], deviations[worst]);
-      told.erase(told.begin() + worst);
+      MarkImpractical(kept[worst], deviations[worst]);
+      kept.erase(kept.begin() + worst);
     }
   }
 

@@ -33,7 +33,7 @@ bool IsResult(const std::string& path);
 /// @throws InputError.
 std::optional<CalibratedArm> LoadCalibratedArm(const std::string& path);
 
-/// Its predictions against data that the fit has not seen. `data`'s sigmas are
+/// Its predictions against validation data. `data`'s sigmas are
 /// those of the measurement.
 PredictionCheck CheckAgainst(const CalibratedArm& calibrated,
                              const Dataset& data, int num_threads);

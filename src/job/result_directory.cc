@@ -27,16 +27,27 @@ constexpr char kPage[] = "report.html";
 std::set<std::string> NamesOf(OutputKind kind) {
   switch (kind) {
     case OutputKind::kCalibration:
-      return {"arm.yaml",          "report.txt",
-              "residuals.csv",     "validation.csv",
-              "iterations.csv",    "error_before.svg",
-              "error_after.svg",   "convergence.svg",
-              "influence.csv",     "validation_before.svg",
-              "relations.svg",     "validation_after.svg",
-              "predicted_map.csv", "singular_values.svg",
-              "predicted_map.svg", "residual_histogram.svg",
-              "report.html",       "validation_z_scores.svg",
-              "result.json"};
+      return {"arm.yaml",
+              "report.txt",
+              "residuals.csv",
+              "validation.csv",
+              "iterations.csv",
+              "error_before.svg",
+              "error_after.svg",
+              "convergence.svg",
+              "influence.csv",
+              "validation_before.svg",
+              "relations.svg",
+              "validation_after.svg",
+              "predicted_map.csv",
+              "singular_values.svg",
+              "predicted_map.svg",
+              "residual_histogram.svg",
+              "report.html",
+              "validation_z_scores.svg",
+              "result.json",
+              "heldout.csv",
+              "heldout_z_scores.svg"};
     case OutputKind::kComparison:
       return {
           "residuals.csv",         "validation.csv",       "iterations.csv",

@@ -257,9 +257,12 @@ void ReadResultTables(const std::string& directory, CalibrationResult* result) {
     ReadObservations(table, &result->train);
   });
   if (result->validation) {
-    read("validation.csv", [&](const ResultTable& table) {
-      ReadObservations(table, &*result->validation);
-    });
+    // The second is the name that results of format 1 have.
+    for (const char* name : {"validation.csv", "heldout.csv"}) {
+      read(name, [&](const ResultTable& table) {
+        ReadObservations(table, &*result->validation);
+      });
+    }
   }
   if (result->uncertainty && result->uncertainty->workspace) {
     read("predicted_map.csv", [&](const ResultTable& table) {

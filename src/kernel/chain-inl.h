@@ -16,7 +16,8 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::internal::kernel::HWY_NAMESPACE {
-namespace {
+// Each source has its own of each instruction set.
+namespace {  // NOLINT(google-build-namespaces)
 
 // ---------------------------------------------------------------- vectors
 

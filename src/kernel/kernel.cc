@@ -102,10 +102,10 @@ HWY_INLINE void WriteOrientation(const Job& job, const Frame& last, int t,
   const V3 y = Combine(last, tool.col(1));
   const V3 z = Combine(last, tool.col(2));
   Turns turns;
-  const double* const measured = job.tile.measured + 3 * kTile + t;
+  const double* const measured = job.tile.measured + kTurnRows + t;
   for (int k = 0; k < 3; ++k) {
     // Column k of [x y z] R_m^T.
-    const V3 row = Load3(measured + std::ptrdiff_t{3} * k * kTile, kTile);
+    const V3 row = Load3(measured + k * kTurnRows, kTile);
     const V3 column = AddScaled(row.z, z, AddScaled(row.y, y, Scale(row.x, x)));
     hn::Store(column.x, kTag, turns.matrix[k]);
     hn::Store(column.y, kTag, turns.matrix[3 + k]);
@@ -115,12 +115,12 @@ HWY_INLINE void WriteOrientation(const Job& job, const Frame& last, int t,
   for (int k = 0; k < 3; ++k) {
     writer->log_by_turn[k] = Load3(turns.derivative[3 * k], kMostLanes);
   }
-  writer->turn_weights = Load3(job.tile.inverse_sigmas + 3 * kTile + t, kTile);
+  writer->turn_weights = Load3(job.tile.inverse_sigmas + kTurnRows + t, kTile);
   const V3 log = Load3(turns.log[0], kMostLanes);
   Store3({hn::Mul(writer->turn_weights.x, log.x),
           hn::Mul(writer->turn_weights.y, log.y),
           hn::Mul(writer->turn_weights.z, log.z)},
-         writer->At(job.columns.num_derivatives()) + 3 * kTile, kTile);
+         writer->At(job.columns.num_derivatives()) + kTurnRows, kTile);
 }
 
 // Residual and columns of a distance between two reference points.

@@ -17,7 +17,11 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::internal::kernel::HWY_NAMESPACE {
-namespace {
+// Each source has its own of each instruction set.
+namespace {  // NOLINT(google-build-namespaces)
+
+// Where the rows of an orientation begin, after those of its position.
+constexpr std::ptrdiff_t kTurnRows = std::ptrdiff_t{3} * kTile;
 
 // Writes the rows of one vector of observations.
 template <MeasurementKind kKind>
@@ -54,7 +58,7 @@ struct Writer {
     }
     if constexpr (kHasTurn) {
       const V zero = hn::Zero(kTag);
-      Store3({zero, zero, zero}, to + 3 * kTile, kTile);
+      Store3({zero, zero, zero}, to + kTurnRows, kTile);
     }
   }
 
@@ -66,7 +70,7 @@ struct Writer {
                       Dot(log_by_turn[2], axis)};
       Store3({hn::Mul(turn_weights.x, log.x), hn::Mul(turn_weights.y, log.y),
               hn::Mul(turn_weights.z, log.z)},
-             At(column) + 3 * kTile, kTile);
+             At(column) + kTurnRows, kTile);
     }
   }
 

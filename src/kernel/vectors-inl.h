@@ -14,7 +14,8 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::internal::kernel::HWY_NAMESPACE {
-namespace {
+// Each source has its own of each instruction set.
+namespace {  // NOLINT(google-build-namespaces)
 
 namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::CappedTag<double, kMostLanes>;

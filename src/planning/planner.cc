@@ -154,12 +154,12 @@ class Planner {
                   "lower the minimum motion or add candidates");
     }
     if (design_.status == DesignStatus::kRankShort) {
-      const std::size_t told =
+      const std::size_t rank =
           static_cast<std::size_t>(problem_.identifiability.nominal_rank.rank);
-      if (told < problem_.columns.size()) {
+      if (rank < problem_.columns.size()) {
         return Fail("all " + std::to_string(result_.num_candidates) +
                     " candidates together determine only " +
-                    std::to_string(told) + " of " +
+                    std::to_string(rank) + " of " +
                     std::to_string(problem_.columns.size()) +
                     " parameters, so that no number of poses is enough: "
                     "fix parameters, use `policy: freeze` or `policy: prior`, "

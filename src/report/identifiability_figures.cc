@@ -67,15 +67,13 @@ std::string FormatCoefficient(const std::string& parameter,
 }
 
 // The relations as a matrix: a row for each parameter that is left out, a
-// column for each that stands for one.
+// column for each parameter that it depends on.
 MatrixChart RelationChart(const std::vector<Relation>& relations) {
   // Light tints that dark text reads on; the words beside them say the same.
   constexpr double kTint = 0.25;
   MatrixChart chart;
   chart.title = "Parameters that are linearly dependent on others";
-  chart.subtitle =
-      "a row is linearly dependent on the sum of its columns, times the "
-      "numbers";
+  chart.subtitle = "a row equals the sum of its columns, times the numbers";
   for (const Relation& relation : relations) {
     for (const auto& [name, coefficient] : relation.terms) {
       if (std::find(chart.columns.begin(), chart.columns.end(), name) ==

@@ -36,7 +36,7 @@ bool ReadTheSame(const ParameterDecision& a, const ParameterDecision& b) {
 
 std::string FormatDeviation(const ParameterDecision& decision) {
   if (std::isnan(decision.predicted_std)) return "";
-  if (std::isinf(decision.predicted_std)) return "null_space";
+  if (std::isinf(decision.predicted_std)) return "unidentifiable";
   const bool angle = IsAngleName(decision.name);
   return FormatSignificant(
              decision.predicted_std / (angle ? kMilliradian : kMillimetre), 2) +
@@ -89,7 +89,7 @@ std::string DecisionTable(const IdentifiabilityResult& result) {
 }
 
 std::string FormatGap(const RankReport& report) {
-  if (report.rank == report.singular_values.size()) return "nothing dropped";
+  if (report.rank == report.singular_values.size()) return "full rank";
   if (std::isinf(report.gap)) return "exact";
   return FormatSignificant(report.gap, 2);
 }

@@ -64,13 +64,13 @@ std::vector<ReportFile> MakeUncertaintyFiles(const CalibrationResult& result);
 std::vector<ReportFile> MakeUncertaintyFiles(const CalibrationResult&&) =
     delete;
 /// What simulated calibrations showed: a table of the parameters, and in words
-/// what is left over the workspace.
+/// the residual errors over the workspace.
 std::string FormatMonteCarlo(const MonteCarloResult& result);
 /// montecarlo.csv (parameters, SI units), trials.csv, coverage.svg,
 /// workspace_error.svg, montecarlo.txt.
 std::vector<ReportFile> MakeMonteCarloFiles(const MonteCarloResult& result);
 /// singular_values.svg and, where there are relations, relations.svg: what
-/// stands for each parameter that is left out.
+/// each parameter that is left out depends on.
 std::vector<ReportFile> MakeIdentifiabilityFigures(
     const IdentifiabilityResult& result);
 /// The sentences of the findings of these keys, in the order of the keys.

@@ -78,7 +78,7 @@ void CheckAcceptance(const YamlMap& map, bool with_validation, JobConfig* job) {
   }
   const std::optional<Dataset>& validation = job->data.validation;
   for (const auto& [key, limit] : map.entries()) {
-    const bool is_validation = key.rfind("validation", 0) == 0;
+    const bool is_validation = key.rfind("train", 0) != 0;
     if (is_validation && !with_validation) continue;
     if (is_validation && !validation && !job->options.folds) {
       limit.Fail("needs poses that the fit does not use: add \"validation\"");

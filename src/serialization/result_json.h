@@ -15,9 +15,9 @@ namespace alidade::internal {
 /// bytes that are no UTF-8 as U+FFFD. What their keys are stands in the headers
 /// *_fields.h beside the structs.
 
-inline constexpr char kResultFormat[] = "alidade-result-1";
-inline constexpr char kPlanResultFormat[] = "alidade-plan-result-1";
-inline constexpr char kBatchFormat[] = "alidade-batch-1";
+inline constexpr char kResultFormat[] = "alidade-result-2";
+inline constexpr char kPlanResultFormat[] = "alidade-plan-result-2";
+inline constexpr char kBatchFormat[] = "alidade-batch-2";
 /// What to say where such a file is none of those expected.
 inline constexpr char kPlanResultIsForMachines[] =
     "is what `alidade plan` has written, for machines: plan.txt beside it says "

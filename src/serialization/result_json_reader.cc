@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "alidade/error.h"
@@ -29,9 +30,59 @@ Json ParseJson(const std::string& path, const std::string& text) {
   }
 }
 
+// Keys and words that files of format 1 have in place of today's.
+const std::map<std::string, std::string>& FormerNames() {
+  static const auto* const names = new std::map<std::string, std::string>{
+      {"heldout", "validation"},
+      {"heldout_rotation", "validation_rotation"},
+      {"heldout_rms", "validation_rms"},
+      {"heldout_max", "validation_max"},
+      {"heldout_rotation_rms", "validation_rotation_rms"},
+      {"heldout_rotation_max", "validation_rotation_max"},
+      {"length_freedom", "length_degrees_of_freedom"},
+      {"rotation_freedom", "rotation_degrees_of_freedom"},
+      {"rounding_floor", "precision_limit"},
+      {"stands_for", "identified_combination"}};
+  return *names;
+}
+
+std::string NameToday(const std::string& name) {
+  const auto found = FormerNames().find(name);
+  return found == FormerNames().end() ? name : found->second;
+}
+
+// What a file of format 1 is in today's words.
+Json UpdateNames(const Json& json) {
+  if (json.is_array()) {
+    Json list = Json::array();
+    for (const Json& item : json) list.push_back(UpdateNames(item));
+    return list;
+  }
+  if (!json.is_object()) return json;
+  Json object = Json::object();
+  for (const auto& [key, value] : json.items()) {
+    Json& updated = object[NameToday(key)] = UpdateNames(value);
+    if (key == "state" && value == "frozen") updated = "fixed";
+    const bool is_name = key == "status" || key == "quantity";
+    if (is_name && value.is_string()) updated = NameToday(value);
+  }
+  return object;
+}
+
+// A file of `format`, or of format 1, in today's names.
+Json LoadJson(const std::string& path, const std::string& format) {
+  Json json = ParseJson(path, ReadFile(path));
+  const std::string first = format.substr(0, format.size() - 1) + "1";
+  if (json.is_object() && json.value("format", Json()) == first) {
+    json = UpdateNames(json);
+    json["format"] = format;
+  }
+  return json;
+}
+
 void CheckFormat(const JsonValue& json, const char* expected) {
   const JsonValue format = json["format"];
-  if (format.Text() == kPlanResultFormat) {
+  if (format.Text().rfind("alidade-plan-result-", 0) == 0) {
     format.FailHere(kPlanResultIsForMachines);
   }
   format.Choice(std::array{std::pair{0, expected}});
@@ -40,7 +91,7 @@ void CheckFormat(const JsonValue& json, const char* expected) {
 }  // namespace
 
 CalibrationResult LoadResultJson(const std::string& path) {
-  const Json root = ParseJson(path, ReadFile(path));
+  const Json root = LoadJson(path, kResultFormat);
   const JsonValue json(path, "", root);
   CheckFormat(json, kResultFormat);
   CalibrationResult result;
@@ -51,7 +102,7 @@ CalibrationResult LoadResultJson(const std::string& path) {
 }
 
 BatchSummary LoadBatchSummary(const std::string& path) {
-  const Json root = ParseJson(path, ReadFile(path));
+  const Json root = LoadJson(path, kBatchFormat);
   const JsonValue json(path, "", root);
   CheckFormat(json, kBatchFormat);
   BatchSummary summary;

@@ -83,7 +83,12 @@ std::string FormatDefault(const Key& key, double value) {
 
 std::vector<std::string> KeysOf(const std::vector<FieldRecord>& fields) {
   std::vector<std::string> keys;
-  for (const FieldRecord& field : fields) keys.emplace_back(field.key.name);
+  for (const FieldRecord& field : fields) {
+    keys.emplace_back(field.key.name);
+    if (field.key.former_name != nullptr) {
+      keys.emplace_back(field.key.former_name);
+    }
+  }
   return keys;
 }
 

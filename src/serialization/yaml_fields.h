@@ -90,8 +90,17 @@ class YamlFields {
 
  private:
   std::optional<YamlValue> Find(const Key& key) const {
-    if (key.is_required) return map_.Required(key.name);
-    return map_.Optional(key.name);
+    std::optional<YamlValue> value = map_.Optional(key.name);
+    if (key.former_name != nullptr) {
+      const auto former = map_.Optional(key.former_name);
+      if (value && former) {
+        former->Fail(std::string("is the former name of ") + key.name +
+                     ", which is there too: remove one");
+      }
+      if (former) return former;
+    }
+    if (!value && key.is_required) return map_.Required(key.name);
+    return value;
   }
 
   const YamlMap& map_;

@@ -11,6 +11,7 @@ inline constexpr std::array kWords<Evaluation> = {
     std::pair{Evaluation::kAutomatic, "auto"},
     std::pair{Evaluation::kAutodiff, "autodiff"},
     std::pair{Evaluation::kReduced, "reduced"},
+    std::pair{Evaluation::kReduced, "compressed"},
 };
 
 /// All but threads, which are the program's flag.
@@ -21,7 +22,9 @@ void VisitFields(Visitor& v, Subject<Visitor, SolverOptions>& options) {
   v.Field(Key("function_tolerance").AtLeast(0), options.function_tolerance,
           "converged when the predicted relative decrease of the cost is "
           "below; 0 = never");
-  v.Field(Key("precision_limit_factor").AtLeast(0),
+  v.Field(Key("precision_limit_factor")
+              .Formerly("rounding_floor_factor")
+              .AtLeast(0),
           options.precision_limit_factor,
           "stop where steps are below so many rounding errors of the model; 0 "
           "= never");
@@ -38,7 +41,9 @@ void VisitFields(Visitor& v, Subject<Visitor, SolverOptions>& options) {
           "`ceres`: `autodiff`, one autodiff residual per observation; "
           "`reduced`, the reduced problem: as many rows as free parameters, "
           "which have the cost and derivatives of all observations; `auto`, "
-          "the faster one, `reduced` at every size");
+          "the faster one, `reduced` at every size; `compressed` is the former "
+          "name of "
+          "`reduced`");
 }
 
 template <>

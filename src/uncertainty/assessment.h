@@ -27,7 +27,7 @@ struct AssessmentInput {
   /// parameter held, for profiles; linear intervals where empty.
   double fit_cost = 0.0;
   Resolve resolve = {};
-  /// Poses that the fit has not seen; null where there are none.
+  /// Validation poses; null where there are none.
   const Dataset* validation = nullptr;
   /// Values of the real arm, where it is known; else empty.
   Eigen::VectorXd true_values = {};

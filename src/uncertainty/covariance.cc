@@ -51,16 +51,16 @@ bool InvertTriangle(const Eigen::MatrixXd& stacked, Eigen::MatrixXd* inverse) {
 void InvertBySvd(const Eigen::MatrixXd& stacked, const Eigen::VectorXd& norms,
                  ParameterCovariance* covariance) {
   const Svd svd = ComputeSvd(stacked);
-  const auto told = static_cast<Eigen::Index>(
+  const auto rank = static_cast<Eigen::Index>(
       (svd.values.array() > kRankTolerance * svd.values[0]).count());
   const Eigen::Index p = stacked.cols();
   covariance->root = Eigen::MatrixXd::Zero(p, p);
-  covariance->root.leftCols(told) =
-      norms.cwiseInverse().asDiagonal() * svd.v.leftCols(told) *
-      svd.values.head(told).cwiseInverse().asDiagonal();
-  const Eigen::MatrixXd null_space = svd.v.rightCols(p - told);
+  covariance->root.leftCols(rank) =
+      norms.cwiseInverse().asDiagonal() * svd.v.leftCols(rank) *
+      svd.values.head(rank).cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd null_space = svd.v.rightCols(p - rank);
   covariance->null_space = norms.cwiseInverse().asDiagonal() * null_space;
-  for (int k = 0; k < p && told < p; ++k) {
+  for (int k = 0; k < p && rank < p; ++k) {
     if (null_space.row(k).norm() > kNoPart) {
       covariance->null_space_parameters.push_back(k);
     }

@@ -249,7 +249,7 @@ TestResult TestNormality(Eigen::VectorXd values) {
   for (Eigen::Index i = 0; i < size; ++i) {
     const double low = NormalCdf(values[i] / deviation);
     const double high = NormalCdf(-values[size - 1 - i] / deviation);
-    // Far tails: a logarithm of zero would drown all else.
+    // Far tails: a logarithm of zero would hide all else.
     constexpr double kLeast = 1e-300;
     sum += (2.0 * static_cast<double>(i) + 1.0) *
            (std::log(std::max(low, kLeast)) + std::log(std::max(high, kLeast)));

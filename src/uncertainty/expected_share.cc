@@ -20,7 +20,7 @@ constexpr int kOutside = kDraws / 40;
 constexpr Eigen::Index kMostPositions = 48;
 constexpr int kNoiseDraws = 16;
 
-// An error of the parameters, and what sigma was estimated as, in sigmas.
+// An error of the parameters, and what sigma was estimated as, over sigma.
 struct Draw {
   Eigen::VectorXd u;
   double scale = 1.0;

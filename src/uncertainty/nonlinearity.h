@@ -45,10 +45,10 @@ using Resolve = std::function<std::optional<double>(int fixed_column,
 /// with the quantile of a normal, or Student's t where sigma is estimated
 /// (Venzon and Moolgavkar 1988, "A method for computing
 /// profile-likelihood-based confidence intervals"). Unlike estimate +- quantile
-/// std it bends with the model and does not depend on how parameters are
-/// chosen. The signed root of the difference is close to a straight line, whose
-/// crossing is found by the secant method; a bound that is not found within
-/// twenty times the linear one is infinite. About ten solves.
+/// std it is nonlinear as the model is and does not depend on how parameters
+/// are chosen. The signed root of the difference is close to a straight line,
+/// whose crossing is found by the secant method; a bound that is not found
+/// within twenty times the linear one is infinite. About ten solves.
 /// `fit_cost`: as `resolve` counts.
 ConfidenceInterval ProfileInterval(const FittedProblem& fit,
                                    const ParameterCovariance& covariance,

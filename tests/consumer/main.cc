@@ -38,11 +38,15 @@ int main() {
   std::printf("%s", result.FullReport().c_str());
   if (!result.IsUsable()) return 1;
   const alidade::ParameterResult& d3 = result.Parameter("d3");
-  std::printf("d3 = %.4f +- %.4f mm\n", d3.value / alidade::kMillimetre,
-              d3.std / alidade::kMillimetre);
+  const alidade::ConfidenceInterval interval = result.Interval("d3");
+  std::printf("d3 = %.4f mm, from %.4f to %.4f mm with 95 %% confidence\n",
+              d3.value / alidade::kMillimetre,
+              interval.lower / alidade::kMillimetre,
+              interval.upper / alidade::kMillimetre);
 
   // Five standard deviations, and an accuracy of the order of the noise.
-  const bool is_found = std::abs(d3.value - 0.251) < 5 * d3.std;
+  const bool is_found = std::abs(d3.value - 0.251) < 5 * d3.std &&
+                        interval.lower < d3.value && d3.value < interval.upper;
   const double rms = result.validation->after.rms;
   return is_found && rms > 0.5 * sigma && rms < 4 * sigma ? 0 : 1;
 }

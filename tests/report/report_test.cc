@@ -38,7 +38,7 @@ TEST(FormatIdentifiabilityTest, TellsEveryDecisionAndItsReason) {
   EXPECT_TRUE(Contains(flat, "r4 fixed the axis of joint 4 is parallel"));
   EXPECT_TRUE(Contains(flat, "base_x given"));
   EXPECT_TRUE(Contains(flat, "these poses, nominal 1 of 2 3.2e+11"));
-  EXPECT_TRUE(Contains(flat, "these poses, perturbed 2 of 2 nothing dropped"));
+  EXPECT_TRUE(Contains(flat, "these poses, perturbed 2 of 2 full rank"));
   EXPECT_TRUE(Contains(flat, "Weakly identifiable at these poses: beta1 d4"));
   EXPECT_TRUE(Contains(flat, "Warning: the rank is short"));
 }

@@ -86,6 +86,9 @@ inline std::string FormatRows(const std::vector<FieldRecord>& fields,
     std::string text = field.text;
     if (std::string(key.name) == "format") text = "`" + text + "`";
     if (field.kind == Kind::kItems) text = "list: " + text;
+    if (key.former_name != nullptr) {
+      text += std::string("; formerly `") + key.former_name + "`";
+    }
     const auto cell = [](const std::string& content) {
       return content.empty() ? " |" : " " + content + " |";
     };
@@ -158,6 +161,11 @@ inline nlohmann::ordered_json SchemaOf(const std::vector<FieldRecord>& fields,
   std::vector<std::string> required;
   for (const FieldRecord& field : fields) {
     schema["properties"][field.key.name] = SchemaOf(field, may_inherit);
+    if (field.key.former_name != nullptr) {
+      auto& former = schema["properties"][field.key.former_name];
+      former = SchemaOf(field, may_inherit);
+      former["deprecated"] = true;
+    }
     if (field.key.is_required) required.emplace_back(field.key.name);
   }
   schema["additionalProperties"] = false;

@@ -92,13 +92,38 @@ TEST(LoadJobTest, ReadsTheSolverAndItsLimits) {
   EXPECT_EQ(job.options.acceptance.validation_max, 4e-4);
 }
 
+// Jobs that were written for earlier versions keep loading.
+TEST(LoadJobTest, TakesFormerNames) {
+  const JobConfig limit =
+      LoadJob(ConfigFiles({"validation_max", "heldout_max"}).job());
+  EXPECT_EQ(limit.options.acceptance.validation_max, 4e-4);
+  const JobConfig factor = LoadJob(
+      ConfigFiles({"precision_limit_factor", "rounding_floor_factor"}).job());
+  EXPECT_EQ(factor.options.solver_options.precision_limit_factor, 2.0);
+}
+
+TEST(LoadJobTest, RefusesBothNamesOfOneKey) {
+  const ConfigFiles files(
+      {"validation_max: 0.4", "validation_max: 0.4, heldout_max: 0.4"});
+  try {
+    LoadJob(files.job());
+    ADD_FAILURE() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.location().key, "acceptance.heldout_max");
+    EXPECT_EQ(error.message(),
+              "is the former name of validation_max, which is there too: "
+              "remove one");
+  }
+}
+
 TEST(LoadJobTest, ReadsTheEvaluation) {
   EXPECT_EQ(LoadJob(ConfigFiles().job()).options.solver_options.evaluation,
             Evaluation::kAutomatic);
   for (const auto& [name, evaluation] :
        {std::pair("auto", Evaluation::kAutomatic),
         std::pair("autodiff", Evaluation::kAutodiff),
-        std::pair("reduced", Evaluation::kReduced)}) {
+        std::pair("reduced", Evaluation::kReduced),
+        std::pair("compressed", Evaluation::kReduced)}) {
     const ConfigFiles files({"  max_iterations: 12\n",
                              std::string("  evaluation: ") + name + "\n"});
     EXPECT_EQ(LoadJob(files.job()).options.solver_options.evaluation,

@@ -211,7 +211,7 @@ TEST(FormatPlanJsonTest, IsJsonWithNullForWhatIsInfinite) {
   result.pose_std = Eigen::Vector2d(0.1, 0.2);
   result.parameters.emplace_back();
   const nlohmann::json json = nlohmann::json::parse(FormatPlanJson(result));
-  EXPECT_EQ(json["format"], "alidade-plan-result-1");
+  EXPECT_EQ(json["format"], "alidade-plan-result-2");
   EXPECT_EQ(json["poses"][1]["joints"], nlohmann::json({0.0, 1.0}));
   EXPECT_EQ(json["poses"][1]["std"], 0.2);
   EXPECT_EQ(json["joint_units"], nlohmann::json({"rad", "m"}));

@@ -145,7 +145,7 @@ TEST(LoadBatchSummaryTest, NamesThePlace) {
   const TestDirectory directory;
   for (const auto& [from, to, expected] :
        {std::tuple<std::string, std::string, ExpectedError>{
-            "alidade-batch-1",
+            "alidade-batch-2",
             "alidade-batch-9",
             {0, 0, "format", "unknown word \"alidade-batch-9\""}},
         {"\"not_run\",", "\"runs\",", {0, 0, "jobs[1].status", "unknown word"}},

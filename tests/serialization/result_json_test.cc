@@ -163,6 +163,29 @@ TEST(ResultJsonTest, StudyOfAnEarlierVersionIsPassedOver) {
   EXPECT_EQ(read.parameters.size(), 2U);
 }
 
+// What results of format 1 call what they have in common with those of today.
+TEST(ResultJsonTest, FilesOfFormat1AreRead) {
+  const std::pair<const char*, const char*> names[] = {
+      {"alidade-result-2", "alidade-result-1"},
+      {"\"validation", "\"heldout"},
+      {"\"identified_combination\"", "\"stands_for\""},
+      {"\"state\": \"fixed\"", "\"state\": \"frozen\""},
+      {"_degrees_of_freedom\"", "_freedom\""},
+      {"\"precision_limit\"", "\"rounding_floor\""}};
+  std::string text = FormatResultJson(MakeResult());
+  for (const auto& [today, before] : names) {
+    ASSERT_NE(text.find(today), std::string::npos) << today;
+    for (std::size_t at = 0;
+         (at = text.find(today, at)) != std::string::npos;) {
+      text.replace(at, std::string(today).size(), before);
+    }
+  }
+  const TestDirectory directory;
+  const CalibrationResult read =
+      LoadResultJson(directory.Write("result.json", text));
+  EXPECT_EQ(FormatResultJson(read), FormatResultJson(RoundTrip(MakeResult())));
+}
+
 TEST(ResultJsonTest, KeepsAnEmptyResult) {
   const CalibrationResult read = RoundTrip(CalibrationResult());
   EXPECT_TRUE(read.parameters.empty() && read.runs.empty());
@@ -173,7 +196,7 @@ TEST(ResultJsonTest, KeepsAnEmptyResult) {
 // The keys that other programs rely on.
 TEST(FormatResultJsonTest, HasTheKeysOfTheDocumentation) {
   const auto json = nlohmann::json::parse(FormatResultJson(MakeResult()));
-  EXPECT_EQ(json["format"], "alidade-result-1");
+  EXPECT_EQ(json["format"], "alidade-result-2");
   EXPECT_EQ(json["inputs"][0]["sha256"], std::string(64, 'a'));
   EXPECT_EQ(json["seed"], 18446744073709551615U);
   EXPECT_EQ(json["parameters"][1]["state"], "fixed");
@@ -232,7 +255,7 @@ INSTANTIATE_TEST_SUITE_P(
                "\"version\": 0.1.0",
                {3, 17, "", "not valid JSON"}},
         Damage{"OtherFormat",
-               "alidade-result-1",
+               "alidade-result-2",
                "alidade-result-9",
                {0, 0, "format", "unknown word \"alidade-result-9\""}},
         Damage{"MissingKey",
