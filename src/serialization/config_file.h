@@ -46,6 +46,14 @@ void VisitHead(Visitor& v, FileFormat format) {
       "of all numbers", ReadElsewhere);
 }
 
+/// Reads a whole YAML file of one format by the description of its fields.
+template <typename Visit>
+void ReadConfig(const std::string& path, FileFormat format,
+                const Visit& visit) {
+  const YamlValue root = ReadConfigFile(path, format);
+  ReadFields(root, Units(MapOf(root, visit)), visit);
+}
+
 /// One quantity of every joint; `what` describes the list. @throws InputError.
 Eigen::VectorXd ReadJointQuantities(const YamlValue& value, const Units& units,
                                     const Arm& arm, const std::string& what);

@@ -15,6 +15,10 @@ namespace alidade::internal {
 
 /// JSON schemas of what is no single value.
 inline constexpr char kTextSchema[] = R"({"type": "string"})";
+inline constexpr char kNumberSchema[] = R"({"type": "number"})";
+/// [lower, upper], either of which may be infinite.
+inline constexpr char kLimitsSchema[] =
+    R"({"type": "array", "items": {"type": ["number", "string"]}, "minItems": 2, "maxItems": 2})";
 inline constexpr char kNamesSchema[] =
     R"({"type": "array", "items": {"type": "string"}})";
 inline constexpr char kNumbersSchema[] =

@@ -39,11 +39,7 @@ template <typename Reference>
 void CheckReference(const YamlMap& map, const Reference& reference,
                     const std::vector<std::string>& needed,
                     const std::vector<Reference>& others) {
-  for (const Reference& other : others) {
-    if (other.name != reference.name) continue;
-    map.Required("name").Fail(Quote(reference.name) +
-                              " is repeated, expected each name once");
-  }
+  RefuseRepeatedName(map, reference, others);
   for (const std::string& key : needed) {
     if (reference.is_known) map.Required(key);
   }

@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "src/common/names.h"
 #include "src/common/option_fields.h"
 #include "src/serialization/field_records.h"
 #include "src/serialization/yaml_reader.h"
@@ -120,6 +121,18 @@ void ReadFields(const YamlValue& value, const Units& units,
   const YamlMap map = MapOf(value, visit);
   YamlFields fields(map, units);
   visit(fields);
+}
+
+/// Of an item of a list of maps, before it joins the others. @throws
+/// InputError.
+template <typename Item>
+void RefuseRepeatedName(const YamlMap& map, const Item& item,
+                        const std::vector<Item>& others) {
+  for (const Item& other : others) {
+    if (other.name != item.name) continue;
+    map.Required("name").Fail(Quote(item.name) +
+                              " is repeated, expected each name once");
+  }
 }
 
 template <typename Part>

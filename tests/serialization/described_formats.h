@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "src/serialization/arm_fields.h"
 #include "src/serialization/data_section.h"
 #include "src/serialization/field_records.h"
 #include "src/serialization/job_file.h"
@@ -27,7 +28,9 @@ struct DescribedFormat {
 };
 
 inline std::vector<DescribedFormat> DescribeFormats() {
-  return {{"job", JobFields()},
+  return {{"arm", ArmFields()},
+          {"deviations", DeviationsFields()},
+          {"job", JobFields()},
           {"plan", PlanFields()},
           {"simulation", SimulationFields()}};
 }
@@ -193,7 +196,7 @@ inline std::string FormatSchema(const DescribedFormat& format) {
          {"properties", {{"simulate", SchemaOf(SimulatedDataFields(), false)}}},
          {"additionalProperties", false},
          {"required", {"simulate"}}}}}};
-  if (format.name != "simulation") {
+  if (format.name == "job" || format.name == "plan") {
     schema["$defs"] = {
         {"entry", one},
         {"data",

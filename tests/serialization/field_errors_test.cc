@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "alidade/arm_file.h"
 #include "alidade/error.h"
 #include "tests/serialization/described_formats.h"
 #include "tests/support/config_files.h"
@@ -27,6 +28,7 @@ const std::map<std::string, std::string>& KnownValues() {
   static const auto* const values = new std::map<std::string, std::string>{
       {"units", "{length: mm, angle: deg}"},
       {"arm", "arm.yaml"},
+      {"joints", "[{type: revolute}, {type: revolute}]"},
       {"data", "data.csv"},
       {"file", "data.csv"},
       {"deviations", "{}"},
@@ -183,12 +185,17 @@ class FieldErrors {
   static std::string OtherLines(const FieldCase& one) {
     const std::string first = one.path.front()->key.name;
     std::string lines;
+    // The key of a joint that the convention by default does not have.
+    if (one.path.back()->key.name == std::string("a")) {
+      lines = "convention: craig\n";
+    }
     for (const FieldRecord& field : FieldsAt(one.format)) {
       const std::string name = field.key.name;
-      // A plan needs an arm or a job that has one.
+      // A plan needs an arm or a job that has one, an arm joints or a URDF.
       const bool is_needed =
           field.key.is_required ||
-          (one.format == "plan" && name == "arm" && first != "job");
+          (one.format == "plan" && name == "arm" && first != "job") ||
+          (name == "joints" && first != "urdf");
       if (!is_needed || name == first) continue;
       lines += name + ": " + SampleOf(field, one.format) + "\n";
     }
@@ -205,7 +212,11 @@ class FieldErrors {
   }
 
   void Load(const std::string& format, const std::string& text) {
-    const std::string path = directory_.Write(format + ".yaml", text);
+    const std::string path = directory_.Write(format + "_case.yaml", text);
+    if (format == "arm") LoadArm(path);
+    if (format == "deviations") {
+      LoadDeviations(path, LoadArm(directory_.Path("arm.yaml")));
+    }
     if (format == "job") LoadJob(path);
     if (format == "plan") LoadPlan(path);
     if (format == "simulation") LoadSimulation(path);
@@ -227,6 +238,7 @@ std::string WrongType(const FieldRecord& field) {
         return "{nothing: 1}";
       }
       const bool is_scalar = schema.find("string\"") == 10 ||
+                             schema.find("number\"") == 10 ||
                              schema.rfind(R"({"type": [)", 0) == 0 ||
                              schema.rfind(R"({"enum)", 0) == 0;
       return is_scalar ? "[3]" : "3";
@@ -280,6 +292,18 @@ void ExpectErrorsOfAll(const std::vector<FieldRecord>& fields,
     ExpectErrors(one, errors);
     ExpectErrorsOfAll(field.fields, one, errors);
   }
+}
+
+TEST(FieldErrorsTest, OfArms) {
+  FieldErrors errors;
+  ExpectErrorsOfAll(FieldsAt("arm"), {"arm", {}}, &errors);
+  EXPECT_GT(errors.num_errors(), 80);
+}
+
+TEST(FieldErrorsTest, OfDeviations) {
+  FieldErrors errors;
+  ExpectErrorsOfAll(FieldsAt("deviations"), {"deviations", {}}, &errors);
+  EXPECT_EQ(errors.num_errors(), 4);
 }
 
 TEST(FieldErrorsTest, OfJobs) {

@@ -44,14 +44,13 @@ class SchemasTest(unittest.TestCase):
     for path in sorted((ROOT / 'configs').rglob('*.yaml')):
       content = yaml.load(path.read_text(), Loader)
       name = content['format'].split('-')[1]
-      if not (ROOT / 'schemas' / f'{name}.json').exists():
-        continue
       seen.add(name)
       with self.subTest(path=str(path)):
         errors = [f'{error.json_path}: {error.message}'
                   for error in validator(name).iter_errors(content)]
         self.assertEqual(errors, [])
-    self.assertEqual(seen, {'job', 'plan', 'simulation'})
+    self.assertEqual(
+        seen, {'arm', 'deviations', 'job', 'plan', 'simulation'})
 
   def test_what_is_wrong_is_refused(self):
     path = ROOT / 'configs/jobs/rv2aj_flange.yaml'
@@ -62,6 +61,12 @@ class SchemasTest(unittest.TestCase):
                    {'data': {'file': 'a.csv', 'colums': {}}}):
       with self.subTest(change=change):
         self.assertFalse(validator('job').is_valid({**content, **change}))
+    path = ROOT / 'configs/robots/rv2aj_wrist.yaml'
+    arm = yaml.load(path.read_text(), Loader)
+    for change in ({'base': {'x': '1 mm'}}, {'joints': [{'typ': 'revolute'}]},
+                   {'joints': [{'type': 'revolute', 'sign': 2}]}):
+      with self.subTest(change=change):
+        self.assertFalse(validator('arm').is_valid({**arm, **change}))
     del content['title']
     self.assertFalse(validator('job').is_valid(content))
     self.assertTrue(validator('job').is_valid({**content, 'extends': 'a.yaml'}))
