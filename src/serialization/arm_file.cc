@@ -15,6 +15,7 @@
 #include "src/common/files.h"
 #include "src/common/names.h"
 #include "src/common/numbers.h"
+#include "src/common/text.h"
 #include "src/compensation/dh_conversion.h"
 #include "src/dataio/urdf_file.h"
 #include "src/serialization/config_file.h"
@@ -26,7 +27,6 @@ using internal::ArmFromChain;
 using internal::ArmFromStandardDh;
 using internal::DhRow;
 using internal::FileFormat;
-using internal::FormatShortest;
 using internal::LoadUrdfChain;
 using internal::NamedFiles;
 using internal::OneLine;
@@ -34,6 +34,7 @@ using internal::Quote;
 using internal::ReadConfigFile;
 using internal::ReadDeviations;
 using internal::ReadJointQuantities;
+using internal::ShortestNumber;
 using internal::Unit;
 using internal::Units;
 using internal::YamlMap;
@@ -298,7 +299,7 @@ std::string Readable(double value, Dimension dimension) {
 
 std::string FormatLimit(double limit) {
   if (std::isinf(limit)) return limit < 0.0 ? "-.inf" : ".inf";
-  return FormatShortest(limit);
+  return ShortestNumber(limit);
 }
 
 std::string QuoteYaml(const std::string& text) {
@@ -333,7 +334,7 @@ std::string FormatJoint(const Joint& joint, int number) {
   text += "  # joint " + std::to_string(number) + "\n";
   for (const JointField& field : kJointFields) {
     const double value = joint.*field.member;
-    text += std::string("    ") + field.key + ": " + FormatShortest(value);
+    text += std::string("    ") + field.key + ": " + ShortestNumber(value);
     text += "  # " + Readable(value, field.dimension) + "\n";
   }
   if (std::isinf(joint.lower) && std::isinf(joint.upper)) return text;
@@ -346,7 +347,7 @@ std::string FormatJoint(const Joint& joint, int number) {
 std::string FormatRow(const Eigen::VectorXd& values) {
   std::string text;
   for (const double value : values) {
-    text += (text.empty() ? "[" : ", ") + FormatShortest(value);
+    text += (text.empty() ? "[" : ", ") + ShortestNumber(value);
   }
   return text + "]";
 }
@@ -372,11 +373,11 @@ std::string FormatFrameNumbers(const std::string& indent,
   const Eigen::Vector3d rotation = VectorFromRotation(frame.linear());
   for (int axis = 0; axis < 3; ++axis) {
     const double value = frame.translation()[axis];
-    text += indent + "xyz"[axis] + ": " + FormatShortest(value) + "  # " +
+    text += indent + "xyz"[axis] + ": " + ShortestNumber(value) + "  # " +
             Readable(value, Dimension::kLength) + "\n";
   }
   for (int axis = 0; axis < 3; ++axis) {
-    text += indent + "r" + "xyz"[axis] + ": " + FormatShortest(rotation[axis]) +
+    text += indent + "r" + "xyz"[axis] + ": " + ShortestNumber(rotation[axis]) +
             "  # " + Readable(rotation[axis], Dimension::kAngle) + "\n";
   }
   return text;
