@@ -49,7 +49,7 @@ function(alidade_module module)
   target_include_directories(${target}
     PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
     PRIVATE ${PROJECT_SOURCE_DIR})
-  target_link_libraries(${target} PRIVATE glog::glog)
+  target_link_libraries(${target} PRIVATE fmt::fmt glog::glog)
   install(TARGETS ${target} EXPORT AlidadeTargets
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
     INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})

@@ -48,9 +48,7 @@ std::string FormatQuantity(double value, Dimension dimension) {
 
 // As the job states it, without the zeros that digits would add.
 std::string LimitText(double limit) {
-  double rounded = limit;
-  ParseCell(FormatSignificant(limit, 6), &rounded);
-  return ShortestNumber(rounded);
+  return ShortestNumber(NumberOrNan(FormatSignificant(limit, 6)));
 }
 
 // "p = 0.031".

@@ -1,6 +1,7 @@
 #include "src/common/files.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <glog/logging.h>
 #include <openssl/evp.h>
 #include <unistd.h>
@@ -214,13 +215,8 @@ class Hasher {
     std::array<unsigned char, EVP_MAX_MD_SIZE> digest;
     unsigned int size = 0;
     CHECK_EQ(EVP_DigestFinal_ex(context_, digest.data(), &size), 1);
-    constexpr char kDigits[] = "0123456789abcdef";
-    std::string text;
-    for (unsigned int i = 0; i < size; ++i) {
-      text += kDigits[digest[i] >> 4];
-      text += kDigits[digest[i] & 15];
-    }
-    return text;
+    return fmt::format("{:02x}",
+                       fmt::join(digest.data(), digest.data() + size, ""));
   }
 
  private:

@@ -1,8 +1,8 @@
 #include "src/common/format.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdlib>
 
@@ -15,15 +15,6 @@ constexpr int kSmallestFixedExponent = -3;
 constexpr int kLargestFixedExponent = 5;
 // Fixed notation of a parameter beyond this is a row of meaningless digits.
 constexpr double kLargestFixed = 1e9;
-
-std::string Scientific(double value, int digits) {
-  std::array<char, 64> buffer;
-  const auto end =
-      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
-                    std::chars_format::scientific, digits - 1)
-          .ptr;
-  return std::string(buffer.data(), end);
-}
 
 struct TimeUnit {
   double seconds;
@@ -45,7 +36,7 @@ std::string FormatSignificant(double value, int digits) {
   const int kept = std::clamp(digits, 1, 17);
   // The exponent is read after rounding, so that 9.9996 to four digits is
   // 10.00 and not 10.000.
-  std::string scientific = Scientific(value, kept);
+  std::string scientific = fmt::format("{:.{}e}", value, kept - 1);
   const int exponent = std::atoi(scientific.c_str() + scientific.find('e') + 1);
   if (exponent < kSmallestFixedExponent || exponent > kLargestFixedExponent) {
     return scientific;
@@ -79,10 +70,10 @@ std::string FormatDuration(double seconds) {
 
 std::string FormatAccuracy(const Accuracy& accuracy) {
   if (accuracy.n == 0) return "nothing was evaluated";
-  return "mean " + FormatLength(accuracy.mean) + ", rms " +
-         FormatLength(accuracy.rms) + ", p95 " + FormatLength(accuracy.p95) +
-         ", max " + FormatLength(accuracy.max) +
-         " (n = " + std::to_string(accuracy.n) + ")";
+  return fmt::format("mean {}, rms {}, p95 {}, max {} (n = {})",
+                     FormatLength(accuracy.mean), FormatLength(accuracy.rms),
+                     FormatLength(accuracy.p95), FormatLength(accuracy.max),
+                     accuracy.n);
 }
 
 }  // namespace alidade::internal

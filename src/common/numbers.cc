@@ -1,5 +1,8 @@
 #include "src/common/numbers.h"
 
+#include <fast_float/fast_float.h>
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -7,6 +10,7 @@
 #include <system_error>
 
 #include "src/common/names.h"
+#include "src/common/text.h"
 
 namespace alidade::internal {
 namespace {
@@ -57,9 +61,9 @@ bool IsNotFinite(std::string_view text) {
 std::size_t NumberPrefix(std::string_view text) {
   if (!StartsLikeNumber(text)) return 0;
   double value = 0.0;
-  const std::from_chars_result result =
-      std::from_chars(text.data(), text.data() + text.size(), value);
-  return static_cast<std::size_t>(result.ptr - text.data());
+  const char* const last =
+      fast_float::from_chars(text.data(), text.data() + text.size(), value).ptr;
+  return static_cast<std::size_t>(last - text.data());
 }
 
 std::string AdviceForBadNumber(std::string_view text,
@@ -76,50 +80,46 @@ std::string AdviceForBadNumber(std::string_view text,
   return ": write the number alone and " + std::string(unit_hint);
 }
 
-struct Decimal {
-  bool negative = false;
-  std::string digits;  // without a point, the first one in front of it
-  int exponent = 0;
-};
-
-Decimal SplitShortest(double value) {
-  std::array<char, 40> buffer;
-  const std::to_chars_result result =
-      std::to_chars(buffer.data(), buffer.data() + buffer.size(),
-                    std::abs(value), std::chars_format::scientific);
-  const std::string_view text(
-      buffer.data(), static_cast<std::size_t>(result.ptr - buffer.data()));
-  const std::size_t e = text.find('e');
-  Decimal decimal;
-  decimal.negative = std::signbit(value);
-  for (const char c : text.substr(0, e)) {
-    if (c != '.') decimal.digits += c;
+// Whether a number that was read as zero is one: versions of fast_float before
+// 5 read numbers that are too small as zero.
+bool IsZero(std::string_view text) {
+  for (const char c : text) {
+    if ((c | 0x20) == 'e') break;
+    if (c >= '1' && c <= '9') return false;
   }
-  decimal.exponent = ParseExponent(text.substr(e + 1)).value_or(0);
-  return decimal;
+  return true;
 }
 
-std::string FormatDecimal(const Decimal& decimal) {
-  const std::string sign = decimal.negative ? "-" : "";
-  const int size = static_cast<int>(decimal.digits.size());
-  const int exponent = decimal.exponent;
+std::optional<double> ParseFinite(std::string_view text) {
+  double value = 0.0;
+  const char* const end = text.data() + text.size();
+  const auto [last, error] = fast_float::from_chars(text.data(), end, value);
+  if (error != std::errc() || last != end || !std::isfinite(value) ||
+      (value == 0.0 && !IsZero(text))) {
+    return std::nullopt;
+  }
+  return value;
+}
+
+// digits * 10^(exponent - number of digits + 1).
+void AppendDecimal(std::string_view digits, int exponent, std::string* text) {
+  const auto size = static_cast<int>(digits.size());
   if (exponent < -5 || exponent > 15) {
-    const std::string tail = decimal.digits.substr(1);
-    return sign + decimal.digits[0] + (tail.empty() ? "" : "." + tail) + "e" +
-           std::to_string(exponent);
+    *text += digits[0];
+    if (size > 1) (*text += '.') += digits.substr(1);
+    *text += 'e';
+    const fmt::format_int number(exponent);
+    text->append(number.data(), number.size());
+  } else if (exponent < 0) {
+    text->append("0.00000", static_cast<std::size_t>(1 - exponent));
+    *text += digits;
+  } else if (size <= exponent + 1) {
+    *text += digits;
+    text->append(static_cast<std::size_t>(exponent + 1 - size), '0');
+  } else {
+    const auto point = static_cast<std::size_t>(exponent) + 1;
+    ((*text += digits.substr(0, point)) += '.') += digits.substr(point);
   }
-  if (exponent < 0) {
-    return sign + "0." +
-           std::string(static_cast<std::size_t>(-exponent - 1), '0') +
-           decimal.digits;
-  }
-  if (size <= exponent + 1) {
-    return sign + decimal.digits +
-           std::string(static_cast<std::size_t>(exponent + 1 - size), '0');
-  }
-  const std::size_t point = static_cast<std::size_t>(exponent) + 1;
-  return sign + decimal.digits.substr(0, point) + "." +
-         decimal.digits.substr(point);
 }
 
 }  // namespace
@@ -147,19 +147,21 @@ std::optional<double> ParseNumber(std::string_view text, int exponent) {
   if (!StartsLikeNumber(text) || text.size() > kMaxNumberSize) {
     return std::nullopt;
   }
-  if (exponent == 0) return ParseWhole<double>(text);
-  const std::size_t e = text.find_first_of("eE");
-  if (e != std::string_view::npos) {
-    const std::optional<int> own = ParseExponent(text.substr(e + 1));
+  if (exponent == 0) return ParseFinite(text);
+  const auto* const e = std::find_if(text.begin(), text.end(),
+                                     [](char c) { return (c | 0x20) == 'e'; });
+  if (e != text.end()) {
+    const auto own = ParseExponent(text.substr(e - text.begin() + 1));
     if (!own) return std::nullopt;
     exponent += *own;
   }
+  // The text with another exponent.
   std::array<char, kMaxNumberSize + 16> buffer;
-  char* end = std::copy_n(text.data(), std::min(e, text.size()), buffer.data());
+  char* end = std::copy(text.begin(), e, buffer.data());
   *end++ = 'e';
   end = std::to_chars(end, buffer.data() + buffer.size(), exponent).ptr;
-  return ParseWhole<double>(std::string_view(
-      buffer.data(), static_cast<std::size_t>(end - buffer.data())));
+  return ParseFinite(
+      {buffer.data(), static_cast<std::size_t>(end - buffer.data())});
 }
 
 std::optional<double> ParseQuantity(std::string_view text, const Unit& unit) {
@@ -178,18 +180,31 @@ std::string DescribeBadNumber(std::string_view text,
          AdviceForBadNumber(text, unit_hint);
 }
 
-std::string FormatShortest(double value) {
-  std::array<char, 40> buffer;
-  const std::to_chars_result result =
-      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
-  return std::string(buffer.data(), result.ptr);
+std::string FormatShifted(double value, int exponent) {
+  std::string text;
+  AppendShifted(value, exponent, &text);
+  return text;
 }
 
-std::string FormatShifted(double value, int exponent) {
-  if (!std::isfinite(value)) return FormatShortest(value);
-  Decimal decimal = SplitShortest(value);
-  if (value != 0.0) decimal.exponent += exponent;
-  return FormatDecimal(decimal);
+void AppendShifted(double value, int exponent, std::string* text) {
+  if (!std::isfinite(value)) return AppendShortest(value, text);
+  std::array<char, 40> buffer;  // as 1.2345e-06
+  const char* const end =
+      std::to_chars(buffer.data(), buffer.data() + buffer.size(),
+                    std::abs(value), std::chars_format::scientific)
+          .ptr;
+  char* const e = std::find(buffer.data(), buffer.data() + buffer.size(), 'e');
+  int own = 0;
+  std::from_chars(e[1] == '+' ? e + 2 : e + 1, end, own);
+  if (value != 0.0) own += exponent;
+  if (std::signbit(value)) *text += '-';
+  // Without the point, by the first digit in its place.
+  char* digits = buffer.data();
+  if (e - digits > 1) {
+    digits[1] = digits[0];
+    ++digits;
+  }
+  AppendDecimal({digits, static_cast<std::size_t>(e - digits)}, own, text);
 }
 
 }  // namespace alidade::internal

@@ -34,11 +34,11 @@ std::vector<std::string> UnitNames(Dimension dimension);
 /// "length" or "angle".
 const char* DimensionName(Dimension dimension);
 
-/// The number that all of `text` is, without a plus sign: an integer that fits
-/// its type, or as std::from_chars takes a double.
-template <typename Value>
-std::optional<Value> ParseWhole(std::string_view text) {
-  Value value = 0;
+/// The integer that all of `text` is, without a plus sign, where it fits its
+/// type.
+template <typename Integer>
+std::optional<Integer> ParseWhole(std::string_view text) {
+  Integer value = 0;
   const char* const end = text.data() + text.size();
   const auto result = std::from_chars(text.data(), end, value);
   if (result.ec != std::errc() || result.ptr != end) return std::nullopt;
@@ -58,12 +58,12 @@ std::optional<double> ParseQuantity(std::string_view text, const Unit& unit);
 std::string DescribeBadNumber(std::string_view text,
                               std::string_view unit_hint);
 
-/// The fewest digits that read back to the same bits.
-std::string FormatShortest(double value);
-
-/// value * 10^exponent in decimal: the digits of FormatShortest(value) with
-/// the point moved, so that ParseNumber(text, -exponent) gives the same bits.
+/// value * 10^exponent in decimal: the fewest digits that read back to `value`
+/// with the point moved, so that ParseNumber(text, -exponent) gives the same
+/// bits, the sign of a zero included.
 std::string FormatShifted(double value, int exponent);
+/// The same at the end of `text`, for tables of many rows.
+void AppendShifted(double value, int exponent, std::string* text);
 
 }  // namespace alidade::internal
 

@@ -37,6 +37,8 @@ std::string Join(const std::vector<std::string>& parts,
 /// `decimals` fixed decimals, independent of the locale: "-1.50", "0.00" also
 /// for values that round to minus zero, "nan", "inf", "-inf".
 std::string FixedNumber(double value, int decimals);
+/// The same at the end of `text`.
+void AppendFixed(double value, int decimals, std::string* text);
 
 /// In place of a number of decimals: the fewest digits that read back to the
 /// same double.
@@ -47,8 +49,8 @@ std::string ShortestNumber(double value);
 /// The same at the end of `text`, for tables of many rows.
 void AppendShortest(double value, std::string* text);
 
-/// The number that a whole cell of a CSV is; false where it is none.
-bool ParseCell(const std::string& cell, double* value);
+/// What ShortestNumber wrote; NaN for anything that is no number.
+double NumberOrNan(std::string_view text);
 
 /// A cell of a CSV: texts come from users, so quoted where one needs it.
 std::string TextCell(const std::string& text);

@@ -8,6 +8,7 @@
 
 #include "src/common/names.h"
 #include "src/common/numbers.h"
+#include "src/common/text.h"
 #include "src/dataio/orientation_cells.h"
 #include "src/dataio/plain_csv.h"
 #include "src/dataio/plain_rows.h"
@@ -241,7 +242,7 @@ Eigen::Matrix3d DatasetReader::ReadQuaternion() const {
   if (!rotation) {
     const Eigen::Quaterniond quaternion(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
     rows_.FailCell(first, "the quaternion's norm is " +
-                              FormatShortest(quaternion.norm()) +
+                              ShortestNumber(quaternion.norm()) +
                               ", expected 1 to within 0.001: are its columns "
                               "w, x, y, z?");
   }

@@ -1,7 +1,5 @@
 #include <glog/logging.h>
 
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -21,17 +19,6 @@ namespace alidade::internal {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-// Rounding must not leave "-0.0000".
-std::string FormatFixed(double value, int decimals) {
-  std::array<char, 400> buffer;
-  const std::to_chars_result result =
-      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
-                    std::chars_format::fixed, decimals);
-  std::string text(buffer.data(), result.ptr);
-  const bool is_zero = text.find_first_not_of("-0.") == std::string::npos;
-  return is_zero && text.front() == '-' ? text.substr(1) : text;
-}
 
 // A number of degrees that reads back to exactly `angle` (rad), the one with
 // the fewest decimals first; nothing where no double is near enough to do so.
@@ -117,7 +104,7 @@ class DatasetText {
   std::string JointText(int j, double value) const {
     if (joint_decimals_ != kFewestDigits) {
       const double unit = IsRevolute(j) ? kDegree : kMillimetre;
-      return FormatFixed(value / unit, joint_decimals_);
+      return FixedNumber(value / unit, joint_decimals_);
     }
     if (!IsRevolute(j)) return FormatShifted(value, 3);
     return FormatShifted(in_radians_[j] ? value : *ExactDegrees(value), 0);
@@ -148,7 +135,7 @@ class DatasetText {
     for (int row = 3; row < 6; ++row) {
       *text += ",";
       if (row >= numbers.rows() || std::isinf(block.sigmas(row, i))) continue;
-      *text += FormatShortest(numbers(row, i) / kDegree);
+      *text += ShortestNumber(numbers(row, i) / kDegree);
     }
   }
 

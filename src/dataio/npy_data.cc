@@ -15,6 +15,7 @@
 #include "src/common/mapped_file.h"
 #include "src/common/numbers.h"
 #include "src/common/parallel.h"
+#include "src/common/text.h"
 #include "src/dataio/dataset_reader.h"
 #include "src/dataio/npy_header.h"
 #include "src/dataio/plain_layout.h"
@@ -48,7 +49,7 @@ double Shifted(double number, int exponent) {
       integer / 1e6 == number) {
     return integer / 1e9;
   }
-  return ParseNumber(FormatShortest(number), exponent).value_or(kNan);
+  return ParseNumber(ShortestNumber(number), exponent).value_or(kNan);
 }
 
 double InSi(double number, const Unit& unit) {
@@ -93,7 +94,7 @@ class Records {
         const double number = Number(row, column);
         if (column > 0) text += ',';
         // NaNs may have a sign, which is no matter here.
-        text += std::isnan(number) ? "nan" : FormatShortest(number);
+        text += std::isnan(number) ? "nan" : ShortestNumber(number);
       }
       text += '\n';
     }

@@ -8,6 +8,7 @@
 #include "src/common/files.h"
 #include "src/common/names.h"
 #include "src/common/numbers.h"
+#include "src/common/text.h"
 
 namespace alidade::internal {
 namespace {
@@ -150,8 +151,8 @@ class UrdfReader {
   void CheckLimits(const ChainJoint& joint, const XMLElement& limit,
                    const std::string& name) const {
     if (joint.lower <= joint.upper) return;
-    Fail(&limit, name + " has the lower limit " + FormatShortest(joint.lower) +
-                     " above the upper one " + FormatShortest(joint.upper) +
+    Fail(&limit, name + " has the lower limit " + ShortestNumber(joint.lower) +
+                     " above the upper one " + ShortestNumber(joint.upper) +
                      ", expected lower <= upper");
   }
 

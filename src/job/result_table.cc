@@ -221,9 +221,7 @@ ResultTable ReadResultTable(const TextSource& csv,
     ++table.num_rows;
     for (std::size_t k = 0; k < table.columns.size(); ++k) {
       const std::string& cell = k < cells.size() ? cells[k] : "";
-      double number = kNan;
-      ParseCell(cell, &number);
-      table.numbers[k].push_back(number);
+      table.numbers[k].push_back(NumberOrNan(cell));
       if (text_columns.count(table.columns[k]) > 0) {
         table.texts[k].push_back(cell);
       }

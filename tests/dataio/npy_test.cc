@@ -434,9 +434,9 @@ TEST(FormatNpyTest, CsvReadsBackFromNpyToTheSameBits) {
     for (int column = 0; column < 8; ++column) {
       if (column > 0) text += ",";
       if (column < 5) {
-        text += FormatShortest(AnyNumber(&random));
+        text += ShortestNumber(AnyNumber(&random));
       } else {
-        text += FormatShortest(random.Uniform(0.01, 0.1));
+        text += ShortestNumber(random.Uniform(0.01, 0.1));
       }
     }
     text += "\n";

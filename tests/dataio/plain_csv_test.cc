@@ -13,6 +13,7 @@
 #include "src/common/numbers.h"
 #include "src/common/plain_number.h"
 #include "src/common/random.h"
+#include "src/common/text.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/dataio/dataset_reader.h"
 #include "tests/dataio/loaded_data_util.h"
@@ -46,7 +47,7 @@ std::string PositiveText(Random* random) {
       return Digits(random, 1 + Draw(random, 4)) + "." +
              Digits(random, 1 + Draw(random, 6)) + "1";
     case 2:  // all digits of a double
-      return FormatShortest(random->Uniform(1e-6, 400.0));
+      return ShortestNumber(random->Uniform(1e-6, 400.0));
     case 3:  // around 2^53, where integers stop being doubles
       return "900719925474099" + Digits(random, 1) + "e-" +
              std::to_string(10 + Draw(random, 20));
@@ -167,7 +168,7 @@ class RandomFile {
     if (begins("qz")) return "-0";
     if (begins("std_")) return PositiveText(&random_);
     if (begins("w") || begins("r")) {
-      return FormatShortest(random_.Uniform(-200.0, 200.0));
+      return ShortestNumber(random_.Uniform(-200.0, 200.0));
     }
     return NumberText(&random_);
   }
