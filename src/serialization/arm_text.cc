@@ -6,6 +6,7 @@
 #include "alidade/arm_file.h"
 #include "src/common/names.h"
 #include "src/common/numbers.h"
+#include "src/common/text.h"
 #include "src/serialization/arm_fields.h"
 
 namespace alidade {
@@ -30,7 +31,7 @@ class QuantityWriter {
   explicit QuantityWriter(const char* indent) : indent_(indent) {}
 
   void Field(const Key& key, double value, const char* /*text*/) {
-    text_ += indent_ + key.name + ": " + FormatShortest(value) + "  # " +
+    text_ += indent_ + key.name + ": " + ShortestNumber(value) + "  # " +
              Readable(value, *key.dimension) + "\n";
   }
   const std::string& text() const { return text_; }
@@ -42,7 +43,7 @@ class QuantityWriter {
 
 std::string FormatLimit(double limit) {
   if (std::isinf(limit)) return limit < 0.0 ? "-.inf" : ".inf";
-  return FormatShortest(limit);
+  return ShortestNumber(limit);
 }
 
 std::string QuoteYaml(const std::string& text) {
@@ -86,7 +87,7 @@ std::string FormatJoint(const Joint& joint, int number) {
 std::string FormatRow(const Eigen::VectorXd& values) {
   std::string text;
   for (const double value : values) {
-    text += (text.empty() ? "[" : ", ") + FormatShortest(value);
+    text += (text.empty() ? "[" : ", ") + ShortestNumber(value);
   }
   return text + "]";
 }
