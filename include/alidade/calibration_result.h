@@ -272,7 +272,7 @@ struct CalibrationResult {
   /// Chi-square of the fit over its degrees of freedom, priors accounted for;
   /// 0 where no freedom is left.
   double reduced_chi_square = 0.0;
-  /// Nothing where it was not asked for.
+  /// Nothing without a usable solution.
   std::optional<UncertaintyResult> uncertainty;
   /// Where the `published` values of the parameters come from; may be empty.
   std::string published_source;
@@ -298,8 +298,8 @@ struct CalibrationResult {
   ConfidenceInterval Interval(const std::string& name) const;
   /// One line: status, and the accuracy before and after.
   std::string BriefReport() const;
-  /// Status, accuracy, the estimated parameters with their standard deviations,
-  /// and every warning: for a log or a terminal.
+  /// Status, verdict, accuracy, the estimated parameters with their standard
+  /// deviations, outliers and every warning: for a log or a terminal.
   std::string FullReport() const;
 };
 

@@ -13,8 +13,8 @@
 namespace alidade {
 
 enum class IdentifiabilityMethod {
-  kRules,  ///< the published study's three rules (rules.h)
-  kRank,   ///< ranks over generic and given poses (analysis.h)
+  kRules,  ///< the published study's three rules
+  kRank,   ///< ranks over generic and given poses
 };
 
 /// What is done with directions that the measurements determine badly.
@@ -52,7 +52,7 @@ struct PriorTolerances {
   bool IsValid(std::string* error) const;
 };
 
-/// How the identifiability pass decides. See rules.h and analysis.h.
+/// How the identifiability pass decides. See docs/identifiability.md.
 struct IdentifiabilityOptions {
   IdentifiabilityMethod method = IdentifiabilityMethod::kRank;
   WeakPolicy policy = WeakPolicy::kAutomatic;
@@ -132,7 +132,11 @@ struct Relation {
   bool verified = false;
 };
 
-/// Observability indices (observability.h).
+/// Observability indices of N poses, from the singular values s_1 >= ... >= s_m
+/// of the Jacobian: O1 = (s_1 ... s_m)^(1/m) / sqrt(N) (Borm and Menq 1989),
+/// O2 = s_m / s_1 (Driels and Pathre 1990), O3 = s_m (Nahvi, Hollerbach and
+/// Hayward 1994), O4 = s_m^2 / s_1 (Nahvi and Hollerbach 1996),
+/// O5 = 1 / (1 / s_1 + ... + 1 / s_m) (Sun and Hollerbach 2008).
 struct ObservabilityIndices {
   double o1 = 0.0;
   double o2 = 0.0;

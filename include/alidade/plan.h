@@ -34,10 +34,9 @@ namespace alidade {
 ///   kO5   1 / sum 1 / s_i
 ///
 /// all to be large. x are the poses of a region, W_x their position rows.
-/// Sources of O1 to O5: identifiability/observability.h; of D, A, E, G, I:
-/// Pukelsheim 1993, "Optimal design of experiments". D does not depend on the
-/// units of the parameters, nor do G and I; the others do, and mean scaled ones
-/// (pose_rows.h).
+/// Sources of O1 to O5: ObservabilityIndices; of D, A, E, G, I: Pukelsheim
+/// 1993, "Optimal design of experiments". D does not depend on the units of the
+/// parameters, nor do G and I; the others do, and mean scaled ones.
 enum class DesignCriterion { kD, kA, kE, kG, kI, kO2, kO3, kO4, kO5 };
 
 /// Whether the criterion looks at a region.

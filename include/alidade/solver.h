@@ -86,7 +86,7 @@ enum class Evaluation {
   /// (docs/benchmarks.md).
   kAutomatic,
   kAutodiff,  ///< one autodiff residual per observation: the reference
-  kReduced,   ///< the triangular factor of all observations (reduction.h)
+  kReduced,   ///< the triangular factor of all observations
 };
 
 /// Options of every solver; each states which solvers read it. Lengths in m.

@@ -24,7 +24,7 @@ enum class IntervalMethod {
 struct UncertaintyOptions {
   double confidence = 0.95;  ///< of intervals and ellipsoids; in (0, 1)
   IntervalMethod intervals = IntervalMethod::kAutomatic;
-  /// Above this (nonlinearity.h) linear intervals no longer hold what they
+  /// Above this (docs/uncertainty.md) linear intervals no longer hold what they
   /// say: a second-order part of a fifth of the standard deviation takes
   /// about 0.5 to 1 % from a coverage of 95 %.
   double nonlinearity_limit = 0.2;
@@ -34,7 +34,8 @@ struct UncertaintyOptions {
   std::uint64_t seed = 1;  ///< of these
 };
 
-/// An interval that holds the true value with the stated confidence (rad, m).
+/// An interval that holds the true value with the stated confidence; bounds of
+/// the value itself (rad, m), not of its deviation from nominal.
 struct ConfidenceInterval {
   double lower = std::numeric_limits<double>::quiet_NaN();
   double upper = std::numeric_limits<double>::quiet_NaN();
@@ -50,7 +51,7 @@ struct ParameterUncertainty {
   double std = std::numeric_limits<double>::quiet_NaN();
   ConfidenceInterval interval;
   /// Root mean square of the second-order part of the estimate over its first
-  /// one (nonlinearity.h).
+  /// one (docs/uncertainty.md).
   double nonlinearity = 0.0;
   /// Part of the prior in what is known of it: 0 = the data alone, 1 = the
   /// prior alone.

@@ -105,9 +105,13 @@ class Calibrator {
       const References& references = task().data.references;
       const bool has_references =
           references.num_points() + references.num_planes() > 0;
+      const auto& candidates = task().options.identifiability.candidates;
+      std::vector<std::string> frames;
+      if (candidates.base) frames.emplace_back("base");
+      if (candidates.tool) frames.emplace_back("tool");
+      if (has_references) frames.emplace_back("points and planes");
       result_.before_note =
-          std::string("before: base and tool") +
-          (has_references ? ", points and planes" : "") +
+          "before: " + Join(frames, ", ") +
           " fitted to the training poses, the geometry of the joints nominal";
     }
     RefuseOrientations();
@@ -178,9 +182,6 @@ class Calibrator {
             ? AnalyzeIdentifiability(model_, task().data.training, options)
             : cache_->Analyze(model_, task().data.training, options);
     result_.identify_time_s = SecondsSince(begin);
-    for (const std::string& warning : result_.identifiability.warnings) {
-      LOG(WARNING) << "warning: " << warning;
-    }
     if (!result_.identifiability.exceeds_rank || options.proceed_beyond_rank) {
       return true;
     }
@@ -359,6 +360,7 @@ namespace alidade {
 
 CalibrationResult Calibrate(const Arm& arm, const CalibrationData& data,
                             const CalibrationOptions& options) {
+  internal::RequireMeasurements(data.training);
   return internal::Calibrate({arm, data, options});
 }
 

@@ -26,6 +26,14 @@ bool CalibrationOptions::IsValid(std::string* error) const {
   if (num_threads < 1) {
     return fail("num_threads = ", num_threads, ", must be 1 or more");
   }
+  if (solver == SolverName::kPseudoInverse) {
+    if (loss != LossKind::kNone) {
+      return fail("loss must be none with the solver pseudo_inverse");
+    }
+    if (!bounds.empty()) {
+      return fail("bounds must be empty with the solver pseudo_inverse");
+    }
+  }
   for (const ParameterBounds& bound : bounds) {
     if (bound.lower < bound.upper) continue;
     return fail("bounds of ", bound.parameter, " = [", bound.lower, ", ",

@@ -6,13 +6,16 @@
 #include <cmath>
 
 #include "src/common/format.h"
+#include "src/common/text.h"
 #include "src/common/text_table.h"
 
 namespace alidade {
 
+using internal::Count;
 using internal::FormatAccuracy;
 using internal::FormatLength;
 using internal::FormatParameter;
+using internal::FormatSignificant;
 using internal::TextTable;
 using internal::UnitForPeople;
 
@@ -57,6 +60,31 @@ const ParameterResult& CalibrationResult::Parameter(
   return *found;
 }
 
+namespace {
+
+// The worst, a line each.
+std::string DescribeOutliers(const std::vector<Outlier>& outliers) {
+  constexpr std::size_t kMost = 10;
+  std::string text;
+  for (std::size_t k = 0; k < std::min(kMost, outliers.size()); ++k) {
+    const Outlier& one = outliers[k];
+    const std::string where =
+        one.label.where.empty() ? "" : " (" + one.label.where + ")";
+    text += "outlier: pose " + std::to_string(one.label.pose + 1) + where +
+            ", " + FormatLength(one.error) + ", weight " +
+            FormatSignificant(one.weight, 2) + "\n";
+  }
+  if (outliers.size() > kMost) {
+    text +=
+        "and " +
+        Count(static_cast<std::int64_t>(outliers.size() - kMost), "outlier") +
+        " more\n";
+  }
+  return text;
+}
+
+}  // namespace
+
 ConfidenceInterval CalibrationResult::Interval(const std::string& name) const {
   if (!uncertainty) return {};
   const auto& all = uncertainty->parameters;
@@ -67,7 +95,8 @@ ConfidenceInterval CalibrationResult::Interval(const std::string& name) const {
 }
 
 std::string CalibrationResult::BriefReport() const {
-  std::string text = arm_name + ": " + ToString(status);
+  std::string text = arm_name.empty() ? "" : arm_name + ": ";
+  text += ToString(status);
   if (!message.empty()) text += ": " + message;
   if (!IsUsable()) return text;
   const EvaluatedSet& set = validation ? *validation : train;
@@ -79,6 +108,7 @@ std::string CalibrationResult::BriefReport() const {
 std::string CalibrationResult::FullReport() const {
   std::string text = BriefReport() + "\n";
   if (!IsUsable()) return text;
+  text += verdict.title + ": " + verdict.sentence + "\n";
   const auto add = [&text](const char* set, const EvaluatedSet& errors) {
     text += std::string(set) + " before: " + FormatAccuracy(errors.before) +
             "\n" + set + " after:  " + FormatAccuracy(errors.after) + "\n";
@@ -101,6 +131,7 @@ std::string CalibrationResult::FullReport() const {
                   format(one.std), UnitForPeople(one.dimension)});
   }
   text += table.ToString();
+  text += DescribeOutliers(outliers);
   for (const std::string& warning : warnings) {
     text += "warning: " + warning + "\n";
   }

@@ -12,6 +12,18 @@ namespace alidade::internal {
 
 namespace {
 
+void RequireNames(const ParameterLayout& layout, const char* option,
+                  const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    if (layout.Find(name)) continue;
+    throw InputError({}, std::string(option) + ": the arm has no parameter \"" +
+                             name + "\", expected one of " +
+                             layout.parameter(0).name + " ... " +
+                             layout.parameter(layout.size() - 1).name +
+                             " (docs/conventions.md)");
+  }
+}
+
 void RequireValid(const CalibrationTask& task) {
   std::string error;
   if (!task.options.IsValid(&error)) throw InputError({}, error);
@@ -24,10 +36,12 @@ void RequireValid(const CalibrationTask& task) {
       LayoutShape{task.arm.num_joints(), task.arm.num_targets(),
                   references.num_points(), references.num_planes()});
   for (const ParameterBounds& bound : task.options.bounds) {
-    if (layout.Find(bound.parameter)) continue;
-    throw InputError({}, "bounds of \"" + bound.parameter +
-                             "\": the arm has no parameter of this name");
+    RequireNames(layout, "bounds", {bound.parameter});
   }
+  const IdentifiabilityOptions& identifiability = task.options.identifiability;
+  RequireNames(layout, "identifiability.fix", identifiability.fix);
+  RequireNames(layout, "identifiability.free", identifiability.free);
+  RequireNames(layout, "identifiability.prefer", identifiability.prefer);
   RequireConsistent(task.data.training, task.arm, references);
   if (task.data.validation) {
     RequireConsistent(*task.data.validation, task.arm, references);

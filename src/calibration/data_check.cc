@@ -85,6 +85,17 @@ void RequireConsistent(const Dataset& data, const Arm& arm,
   }
 }
 
+void RequireMeasurements(const Dataset& data) {
+  if (data.num_poses() == 0) Fail(data, "the data have no pose");
+  for (const ObservationBlock& block : data.blocks) {
+    if ((block.sigmas.map().array() > 0.0).all()) continue;
+    Fail(data, std::string("a sigma of kind \"") + NameOf(block.kind) +
+                   "\" is not above 0; what was not measured has an infinite "
+                   "one");
+  }
+  RequireFinite(data);
+}
+
 void RequireFinite(const Dataset& data) {
   const auto where = [&data](int pose) {
     const std::string source = SourceOf(data, pose);

@@ -18,6 +18,10 @@ void RequireConsistent(const Dataset& data, const Arm& arm,
 /// evaluation would pass it on. O(N). @throws InputError that names the pose.
 void RequireFinite(const Dataset& data);
 
+/// That there is a pose, that all sigmas are above 0, and RequireFinite: of
+/// data that no reader has looked at. O(N). @throws InputError.
+void RequireMeasurements(const Dataset& data);
+
 }  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_CALIBRATION_DATA_CHECK_H_

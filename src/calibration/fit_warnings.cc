@@ -178,7 +178,6 @@ std::string Listed(const std::string& before, const std::string& names,
 
 void AddWarning(const std::string& warning, CalibrationResult* result) {
   result->warnings.push_back(warning);
-  LOG(WARNING) << "warning: " << warning;
 }
 
 void AddWarning(const Finding& finding, CalibrationResult* result) {

@@ -22,6 +22,9 @@ PlanResult RunPlan(const PlanConfig& config, const std::string& command) {
   result.command = command;
   result.title = config.title;
   result.inputs = std::move(inputs);
+  for (const std::string& warning : result.warnings) {
+    LOG(WARNING) << "warning: " << warning;
+  }
   return result;
 }
 

@@ -44,6 +44,12 @@ void NotePublished(const PublishedStudy& published, CalibrationResult* result) {
   }
 }
 
+void Log(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) {
+    LOG(WARNING) << "warning: " << warning;
+  }
+}
+
 }  // namespace
 
 CalibrationResult RunJob(JobConfig job, const std::string& command,
@@ -56,6 +62,8 @@ CalibrationResult RunJob(JobConfig job, const std::string& command,
   result.inputs = std::move(inputs);
   result.rejected = std::move(job.rejected);
   if (job.published) NotePublished(*job.published, &result);
+  Log(result.identifiability.warnings);
+  Log(result.warnings);
   return result;
 }
 

@@ -184,10 +184,7 @@ class Planner {
     return false;
   }
 
-  void Warn(const std::string& warning) {
-    result_.warnings.push_back(warning);
-    LOG(WARNING) << "warning: " << warning;
-  }
+  void Warn(const std::string& warning) { result_.warnings.push_back(warning); }
 
   int threads() const { return model_.num_threads(); }
 

@@ -49,6 +49,18 @@ double Progress::FloorCost() const {
          angle * angle * sigmas_.rotation_information;
 }
 
+// A column whose value is not within its bounds, or -1.
+int Progress::OutOfBounds(const Eigen::VectorXd& values) const {
+  if (problem_.lower.size() == 0) return -1;
+  for (int column = 0; column < static_cast<int>(values.size()); ++column) {
+    if (values[column] < problem_.lower[column] ||
+        values[column] > problem_.upper[column]) {
+      return column;
+    }
+  }
+  return -1;
+}
+
 bool Progress::CheckProblem(const Eigen::VectorXd& values) {
   std::string error;
   if (!options_.IsValid(&error)) {
@@ -66,11 +78,12 @@ bool Progress::CheckProblem(const Eigen::VectorXd& values) {
              std::to_string(problem_.model.layout().num_joints()));
   } else if (summary_.num_free == 0) {
     Stop(SolverStatus::kUnusable, "no parameter is free");
-  } else if (problem_.lower.size() != 0 &&
-             ((values.array() < problem_.lower.array()).any() ||
-              (values.array() > problem_.upper.array()).any())) {
+  } else if (const int column = OutOfBounds(values); column >= 0) {
     Stop(SolverStatus::kUnusable,
-         "the starting point is not within the bounds");
+         "the starting point of " +
+             problem_.model.layout().parameter(column).name +
+             " is not within its bounds, which are of its value and not of its "
+             "deviation");
   } else if (problem_.priors.size() != 0 &&
              problem_.priors.size() != values.size()) {
     Stop(SolverStatus::kUnusable, "priors must be empty or one per parameter");

@@ -72,6 +72,7 @@ class Progress {
   double FloorCost() const;
   bool IsBelowFloor(double predicted_decrease) const;
   bool IsBelowTolerance(double predicted_decrease, double cost) const;
+  int OutOfBounds(const Eigen::VectorXd& values) const;
   bool CheckProblem(const Eigen::VectorXd& values);
   IterationRecord Evaluate(const Eigen::VectorXd& values);
   void Tell(const IterationRecord& record);
