@@ -379,7 +379,8 @@ void VisitJob(Visitor& v, JobReading* reading) {
   VisitMeasurements(v, reading);
   v.Custom(Key("truth").In("path").Schema(kTextSchema),
            "deviations of the real arm, where it is known (a simulated one); "
-           "the report compares",
+           "the report compares, and base, tool and references start where the "
+           "files state them, without a fit of these alone before",
            [&](const YamlValue& value) { ReadTruth(value, reading); });
   v.Section(Key("acceptance"),
             "limits; where one is missed, the exit status is 1",
