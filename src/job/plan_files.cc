@@ -1,5 +1,7 @@
 #include "src/job/plan_files.h"
 
+#include <glog/logging.h>
+
 #include <string>
 #include <utility>
 

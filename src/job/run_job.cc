@@ -1,5 +1,7 @@
 #include "src/job/run_job.h"
 
+#include <glog/logging.h>
+
 #include <cstddef>
 #include <utility>
 #include <vector>
