@@ -13,7 +13,6 @@
 
 #include "alidade/dataset_file.h"
 #include "alidade/units.h"
-#include "src/common/numbers.h"
 #include "src/common/random.h"
 #include "src/common/text.h"
 #include "src/dataio/dataset_csv.h"
@@ -81,8 +80,9 @@ LoadedData LoadAsCsv(const Names& names, const Rows& rows) {
   std::string text = Join(names, ",") + "\n";
   for (const std::vector<double>& row : rows) {
     for (const double& number : row) {
-      if (&number != row.data()) text += ",";
-      text += FormatShifted(number, 0);
+      text += &number == row.data() ? "" : ",";
+      text += std::signbit(number) ? "-" : "";  // of zero too
+      text += ShortestNumber(std::abs(number));
     }
     text += "\n";
   }
