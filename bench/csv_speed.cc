@@ -72,14 +72,13 @@ class TemporaryFile {
   const std::string path_;
 };
 
-void Read(benchmark::State& state, Text text, bool is_careful) {
+void Read(benchmark::State& state, Text text) {
   const Arm arm = SixJoints();
   const std::string content = Content(RandomData(arm), arm, text);
   const TemporaryFile file(text == Text::kNpy ? ".npy" : ".csv", content);
   DataFormat format;
   ReadOptions options;
   options.num_threads = static_cast<int>(state.range(0));
-  options.is_careful = is_careful;
   const std::clock_t start = std::clock();
   for (auto unused : state) {
     References references;
@@ -97,15 +96,12 @@ void Read(benchmark::State& state, Text text, bool is_careful) {
   state.SetItemsProcessed(state.iterations() * kPoses);
 }
 
-BENCHMARK_CAPTURE(Read, csv, Text::kCsv, false)->Arg(1)->Arg(2)->UseRealTime();
-BENCHMARK_CAPTURE(Read, csv_all_digits, Text::kLongCsv, false)
+BENCHMARK_CAPTURE(Read, csv, Text::kCsv)->Arg(1)->Arg(2)->UseRealTime();
+BENCHMARK_CAPTURE(Read, csv_all_digits, Text::kLongCsv)
     ->Arg(1)
     ->Arg(2)
     ->UseRealTime();
-BENCHMARK_CAPTURE(Read, npy, Text::kNpy, false)->Arg(1)->Arg(2)->UseRealTime();
-BENCHMARK_CAPTURE(Read, csv_row_by_row, Text::kCsv, true)
-    ->Arg(1)
-    ->UseRealTime();
+BENCHMARK_CAPTURE(Read, npy, Text::kNpy)->Arg(1)->Arg(2)->UseRealTime();
 
 void Write(benchmark::State& state, Text text) {
   const Arm arm = SixJoints();

@@ -1,7 +1,6 @@
 #include "src/common/numbers.h"
 
 #include <fast_float/fast_float.h>
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -10,7 +9,6 @@
 #include <system_error>
 
 #include "src/common/names.h"
-#include "src/common/text.h"
 
 namespace alidade::internal {
 namespace {
@@ -101,26 +99,9 @@ std::optional<double> ParseFinite(std::string_view text) {
   return value;
 }
 
-// digits * 10^(exponent - number of digits + 1).
-void AppendDecimal(std::string_view digits, int exponent, std::string* text) {
-  const auto size = static_cast<int>(digits.size());
-  if (exponent < -5 || exponent > 15) {
-    *text += digits[0];
-    if (size > 1) (*text += '.') += digits.substr(1);
-    *text += 'e';
-    const fmt::format_int number(exponent);
-    text->append(number.data(), number.size());
-  } else if (exponent < 0) {
-    text->append("0.00000", static_cast<std::size_t>(1 - exponent));
-    *text += digits;
-  } else if (size <= exponent + 1) {
-    *text += digits;
-    text->append(static_cast<std::size_t>(exponent + 1 - size), '0');
-  } else {
-    const auto point = static_cast<std::size_t>(exponent) + 1;
-    ((*text += digits.substr(0, point)) += '.') += digits.substr(point);
-  }
-}
+// These powers of ten are doubles.
+constexpr std::array<double, 13> kPowersOfTen = {
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12};
 
 }  // namespace
 
@@ -148,6 +129,12 @@ std::optional<double> ParseNumber(std::string_view text, int exponent) {
     return std::nullopt;
   }
   if (exponent == 0) return ParseFinite(text);
+  constexpr std::size_t kFewCharacters = 16;
+  if (text.size() <= kFewCharacters && exponent < 0) {
+    const std::optional<double> value = ParseFinite(text);
+    const auto shifted = value ? ShiftShort(*value, exponent) : std::nullopt;
+    if (shifted) return shifted;
+  }
   const auto* const e = std::find_if(text.begin(), text.end(),
                                      [](char c) { return (c | 0x20) == 'e'; });
   if (e != text.end()) {
@@ -164,6 +151,15 @@ std::optional<double> ParseNumber(std::string_view text, int exponent) {
       {buffer.data(), static_cast<std::size_t>(end - buffer.data())});
 }
 
+// Different decimals of at most 15 digits have different doubles, so that w *
+// 1e-6 is the decimal; w and the power of ten are doubles.
+std::optional<double> ShiftShort(double value, int exponent) {
+  constexpr double kMost = 1e15;
+  const double w = std::nearbyint(value * 1e6);
+  if (!(std::abs(w) < kMost) || w / 1e6 != value) return std::nullopt;
+  return w / kPowersOfTen[6 - exponent];
+}
+
 std::optional<double> ParseQuantity(std::string_view text, const Unit& unit) {
   const std::optional<double> value = ParseNumber(text, unit.exponent);
   if (!value) return std::nullopt;
@@ -178,33 +174,6 @@ std::string DescribeBadNumber(std::string_view text,
   }
   return "expected a number, found " + Quote(text) +
          AdviceForBadNumber(text, unit_hint);
-}
-
-std::string FormatShifted(double value, int exponent) {
-  std::string text;
-  AppendShifted(value, exponent, &text);
-  return text;
-}
-
-void AppendShifted(double value, int exponent, std::string* text) {
-  if (!std::isfinite(value)) return AppendShortest(value, text);
-  std::array<char, 40> buffer;  // as 1.2345e-06
-  const char* const end =
-      std::to_chars(buffer.data(), buffer.data() + buffer.size(),
-                    std::abs(value), std::chars_format::scientific)
-          .ptr;
-  char* const e = std::find(buffer.data(), buffer.data() + buffer.size(), 'e');
-  int own = 0;
-  std::from_chars(e[1] == '+' ? e + 2 : e + 1, end, own);
-  if (value != 0.0) own += exponent;
-  if (std::signbit(value)) *text += '-';
-  // Without the point, by the first digit in its place.
-  char* digits = buffer.data();
-  if (e - digits > 1) {
-    digits[1] = digits[0];
-    ++digits;
-  }
-  AppendDecimal({digits, static_cast<std::size_t>(e - digits)}, own, text);
 }
 
 }  // namespace alidade::internal

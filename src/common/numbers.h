@@ -50,6 +50,11 @@ std::optional<Integer> ParseWhole(std::string_view text) {
 /// point, an optional exponent. Does not depend on the locale.
 std::optional<double> ParseNumber(std::string_view text, int exponent = 0);
 
+/// value * 10^exponent, rounded once, of the decimal of at most 15 digits, six
+/// of them after the point, that `value` is the nearest double to; nothing
+/// where it is none. @pre -6 <= exponent <= 0.
+std::optional<double> ShiftShort(double value, int exponent);
+
 /// The SI value of `text` in `unit`; nothing where ParseNumber gives nothing.
 std::optional<double> ParseQuantity(std::string_view text, const Unit& unit);
 
@@ -57,13 +62,6 @@ std::optional<double> ParseQuantity(std::string_view text, const Unit& unit);
 /// where a unit belongs: "state the unit in \"units\"".
 std::string DescribeBadNumber(std::string_view text,
                               std::string_view unit_hint);
-
-/// value * 10^exponent in decimal: the fewest digits that read back to `value`
-/// with the point moved, so that ParseNumber(text, -exponent) gives the same
-/// bits, the sign of a zero included.
-std::string FormatShifted(double value, int exponent);
-/// The same at the end of `text`, for tables of many rows.
-void AppendShifted(double value, int exponent, std::string* text);
 
 }  // namespace alidade::internal
 

@@ -1,15 +1,8 @@
 #include "src/common/text.h"
 
-#include <fast_float/fast_float.h>
-#include <fmt/compile.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <charconv>
-#include <cmath>
-#include <iterator>
-#include <limits>
 
 namespace alidade::internal {
 namespace {
@@ -118,56 +111,6 @@ std::string Heading(std::string_view title, char rule) {
 std::string Join(const std::vector<std::string>& parts,
                  std::string_view separator) {
   return fmt::to_string(fmt::join(parts, separator));
-}
-
-std::string FixedNumber(double value, int decimals) {
-  std::string text;
-  AppendFixed(value, decimals, &text);
-  return text;
-}
-
-void AppendFixed(double value, int decimals, std::string* text) {
-  const std::size_t begin = text->size();
-  fmt::format_to(std::back_inserter(*text), FMT_COMPILE("{:.{}f}"), value,
-                 std::clamp(decimals, 0, 60));
-  if ((*text)[begin] == '-' &&
-      text->find_first_not_of("-0.", begin) == std::string::npos) {
-    text->erase(begin, 1);
-  }
-}
-
-std::string ShortestNumber(double value) {
-  std::string text;
-  AppendShortest(value, &text);
-  return text;
-}
-
-void AppendShortest(double value, std::string* text) {
-  // The longest is as -1.2345678901234567e-308.
-  std::array<char, 32> buffer;
-  char* end = buffer.data();
-  const double magnitude = std::abs(value);
-  if (magnitude >= 1e-3 && magnitude < 1e5) {
-    // Faster than std::to_chars, which gives the same text here; elsewhere the
-    // two differ in where an exponent begins.
-    end = fmt::format_to(end, FMT_COMPILE("{}"), value);
-  } else if (value == 0.0) {
-    *end++ = '0';
-  } else if (std::isnan(value)) {
-    end = std::copy_n("nan", 3, end);
-  } else {
-    end = std::to_chars(end, end + buffer.size(), value).ptr;
-  }
-  text->append(buffer.data(), end);
-}
-
-double NumberOrNan(std::string_view text) {
-  double value = 0.0;
-  const char* const end = text.data() + text.size();
-  const auto [last, error] = fast_float::from_chars(text.data(), end, value);
-  return error == std::errc() && last == end
-             ? value
-             : std::numeric_limits<double>::quiet_NaN();
 }
 
 std::string AsSentence(std::string text) {

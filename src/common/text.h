@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "src/common/number_text.h"
+
 namespace alidade::internal {
 
 /// Columns of a report for people; no line is longer unless a single word is.
@@ -33,24 +35,6 @@ std::string Heading(std::string_view title, char rule = '-');
 
 std::string Join(const std::vector<std::string>& parts,
                  std::string_view separator);
-
-/// `decimals` fixed decimals, independent of the locale: "-1.50", "0.00" also
-/// for values that round to minus zero, "nan", "inf", "-inf".
-std::string FixedNumber(double value, int decimals);
-/// The same at the end of `text`.
-void AppendFixed(double value, int decimals, std::string* text);
-
-/// In place of a number of decimals: the fewest digits that read back to the
-/// same double.
-inline constexpr int kFewestDigits = -1;
-
-/// The shortest text that reads back to the same double: "0.1", "2.1e-13".
-std::string ShortestNumber(double value);
-/// The same at the end of `text`, for tables of many rows.
-void AppendShortest(double value, std::string* text);
-
-/// What ShortestNumber wrote; NaN for anything that is no number.
-double NumberOrNan(std::string_view text);
 
 /// A cell of a CSV: texts come from users, so quoted where one needs it.
 std::string TextCell(const std::string& text);

@@ -2,23 +2,19 @@
 
 #include <algorithm>
 
-#include "alidade/error.h"
-
 namespace alidade::internal {
 namespace {
 
-constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-constexpr std::string_view kSpaces = " \t";
+bool IsSpace(char c) { return c == ' ' || c == '\t'; }
 
-std::string_view Trim(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(kSpaces);
-  if (first == std::string_view::npos) return text.substr(0, 0);
-  return text.substr(first, text.find_last_not_of(kSpaces) - first + 1);
+const char* SkipSpaces(const char* p, const char* end) {
+  while (p != end && IsSpace(*p)) ++p;
+  return p;
 }
 
-std::string_view Unquote(std::string_view cell) {
-  if (cell.empty() || cell.front() != '"') return cell;
-  return Trim(cell.substr(1, cell.size() - 2));
+std::string_view WithoutSpacesBehind(const char* begin, const char* end) {
+  while (end != begin && IsSpace(end[-1])) --end;
+  return {begin, static_cast<std::size_t>(end - begin)};
 }
 
 }  // namespace
@@ -31,64 +27,43 @@ std::string_view TakeLine(std::string_view* text) {
 }
 
 bool IsPassedOver(std::string_view line) {
-  const std::size_t first = line.find_first_not_of(kSpaces);
-  return first == std::string_view::npos || line[first] == '#';
+  const char* const end = line.data() + line.size();
+  const char* const first = SkipSpaces(line.data(), end);
+  return first == end || *first == '#';
 }
 
-CsvLines::CsvLines(const std::string& path, std::string_view text)
-    : path_(path), rest_(text) {
-  if (rest_.substr(0, kByteOrderMark.size()) == kByteOrderMark) {
-    rest_.remove_prefix(kByteOrderMark.size());
-  }
-}
-
-bool CsvLines::Next() {
-  while (!rest_.empty()) {
-    line_ = TakeLine(&rest_);
-    ++line_number_;
-    if (!IsPassedOver(line_)) return true;
-  }
-  return false;
-}
-
-void CsvLines::Split(std::vector<std::string_view>* cells) const {
+void CsvLine::Split(std::vector<std::string_view>* cells) const {
   cells->clear();
-  std::string_view rest = line_;
+  const char* p = text.data();
+  const char* const end = p + text.size();
   while (true) {
-    const std::size_t end = CellEnd(rest);
-    cells->push_back(Unquote(Trim(rest.substr(0, end))));
-    if (end >= rest.size()) return;
-    rest.remove_prefix(end + 1);
+    const char* first = p = SkipSpaces(p, end);
+    const char* last = nullptr;
+    if (p != end && *p == '"') {
+      last = std::find(p + 1, end, '"');
+      if (last == end) {
+        Fail("expected a closing quote (\") in this line", first);
+      }
+      p = SkipSpaces(last + 1, end);
+      if (p != end && *p != ',') {
+        Fail("expected a comma behind the closing quote", last);
+      }
+      first = SkipSpaces(first + 1, last);
+    } else {
+      while (p != end && *p != ',') ++p;
+      last = p;
+    }
+    cells->push_back(WithoutSpacesBehind(first, last));
+    if (p == end) return;
+    ++p;
   }
 }
 
-void CsvLines::Fail(const std::string& message, const char* cell,
-                    const std::string& column) const {
-  SourceLocation location;
-  location.file = path_;
-  location.line = line_number_;
-  if (cell != nullptr) {
-    location.column = ColumnOf(cell);
-  }
-  location.key = column;
-  throw InputError(location, message);
-}
-
-// Where the comma after the first cell is; one in quotes does not count.
-std::size_t CsvLines::CellEnd(std::string_view text) const {
-  const std::size_t quote = text.find_first_not_of(kSpaces);
-  if (quote == std::string_view::npos || text[quote] != '"') {
-    return std::min(text.find(','), text.size());
-  }
-  const std::size_t closing = text.find('"', quote + 1);
-  if (closing == std::string_view::npos) {
-    Fail("expected a closing quote (\") in this line", text.data() + quote);
-  }
-  const std::size_t end = std::min(text.find(',', closing), text.size());
-  if (!Trim(text.substr(closing + 1, end - closing - 1)).empty()) {
-    Fail("expected a comma behind the closing quote", text.data() + closing);
-  }
-  return end;
+SourceLocation CsvLine::Location(const char* cell,
+                                 const std::string& column) const {
+  const bool has_column = cell != nullptr && number > 0;
+  return {path, number,
+          has_column ? static_cast<int>(cell - text.data()) + 1 : 0, column};
 }
 
 }  // namespace alidade::internal

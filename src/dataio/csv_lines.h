@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "alidade/error.h"
+
 namespace alidade::internal {
 
 /// Takes the first line off `text` and returns it without its end: '\n', and
@@ -14,43 +16,26 @@ std::string_view TakeLine(std::string_view* text);
 /// Whether the line is blank or begins with '#', so that it holds nothing.
 bool IsPassedOver(std::string_view line);
 
-/// Goes through the lines of a CSV text and splits them into cells. Blank lines
-/// and lines that begin with '#' are passed over; a byte-order mark and the
-/// carriage returns of Windows are accepted. Nothing is copied: `path` and
-/// `text` must outlive the reader and the cells.
-class CsvLines {
- public:
-  CsvLines(const std::string& path, std::string_view text);
-
-  /// False at the end of the text.
-  bool Next();
-
-  std::string_view line() const { return line_; }
-  int line_number() const { return line_number_; }  ///< from 1
-  /// The text after the line.
-  std::string_view rest() const { return rest_; }
+/// A line of a CSV file. Nothing is copied: the path and the text must outlive
+/// it and its cells.
+struct CsvLine {
+  const std::string& path;
+  std::string_view text;
+  int number = 0;  ///< from 1; 0: it is in no file
 
   /// The cells of the line, without the spaces and the double quotes around
   /// them. @throws InputError where a quote is not closed.
   void Split(std::vector<std::string_view>* cells) const;
 
-  /// The column (from 1) that a part of the line begins at.
-  int ColumnOf(const char* cell) const {
-    return static_cast<int>(cell - line_.data()) + 1;
-  }
+  /// Of `cell`, a part of the line, or null. `column` is its name.
+  SourceLocation Location(const char* cell = nullptr,
+                          const std::string& column = "") const;
 
-  /// @throws InputError at the line that was read last. `cell` is a part of
-  /// that line, or null; `column` is its name.
+  /// @throws InputError there.
   [[noreturn]] void Fail(const std::string& message, const char* cell = nullptr,
-                         const std::string& column = "") const;
-
- private:
-  std::size_t CellEnd(std::string_view text) const;
-
-  const std::string& path_;
-  std::string_view rest_;
-  std::string_view line_;
-  int line_number_ = 0;
+                         const std::string& column = "") const {
+    throw InputError(Location(cell, column), message);
+  }
 };
 
 }  // namespace alidade::internal

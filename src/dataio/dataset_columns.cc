@@ -82,9 +82,9 @@ void IgnoreOthers(const DataFormat& format, DatasetColumns* columns) {
   Ignore(columns->target, 1, columns);
 }
 
-int CountHas(const RowReader& rows, int first, int count) {
+int CountHas(const TableHeader& header, int first, int count) {
   int found = 0;
-  for (int i = first; i < first + count; ++i) found += rows.Has(i) ? 1 : 0;
+  for (int i = first; i < first + count; ++i) found += header.Has(i) ? 1 : 0;
   return found;
 }
 
@@ -92,8 +92,8 @@ int CountHas(const RowReader& rows, int first, int count) {
 class HeaderCheck {
  public:
   HeaderCheck(const DatasetColumns& columns, const DataFormat& format,
-              const Arm& arm, const RowReader& rows)
-      : columns_(columns), format_(format), arm_(arm), rows_(rows) {}
+              const Arm& arm, const TableHeader& header)
+      : columns_(columns), format_(format), arm_(arm), header_(header) {}
 
   MeasuredGroups Check() {
     CheckPosition();
@@ -109,45 +109,46 @@ class HeaderCheck {
   const ColumnSpec& Spec(int i) const { return columns_.specs[i]; }
 
   [[noreturn]] void FailMissing(int i, const std::string& why = "") const {
-    rows_.Fail("column is missing, expected " + Spellings(Spec(i)) + why,
-               FirstName(Spec(i)));
+    header_.Fail("column is missing, expected " + Spellings(Spec(i)) + why,
+                 FirstName(Spec(i)));
   }
 
   // Fails unless all of the columns are there, or none of them.
   bool HasAll(int first, int count) const {
-    const int found = CountHas(rows_, first, count);
+    const int found = CountHas(header_, first, count);
     for (int i = first; i < first + count; ++i) {
-      if (found > 0 && !rows_.Has(i)) FailMissing(i);
+      if (found > 0 && !header_.Has(i)) FailMissing(i);
     }
     return found > 0;
   }
 
   // Sigmas are optional, but then of every axis that is measured.
   void CheckSigmas(int sigma, int value, bool measures_all) const {
-    if (CountHas(rows_, sigma, 3) == 0) return;
+    if (CountHas(header_, sigma, 3) == 0) return;
     for (int axis = 0; axis < 3; ++axis) {
-      const bool is_measured = measures_all || rows_.Has(value + axis);
-      if (is_measured && !rows_.Has(sigma + axis)) FailMissing(sigma + axis);
-      if (is_measured || !rows_.Has(sigma + axis)) continue;
+      const bool is_measured = measures_all || header_.Has(value + axis);
+      if (is_measured && !header_.Has(sigma + axis)) FailMissing(sigma + axis);
+      if (is_measured || !header_.Has(sigma + axis)) continue;
       FailMissing(value + axis, " beside " + FirstName(Spec(sigma + axis)));
     }
   }
 
   void CheckPosition() {
     const bool has_targets = !columns_.target_positions.empty();
-    groups_.position = has_targets || CountHas(rows_, columns_.position, 3) > 0;
+    groups_.position =
+        has_targets || CountHas(header_, columns_.position, 3) > 0;
     CheckSigmas(columns_.position_sigma, columns_.position, has_targets);
     groups_.covariance = HasAll(columns_.covariance, 6);
     if (!groups_.covariance) return;
     if (!has_targets) {
       for (int axis = 0; axis < 3; ++axis) {
-        if (rows_.Has(columns_.position + axis)) continue;
+        if (header_.Has(columns_.position + axis)) continue;
         FailMissing(columns_.position + axis, " beside its covariance");
       }
     }
-    if (CountHas(rows_, columns_.position_sigma, 3) > 0) {
-      rows_.Fail("found beside the covariance, expected one of both",
-                 FirstName(Spec(columns_.position_sigma)));
+    if (CountHas(header_, columns_.position_sigma, 3) > 0) {
+      header_.Fail("found beside the covariance, expected one of both",
+                   FirstName(Spec(columns_.position_sigma)));
     }
   }
 
@@ -156,12 +157,12 @@ class HeaderCheck {
     groups_.vector = HasAll(columns_.vector, 3);
     groups_.quaternion = HasAll(columns_.quaternion, 4);
     if (groups_.angles + groups_.vector + groups_.quaternion > 1) {
-      rows_.Fail(
+      header_.Fail(
           "the orientation is there more than once, expected one of rx ry rz, "
           "wx wy wz and qw qx qy qz");
     }
     if (groups_.angles && !format_.rotation) {
-      rows_.Fail(
+      header_.Fail(
           "the convention of the angles is not stated, expected `rotation: "
           "NAME` in the job's `data`, one of intrinsic_xyz, extrinsic_xyz (or "
           "xzy, yxz, yzx, zxy, zyx, xyx, xzx, yxy, yzy, zxz, zyz), "
@@ -173,8 +174,8 @@ class HeaderCheck {
     if (has_angle_sigmas && !groups_.angles) FailMissing(columns_.angles);
     if (has_turn_sigmas && !groups_.orientation()) FailMissing(columns_.vector);
     if (has_angle_sigmas && has_turn_sigmas) {
-      rows_.Fail("found beside std_rx, expected one of both",
-                 FirstName(Spec(columns_.turn_sigma)));
+      header_.Fail("found beside std_rx, expected one of both",
+                   FirstName(Spec(columns_.turn_sigma)));
     }
   }
 
@@ -182,40 +183,40 @@ class HeaderCheck {
     const int parts = CountPointParts();
     if (parts > 0 && !format_.point.empty()) FailTwice(columns_.point[0]);
     const bool has_point = parts > 0 || !format_.point.empty();
-    groups_.distance = rows_.Has(columns_.distance);
+    groups_.distance = header_.Has(columns_.distance);
     groups_.fixed_point = has_point && !groups_.distance;
     if (groups_.distance && !has_point) {
       FailMissing(columns_.point[0], ": the point it is measured from");
     }
-    if (rows_.Has(columns_.distance_sigma) && !groups_.distance) {
+    if (header_.Has(columns_.distance_sigma) && !groups_.distance) {
       FailMissing(columns_.distance);
     }
-    const bool has_plane = rows_.Has(columns_.plane);
+    const bool has_plane = header_.Has(columns_.plane);
     if (has_plane && !format_.plane.empty()) FailTwice(columns_.plane);
     groups_.plane = has_plane || !format_.plane.empty();
   }
 
   int CountPointParts() const {
     int parts = 0;
-    for (const int part : columns_.point) parts += rows_.Has(part) ? 1 : 0;
+    for (const int part : columns_.point) parts += header_.Has(part) ? 1 : 0;
     return parts;
   }
 
   [[noreturn]] void FailTwice(int i) const {
     const std::string name = FirstName(Spec(i));
-    rows_.Fail(
+    header_.Fail(
         "a column of the file, and named for all of its rows too, "
         "expected one of both",
         name);
   }
 
   void CheckDifference() {
-    groups_.difference = CountHas(rows_, columns_.difference, 3) > 0;
+    groups_.difference = CountHas(header_, columns_.difference, 3) > 0;
     CheckSigmas(columns_.difference_sigma, columns_.difference, false);
-    if (groups_.difference && !rows_.Has(columns_.from)) {
+    if (groups_.difference && !header_.Has(columns_.from)) {
       FailMissing(columns_.from, ": the row that the difference is to");
     }
-    if (!groups_.difference && rows_.Has(columns_.from)) {
+    if (!groups_.difference && header_.Has(columns_.from)) {
       FailMissing(columns_.difference, " beside from");
     }
   }
@@ -225,7 +226,7 @@ class HeaderCheck {
         groups_.fixed_point || groups_.plane || groups_.difference) {
       return;
     }
-    rows_.Fail(
+    header_.Fail(
         "no column holds a measurement, expected some of x_mm y_mm z_mm, "
         "rx_deg "
         "ry_deg rz_deg, wx_deg wy_deg wz_deg, qw qx qy qz, distance_mm, point, "
@@ -233,11 +234,11 @@ class HeaderCheck {
   }
 
   void CheckTarget() const {
-    const bool has_column = rows_.Has(columns_.target);
+    const bool has_column = header_.Has(columns_.target);
     if (has_column && !format_.target.empty()) FailTwice(columns_.target);
     if (!columns_.target_positions.empty()) {
       if (groups_.orientation()) {
-        rows_.Fail(
+        header_.Fail(
             "orientations beside positions of several targets in one row, "
             "expected rows of one target, or `rotation: ignore`");
       }
@@ -248,17 +249,17 @@ class HeaderCheck {
     }
     std::vector<std::string> names;
     for (const Target& target : arm_.targets) names.push_back(target.name);
-    rows_.Fail("column is missing: arm " + Quote(arm_.name) +
-                   " has the targets " + JoinNames(names) +
-                   ", expected a column that names one of them, or `target: "
-                   "NAME` in the job's `data`",
-               "target");
+    header_.Fail("column is missing: arm " + Quote(arm_.name) +
+                     " has the targets " + JoinNames(names) +
+                     ", expected a column that names one of them, or `target: "
+                     "NAME` in the job's `data`",
+                 "target");
   }
 
   const DatasetColumns& columns_;
   const DataFormat& format_;
   const Arm& arm_;
-  const RowReader& rows_;
+  const TableHeader& header_;
   MeasuredGroups groups_;
 };
 
@@ -310,8 +311,8 @@ DatasetColumns MakeDatasetColumns(const Arm& arm, const DataFormat& format) {
 
 MeasuredGroups CheckColumns(const DatasetColumns& columns,
                             const DataFormat& format, const Arm& arm,
-                            const RowReader& rows) {
-  return HeaderCheck(columns, format, arm, rows).Check();
+                            const TableHeader& header) {
+  return HeaderCheck(columns, format, arm, header).Check();
 }
 
 }  // namespace alidade::internal

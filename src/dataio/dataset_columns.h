@@ -6,7 +6,7 @@
 #include "alidade/arm.h"
 #include "src/dataio/csv_columns.h"
 #include "src/dataio/data_format.h"
-#include "src/dataio/row_reader.h"
+#include "src/dataio/table_header.h"
 
 namespace alidade::internal {
 
@@ -50,13 +50,16 @@ struct MeasuredGroups {
   bool difference = false;
 
   bool orientation() const { return angles || vector || quaternion; }
+  bool positions_alone() const {
+    return position && !(covariance || orientation() || distance ||
+                         fixed_point || plane || difference);
+  }
 };
 
-/// Checks that the columns of the file go together. @pre the reader stands at
-/// the header. @throws InputError there.
+/// Checks that the columns of a table go together. @throws InputError.
 MeasuredGroups CheckColumns(const DatasetColumns& columns,
                             const DataFormat& format, const Arm& arm,
-                            const RowReader& rows);
+                            const TableHeader& header);
 
 }  // namespace alidade::internal
 

@@ -1,30 +1,73 @@
 #include "src/dataio/dataset_csv.h"
 
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
 #include <utility>
 
-#include "alidade/error.h"
-#include "src/common/names.h"
+#include "src/common/parallel.h"
 #include "src/dataio/csv_columns.h"
+#include "src/dataio/csv_table.h"
+#include "src/dataio/data_table.h"
 #include "src/dataio/dataset_npy.h"
-#include "src/dataio/dataset_reader.h"
-#include "src/dataio/npy_data.h"
-#include "src/dataio/row_reader.h"
+#include "src/dataio/dataset_rows.h"
+#include "src/dataio/npy_table.h"
 
 namespace alidade::internal {
 namespace {
 
-Eigen::MatrixXd ReadJointValues(MappedFile file, const Arm& arm) {
-  RowReader rows(std::move(file), arm, JointColumns(arm), true);
-  std::vector<double> motors;
-  while (rows.Next()) {
-    for (int j = 0; j < arm.num_joints(); ++j) motors.push_back(rows.Number(j));
+// The header is read.
+std::unique_ptr<DataTable> OpenTable(const std::string& path,
+                                     TableContent content,
+                                     const ReadOptions& options) {
+  if (IsNpy(path)) {
+    return std::make_unique<NpyTable>(path, std::move(content), options);
   }
-  if (rows.row() == 0) {
-    rows.Fail("no rows behind the header, expected one for every pose");
-  }
-  return JointsFromMotors(
-      arm, Eigen::Map<const Eigen::MatrixXd>(motors.data(), arm.num_joints(),
-                                             rows.row()));
+  return std::make_unique<CsvTable>(path, std::move(content), options);
+}
+
+// Positions whose numbers are used where they are: those of an array in SI
+// that holds nothing else and of which all are finite.
+std::optional<LoadedData> ReadInPlace(const DataTable& table,
+                                      const DatasetColumns& columns,
+                                      const DataFile& file, int num_threads) {
+  const bool is_first_target =
+      file.format.target.empty() ||
+      file.format.target == file.arm.targets.front().name;
+  if (!is_first_target || HasMotorMap(file.arm)) return std::nullopt;
+  const std::optional<SharedMatrix> joints =
+      table.InPlace(0, file.arm.num_joints());
+  const std::optional<SharedMatrix> positions =
+      table.InPlace(columns.position, 3);
+  const std::optional<SharedMatrix> sigmas =
+      table.header().Has(columns.position_sigma)
+          ? table.InPlace(columns.position_sigma, 3)
+          : SharedMatrix::Repeated(Eigen::Vector3d::Constant(file.format.sigma),
+                                   table.num_rows());
+  if (!joints || !positions || !sigmas) return std::nullopt;
+  constexpr std::int64_t kRowsAtOnce = 1 << 14;
+  std::atomic<bool> is_suspect{false};
+  ParallelFor(
+      num_threads, table.num_rows(), kRowsAtOnce,
+      [&](std::int64_t begin, std::int64_t end) {
+        const auto rows = [&](const SharedMatrix& all) {
+          return all.map().middleCols(begin, end - begin).array();
+        };
+        if (!(rows(*joints).isFinite().all() &&
+              rows(*positions).isFinite().all() &&
+              rows(*sigmas).isFinite().all() && (rows(*sigmas) > 0.0).all())) {
+          is_suspect = true;
+        }
+      });
+  if (is_suspect) return std::nullopt;
+  LoadedData loaded;
+  loaded.data = MakePositions(*joints, *positions, *sigmas);
+  loaded.data.name = file.path;
+  loaded.data.files = {file.path};
+  loaded.data.sources.Append({0, 1},
+                             static_cast<std::size_t>(table.num_rows()));
+  return loaded;
 }
 
 }  // namespace
@@ -39,20 +82,36 @@ LoadedData LoadData(const std::string& path, const Arm& arm,
 
 LoadedData LoadDataWith(const DataFile& file, References* references,
                         const ReadOptions& options) {
-  if (IsNpy(file.path)) return LoadNpy(file, references, options);
-  DatasetReader reader(MappedFile(file.path), file.arm, file.format,
-                       references);
-  return reader.Read(options);
+  const DatasetColumns columns = MakeDatasetColumns(file.arm, file.format);
+  const auto table = OpenTable(
+      file.path,
+      {file.arm, columns.specs, file.format.ignore_others, file.format.where},
+      options);
+  const MeasuredGroups groups =
+      CheckColumns(columns, file.format, file.arm, table->header());
+  if (groups.positions_alone() && columns.target_positions.empty()) {
+    std::optional<LoadedData> loaded =
+        ReadInPlace(*table, columns, file, options.num_threads);
+    if (loaded) return *std::move(loaded);
+  }
+  DatasetRows rows(*table, columns, groups, file);
+  table->VisitRows(options.num_threads,
+                   [&](const TableRow& row) { rows.Read(row); });
+  return rows.Finish(references);
 }
 
 Eigen::MatrixXd LoadJointValues(const std::string& path, const Arm& arm) {
-  if (!IsNpy(path)) return ReadJointValues(MappedFile(path), arm);
-  MappedFile text(path, NpyAsCsv(path));
-  try {
-    return ReadJointValues(std::move(text), arm);
-  } catch (const InputError& error) {
-    throw InArray(error);
+  const auto table = OpenTable(path, {arm, JointColumns(arm), true}, {});
+  if (table->num_rows() == 0) {
+    table->FailAtEnd("no rows behind the header, expected one for every pose");
   }
+  Eigen::MatrixXd motors(arm.num_joints(), table->num_rows());
+  table->VisitRows(1, [&](const TableRow& row) {
+    for (int j = 0; j < arm.num_joints(); ++j) {
+      motors(j, row.index()) = row.Number(j);
+    }
+  });
+  return JointsFromMotors(arm, std::move(motors));
 }
 
 }  // namespace alidade::internal

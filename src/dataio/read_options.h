@@ -24,8 +24,6 @@ inline void RequireFewRows(const std::string& path, std::int64_t rows) {
 /// How a data set is read. No option changes what comes out.
 struct ReadOptions {
   int num_threads = 1;
-  /// No fast path: rows are read one by one. For tests.
-  bool is_careful = false;
   /// Threads take pieces of about so many bytes: large enough that starting
   /// one costs nothing beside reading it, small enough for its text and its
   /// numbers to stay in a core's cache between the passes.

@@ -2,57 +2,57 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "src/common/names.h"
-#include "src/dataio/dataset_builder.h"
 #include "src/kernel/partition.h"
 
 namespace alidade::internal {
 namespace {
 
-Observation ReadDistance(const StatedDistance& stated, double default_sigma,
-                         const References& references) {
+// Appends the distance to a block.
+void AddDistance(const StatedDistance& stated, const References& references,
+                 ObservationBlock* block) {
   std::vector<std::string> names;
   for (const ReferencePoint& point : references.points) {
     names.push_back(point.name);
   }
   const std::vector<YamlValue> ends =
       stated.between->List(2, "names of points");
-  Observation observation;
-  observation.kind = MeasurementKind::kPointDistance;
-  observation.reference =
-      references.FindPoint(ends[0].Choice("reference point", names));
-  observation.second =
-      references.FindPoint(ends[1].Choice("reference point", names));
-  if (observation.reference == observation.second) {
+  block->references.push_back(
+      references.FindPoint(ends[0].Choice("reference point", names)));
+  block->seconds.push_back(
+      references.FindPoint(ends[1].Choice("reference point", names)));
+  if (block->references.back() == block->seconds.back()) {
     stated.between->Fail("found " + Quote(ends[0].Text()) +
                          " twice, expected two different points");
   }
-  const double sigma = stated.sigma.value_or(default_sigma);
-  if (!(sigma > 0.0)) {
-    stated.map->Fail(
-        "the sigma of measurements is estimated, that of a known distance "
-        "cannot be: expected `sigma`");
-  }
-  observation.measured = Observation::Rows::Constant(1, stated.distance);
-  observation.sigmas = Observation::Rows::Constant(1, sigma);
-  return observation;
 }
 
 }  // namespace
 
 void AppendDistances(const std::vector<StatedDistance>& distances,
                      double default_sigma, JobConfig* job) {
-  std::vector<Observation> observations;
-  for (const StatedDistance& stated : distances) {
-    observations.push_back(
-        ReadDistance(stated, default_sigma, job->data.references));
+  if (distances.empty()) return;
+  ObservationBlock block;
+  block.kind = MeasurementKind::kPointDistance;
+  const auto size = static_cast<Eigen::Index>(distances.size());
+  Eigen::MatrixXd measured(1, size);
+  Eigen::MatrixXd sigmas(1, size);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    const StatedDistance& stated = distances[i];
+    AddDistance(stated, job->data.references, &block);
+    measured(i) = stated.distance;
+    sigmas(i) = stated.sigma.value_or(default_sigma);
+    if (sigmas(i) > 0.0) continue;
+    stated.map->Fail(
+        "the sigma of measurements is estimated, that of a known distance "
+        "cannot be: expected `sigma`");
   }
-  for (const ObservationBlock& block :
-       MakeBlocks(observations, job->data.training.num_poses())) {
-    AppendGlobal(job->communicator, block, &job->data.training);
-  }
+  block.measured = std::move(measured);
+  block.sigmas = std::move(sigmas);
+  AppendGlobal(job->communicator, block, &job->data.training);
 }
 
 ParameterLayout LayoutOf(const Arm& arm, const References& references) {

@@ -1,4 +1,4 @@
-// Data that stay in their file (src/dataio/npy_data.h), all the way through a
+// Data that stay in their file (src/dataio/npy_table.h), all the way through a
 // job.
 
 #include <gtest/gtest.h>

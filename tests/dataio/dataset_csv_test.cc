@@ -9,6 +9,8 @@
 #include "alidade/dataset_file.h"
 #include "alidade/units.h"
 #include "src/common/random.h"
+#include "src/common/text.h"
+#include "tests/dataio/loaded_data_util.h"
 #include "tests/support/edit.h"
 #include "tests/support/io_test_util.h"
 
@@ -328,6 +330,20 @@ TEST(DatasetTest, HoldsMotorValuesWhereMotorsAreCoupled) {
   EXPECT_EQ(LoadJointValues(path, arm), read.joint_values);
   EXPECT_NE(FormatDataset(read, arm, 1, false, {}).find("\n30.0,50.0,"),
             std::string::npos);
+}
+
+TEST(FormatDatasetTest, FewestDigitsAreInRadWhereDegreesCannotStateTheBits) {
+  const TestDirectory directory;
+  const Arm arm = TwoJoints();
+  Random random(2);
+  Eigen::MatrixXd joints(2, 2000);
+  for (double& joint : joints.reshaped()) joint = random.Uniform(-3.0, 3.0);
+  Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Constant(3, 2000, 0.1);
+  const Dataset data = MakePositions(joints, points, points);
+  const std::string text = FormatDataset(data, arm, kFewestDigits, false, {});
+  EXPECT_EQ(text.rfind("q1_rad,q2_mm,", 0), 0u);
+  const Dataset back = LoadDataset(directory.Write("data.csv", text), arm, 0.1);
+  ExpectSameNumbers(data, back);
 }
 
 }  // namespace

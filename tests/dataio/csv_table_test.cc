@@ -1,21 +1,25 @@
-// The fast path of CSV files against the reader that goes row by row: the same
-// bits, or the same message.
-
-#include "src/dataio/plain_csv.h"
+// Random CSV files in pieces of any size, by several threads: the bits that
+// strtod reads of each cell, or the message of the first mistake.
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
 #include <optional>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
+#include "alidade/rotation.h"
 #include "alidade/units.h"
 #include "src/common/numbers.h"
-#include "src/common/plain_number.h"
 #include "src/common/random.h"
 #include "src/common/text.h"
 #include "src/dataio/dataset_csv.h"
-#include "src/dataio/dataset_reader.h"
 #include "tests/dataio/loaded_data_util.h"
 #include "tests/support/io_test_util.h"
 
@@ -96,8 +100,8 @@ class RandomFile {
       text += (&name == names_.data() ? "" : ",") + name;
     }
     text += end_;
-    const int rows = 1 + Draw(&random_, 40);
-    for (int i = 0; i < rows; ++i) AddRow();
+    const int num_rows = 1 + Draw(&random_, 40);
+    for (int i = 0; i < num_rows; ++i) AddRow();
     if (Draw(&random_, 3) == 0) text.erase(text.size() - end_.size());
   }
 
@@ -108,6 +112,8 @@ class RandomFile {
   Arm arm;
   DataFormat format;
   std::string text;
+  std::vector<std::map<std::string, std::string>> rows;  // cells by column
+  std::vector<int> lines;                                // of each
 
  private:
   void Add(const std::vector<std::string>& bases, const char* unit,
@@ -175,10 +181,15 @@ class RandomFile {
 
   void AddRow() {
     AddNoise();
+    lines.push_back(
+        1 + static_cast<int>(std::count(text.begin(), text.end(), '\n')));
+    rows.emplace_back();
     for (const std::string& name : names_) {
       if (&name != names_.data()) text += ',';
       if (Chance(&random_, 0.05)) text += " \t";
-      text += Cell(name);
+      const std::string cell = Cell(name);
+      rows.back()[name] = cell;
+      text += Chance(&random_, 0.05) ? '"' + cell + '"' : cell;
       if (Chance(&random_, 0.05)) text += ' ';
     }
     text += end_;
@@ -195,12 +206,6 @@ ReadOptions Options(int num_threads, int chunk_bytes) {
   return options;
 }
 
-ReadOptions Careful() {
-  ReadOptions options;
-  options.is_careful = true;
-  return options;
-}
-
 // The message where reading fails, else nothing.
 std::optional<std::string> Read(const std::string& path, const RandomFile& file,
                                 const ReadOptions& options,
@@ -214,26 +219,110 @@ std::optional<std::string> Read(const std::string& path, const RandomFile& file,
   return std::nullopt;
 }
 
-TEST(PlainCsvTest, TakesCleanFilesAndReadsTheBitsOfTheCarefulReader) {
+// The SI value of the cell under "BASE_UNIT"; nothing where there is none. By
+// another way than the reader's: the C library reads the decimal text with the
+// unit's power of ten as a part of it.
+std::optional<double> Expected(const std::map<std::string, std::string>& row,
+                               const std::string& base) {
+  for (const auto& [unit, exponent, factor] :
+       {std::tuple{"_mm", -3, 1.0}, std::tuple{"_m", 0, 1.0},
+        std::tuple{"_deg", 0, kDegree}, std::tuple{"_rad", 0, 1.0},
+        std::tuple{"", 0, 1.0}}) {
+    const auto cell = row.find(base + unit);
+    if (cell == row.end()) continue;
+    const std::size_t e =
+        std::min(cell->second.find_first_of("eE"), cell->second.size());
+    const int own = std::atoi(
+        cell->second.substr(std::min(e + 1, cell->second.size())).c_str());
+    const std::string text =
+        cell->second.substr(0, e) + "e" + std::to_string(own + exponent);
+    return std::strtod(text.c_str(), nullptr) * factor;
+  }
+  return std::nullopt;
+}
+
+Eigen::Vector3d ExpectedVector(const std::map<std::string, std::string>& row,
+                               const std::string& prefix, double otherwise) {
+  Eigen::Vector3d vector;
+  for (int axis = 0; axis < 3; ++axis) {
+    vector[axis] = Expected(row, prefix + "xyz"[axis]).value_or(otherwise);
+  }
+  return vector;
+}
+
+// The rotation vector of the row's orientation; nothing where it has none.
+std::optional<Eigen::Vector3d> ExpectedRotation(
+    const std::map<std::string, std::string>& row, const DataFormat& format) {
+  if (row.count("qw") > 0) {
+    const Eigen::Quaterniond quaternion(
+        *Expected(row, "qw"), *Expected(row, "qx"), *Expected(row, "qy"),
+        *Expected(row, "qz"));
+    return VectorFromRotation(quaternion.normalized().toRotationMatrix());
+  }
+  if (Expected(row, "wx")) {
+    return VectorFromRotation(
+        RotationFromVector<double>(ExpectedVector(row, "w", 0.0)));
+  }
+  if (!Expected(row, "rx")) return std::nullopt;
+  return VectorFromRotation(
+      RotationOf(*format.rotation, ExpectedVector(row, "r", 0.0)));
+}
+
+void ExpectCells(const RandomFile& file, const LoadedData& loaded) {
+  const auto size = static_cast<Eigen::Index>(file.rows.size());
+  ASSERT_EQ(loaded.data.num_poses(), size);
+  ASSERT_EQ(loaded.data.blocks.size(), 1u);
+  const ObservationBlock& block = loaded.data.blocks[0];
+  Eigen::MatrixXd motors(3, size);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    const std::map<std::string, std::string>& row = file.rows[i];
+    for (int j = 0; j < 3; ++j) {
+      motors(j, i) = *Expected(row, "q" + std::to_string(j + 1));
+    }
+    EXPECT_TRUE(HaveSameBits(block.measured.col(i).head(3),
+                             ExpectedVector(row, "", 0.0)));
+    EXPECT_TRUE(HaveSameBits(block.sigmas.col(i).head(3),
+                             ExpectedVector(row, "std_", file.format.sigma)));
+    const auto rotation = ExpectedRotation(row, file.format);
+    ASSERT_EQ(block.rows_each(), rotation ? 6 : 3);
+    if (rotation) {
+      EXPECT_TRUE(HaveSameBits(block.measured.col(i).tail(3), *rotation));
+      EXPECT_TRUE(HaveSameBits(
+          block.sigmas.col(i).tail(3),
+          ExpectedVector(row, "std_w",
+                         DefaultRotationSigma(file.format.sigma))));
+    }
+    const auto target = row.find("target");
+    const std::string name = target != row.end()          ? target->second
+                             : file.format.target.empty() ? ""
+                                                          : file.format.target;
+    EXPECT_EQ(file.arm.targets[block.target(i)].name, name);
+    if (row.count("set") > 0) EXPECT_EQ(loaded.sets[i], row.at("set"));
+    EXPECT_EQ(loaded.data.sources[i].line, file.lines[i]);
+  }
+  EXPECT_TRUE(HaveSameBits(
+      loaded.data.joint_values,
+      JointsFromMotors(file.arm, SharedMatrix(std::move(motors)))));
+  EXPECT_EQ(loaded.sets.empty(), file.rows[0].count("set") == 0);
+}
+
+TEST(CsvTableTest, ReadsTheBitsOfEveryCellWhateverThePieces) {
   const TestDirectory directory;
   for (int seed = 0; seed < 400; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const RandomFile file(seed);
     const std::string path = directory.Write("data.csv", file.text);
-    References references;
-    DatasetReader careful(MappedFile(path), file.arm, file.format, &references);
-    const LoadedData expected = careful.Read(Careful());
-    for (const int chunk_bytes : {1, 50, 1000, 1 << 20}) {
-      DatasetReader reader(MappedFile(path), file.arm, file.format,
-                           &references);
-      const std::optional<PlainLayout> layout = reader.Layout();
-      ASSERT_TRUE(layout) << file.text;
-      const std::optional<LoadedData> fast = ReadPlainCsv(
-          reader.rows(), *layout, file.arm, Options(1 + seed % 3, chunk_bytes));
-      ASSERT_TRUE(fast) << file.text;
-      ExpectSameLoaded(*fast, expected);
-      if (HasFailure()) FAIL() << file.text;
+    LoadedData at_once;
+    ASSERT_EQ(Read(path, file, Options(1, 1 << 20), &at_once), std::nullopt)
+        << file.text;
+    ExpectCells(file, at_once);
+    for (const int chunk_bytes : {1, 50, 1000}) {
+      LoadedData loaded;
+      ASSERT_EQ(Read(path, file, Options(1 + seed % 3, chunk_bytes), &loaded),
+                std::nullopt);
+      ExpectSameLoaded(loaded, at_once);
     }
+    if (HasFailure()) FAIL() << file.text;
   }
 }
 
@@ -279,7 +368,9 @@ std::string Damage(const std::string& text, Random* random) {
   return damaged;
 }
 
-TEST(PlainCsvTest, DamagedFilesGiveTheCarefulReadersMessagesAndData) {
+// Which mistake is the first, and what is read where there is none, does not
+// depend on pieces and threads.
+TEST(CsvTableTest, DamagedFilesGiveTheMessageOfTheFirstMistake) {
   const TestDirectory directory;
   Random random(3);
   int failures = 0;
@@ -287,19 +378,40 @@ TEST(PlainCsvTest, DamagedFilesGiveTheCarefulReadersMessagesAndData) {
     const RandomFile file(i % 50);
     const std::string text = Damage(file.text, &random);
     const std::string path = directory.Write("data.csv", text);
-    LoadedData fast;
-    LoadedData careful;
-    const auto expected = Read(path, file, Careful(), &careful);
-    ASSERT_EQ(Read(path, file, Options(2, 200), &fast), expected) << text;
+    LoadedData in_pieces;
+    LoadedData at_once;
+    const auto expected = Read(path, file, Options(1, 1 << 20), &at_once);
+    ASSERT_EQ(Read(path, file, Options(3, 1 + i % 200), &in_pieces), expected)
+        << text;
     failures += expected ? 1 : 0;
-    ExpectSameLoaded(fast, careful);
+    ExpectSameLoaded(in_pieces, at_once);
     if (HasFailure()) FAIL() << text;
   }
   EXPECT_GT(failures, 500);
   EXPECT_LT(failures, 1450);
 }
 
-TEST(PlainCsvTest, LeavesRowsThatAreNotMeasuredToTheCarefulReader) {
+TEST(CsvTableTest, NamesTheFirstOfManyMistakesOfManyThreads) {
+  const TestDirectory directory;
+  std::string text = "q1_deg,q2_mm,q3_deg,x_mm,y_mm,z_mm\n";
+  for (int i = 0; i < 2000; ++i) {
+    text += i < 700 ? "1,2,3,4,5,6\n" : "1,2,3,4,5,six\n";
+  }
+  const std::string path = directory.Write("data.csv", text);
+  const Arm arm = ThreeJoints(false);
+  for (int trial = 0; trial < 50; ++trial) {
+    try {
+      LoadDataWith({path, arm, DataFormat()}, nullptr, Options(4, 100));
+      FAIL() << "expected an error";
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.location().line, 702);
+      EXPECT_EQ(error.location().column, 11);
+      EXPECT_EQ(error.location().key, "z_mm");
+    }
+  }
+}
+
+TEST(CsvTableTest, LeavesOutRowsAndAxesThatAreNotMeasured) {
   const TestDirectory directory;
   const std::string path =
       directory.Write("data.csv",
@@ -311,36 +423,20 @@ TEST(PlainCsvTest, LeavesRowsThatAreNotMeasuredToTheCarefulReader) {
   const LoadedData loaded =
       LoadDataWith({path, arm, DataFormat()}, nullptr, Options(1, 1 << 20));
   EXPECT_EQ(loaded.data.num_poses(), 2);
+  EXPECT_EQ(loaded.data.sigmas()(0, 1), DataFormat().sigma);
+  EXPECT_TRUE(std::isinf(loaded.data.sigmas()(1, 1)));
   ASSERT_EQ(loaded.rejected.size(), 1u);
   EXPECT_EQ(loaded.rejected[0].line, 3);
 }
 
-TEST(PlainCsvTest, LeavesOtherLayoutsToTheCarefulReader) {
-  const TestDirectory directory;
-  const Arm arm = ThreeJoints(false);
-  for (const char* const columns :
-       {"distance_mm,point", "plane", "dx_mm,from",
-        "x_mm,y_mm,z_mm,cov_xx_mm2,cov_xy_mm2,cov_xz_mm2,cov_yy_mm2,"
-        "cov_yz_mm2,cov_zz_mm2"}) {
-    const std::string path = directory.Write(
-        "data.csv", std::string("q1_deg,q2_mm,q3_deg,") + columns + "\n");
-    References references;
-    const DataFormat format;
-    const DatasetReader reader(MappedFile(path), arm, format, &references);
-    EXPECT_FALSE(reader.Layout()) << columns;
-  }
-  const std::string path =
-      directory.Write("data.csv", "q1_deg,q2_mm,q3_deg,x_mm,set\n");
-  DataFormat chosen;
-  chosen.where = {{"set", "a"}};
-  References references;
-  const DatasetReader reader(MappedFile(path), arm, chosen, &references);
-  EXPECT_FALSE(reader.Layout());
+bool IsZero(const std::string& text) {
+  return text.substr(0, text.find('e')).find_first_of("123456789") ==
+         std::string::npos;
 }
 
-TEST(ParsePlainCellTest, RoundsOnceAtTheEdgesOfTheShortWay) {
+TEST(ParseQuantityTest, RoundsOnceAtTheEdgesOfTheShortWay) {
   const Unit& mm = *FindUnit("mm");
-  const Unit& degrees = *FindUnit("deg");
+  const Unit& radians = *FindUnit("rad");
   for (const std::string text : {"9007199254740991",
                                  "9007199254740992",
                                  "9007199254740993",
@@ -365,17 +461,22 @@ TEST(ParsePlainCellTest, RoundsOnceAtTheEdgesOfTheShortWay) {
                                  "0000000000000000000000001.5",
                                  "1.50000000000000000000000000",
                                  "0.30000000000000004",
-                                 "107.7560"}) {
-    for (const Unit* unit : {&mm, &degrees}) {
-      const std::optional<double> expected = ParseQuantity(text, *unit);
-      double value = 0.0;
-      const char* const end = text.data() + text.size();
-      const char* const read = ParsePlainCell(text.data(), end, *unit, &value);
-      ASSERT_EQ(read != nullptr, expected.has_value()) << text;
-      if (!expected) continue;
-      EXPECT_EQ(read, end) << text;
-      EXPECT_EQ(value, *expected) << text;
-      EXPECT_EQ(std::signbit(value), std::signbit(*expected)) << text;
+                                 "107.7560",
+                                 "1.5e1",
+                                 "123456.7890125",
+                                 "999999999.999999",
+                                 "1e-400",
+                                 "1e310"}) {
+    for (const auto& [unit, name] :
+         {std::pair{&mm, "_mm"}, std::pair{&radians, "_rad"}}) {
+      const std::optional<double> value = ParseQuantity(text, *unit);
+      const double expected = *Expected({{std::string("x") + name, text}}, "x");
+      ASSERT_EQ(value.has_value(),
+                std::isfinite(expected) && (expected != 0.0 || IsZero(text)))
+          << text;
+      if (!value) continue;
+      EXPECT_EQ(*value, expected) << text;
+      EXPECT_EQ(std::signbit(*value), std::signbit(expected)) << text;
     }
   }
 }
