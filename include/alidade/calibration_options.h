@@ -83,6 +83,10 @@ struct CalibrationOptions {
   /// The sigmas of lengths and of orientations are estimated from the
   /// residuals; those of the data are a first guess.
   bool estimate_sigma = false;
+  /// Where sigma is estimated: those of the data are not only a guess, but what
+  /// is known of the instrument. What the estimate has beyond them, the model
+  /// lacks.
+  bool sigmas_are_stated = false;
   std::vector<ParameterBounds> bounds;  ///< SolverName::kCeres only
   /// Splits the training data where there are no validation data.
   std::optional<HoldOutOptions> holdout;

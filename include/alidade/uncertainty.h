@@ -56,6 +56,10 @@ struct ParameterUncertainty {
   /// Part of the prior in what is known of it: 0 = the data alone, 1 = the
   /// prior alone.
   double prior_share = 0.0;
+  /// The standard deviation by the sandwich over configurations, which the
+  /// residuals themselves scale: it holds where the model lacks something, if
+  /// only roughly for few configurations. NaN where it is not computed.
+  double robust_std = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// Two parameters that are strongly correlated.
@@ -110,8 +114,66 @@ struct ResidualDiagnostics {
   std::vector<Influence> poses;
 };
 
+/// What the residuals of a fit are tested for depending on.
+enum class StructureKind {
+  kJointValue,     ///< low harmonics of the joint's value: encoder, gear
+  kJointRipple,    ///< higher ones, where there are data enough: gear
+  kGravityMoment,  ///< the moment of gravity about the joint: elasticity
+  kGravitySign,    ///< its sign: backlash
+  kApproach,       ///< the direction that the joint came from: backlash
+  kRowOrder,       ///< the order of rows: drift, thermal growth
+};
+
+/// One test of the residuals for structure (residual_structure.h).
+struct StructureTest {
+  StructureKind kind = StructureKind::kJointValue;
+  int joint = 0;                    ///< from 1; 0 = of all joints, or of none
+  double statistic = 0.0;           ///< F
+  double degrees_of_freedom = 0.0;  ///< of its numerator
+  double p_value = 1.0;             ///< corrected for all tests (Holm)
+  double explained = 0.0;           ///< part of the residuals' sum of squares
+  /// It is there: the strongest of all, given those found before it.
+  bool is_found = false;
+};
+
+/// What residuals are compared with.
+enum class NoiseSource {
+  kNone,       ///< nothing is known of the measurement alone
+  kStated,     ///< the sigmas that the data state
+  kRepeats,    ///< measurements of the same configuration
+  kStructure,  ///< what is left where the structure that was found is taken out
+};
+
+/// Whether the residuals are more than the measurement's, and what of. Repeats
+/// of a configuration are one look at the arm: their means are looked at.
+struct LackOfFit {
+  NoiseSource source = NoiseSource::kNone;
+  double noise = 0.0;     ///< standard deviation of a measured coordinate (m)
+  double residual = 0.0;  ///< of the residuals, degrees of freedom counted (m)
+  double degrees_of_freedom = 0.0;
+  /// One-sided: how often residuals of a model that lacks nothing are as large.
+  double p_value = std::numeric_limits<double>::quiet_NaN();
+  /// Variance of the target's position, all three axes, beyond parameters and
+  /// measurement (m^2); 0 where it is not significant (5 %).
+  double excess_variance = 0.0;
+  double rotation_excess_variance = 0.0;  ///< the same of orientations (rad^2)
+  std::int64_t looks = 0;  ///< observations, repeats counted once
+  bool is_sample = false;  ///< an even sample of the observations was looked at
+  /// Those found first, in the order of their finding, then by p-value.
+  std::vector<StructureTest> structure;
+};
+
+/// Where a predicted deviation of a position comes from: standard deviations
+/// (m), root of the sum over the three axes, root mean square over positions.
+struct PredictionParts {
+  double from_parameters = 0.0;
+  double from_model = 0.0;        ///< from what the model lacks
+  double from_measurement = 0.0;  ///< what a measured position has besides
+};
+
 /// Predicted standard deviation of the target's position over the workspace
-/// (root of the sum of the variances of the three axes, m).
+/// (root of the sum of the variances of the three axes, m), of what parameters
+/// leave unknown and what the model lacks.
 struct PredictedMap {
   Eigen::MatrixXd joint_values;  ///< one column per drawn configuration
   Eigen::Matrix3Xd positions;    ///< in the instrument's frame (m)
@@ -124,6 +186,7 @@ struct PredictedMap {
   /// Where the true arm is known: its error at these configurations (m).
   Eigen::VectorXd true_error;
   Accuracy true_summary;  ///< of true_error; n = 0 without
+  PredictionParts parts;
 };
 
 /// How often something predicted held. In a study of many calibrations the
@@ -151,6 +214,7 @@ struct PredictionCheck {
   double rms_z = 0.0;   ///< 1 where predicted and observed agree
   /// "agree", "larger" or "smaller" than predicted, and why so.
   std::string verdict;
+  PredictionParts parts;  ///< at whole positions
 };
 
 /// The uncertainty of a calibration.
@@ -163,8 +227,12 @@ struct UncertaintyResult {
   /// Free parameters, in the order of the layout.
   std::vector<ParameterUncertainty> parameters;
   Eigen::MatrixXd covariance;  ///< of these (rad, m)
+  /// What predictions take: of parameters of a model that lacks something.
+  /// Empty where it is `covariance`.
+  Eigen::MatrixXd prediction_covariance;
   std::vector<CorrelatedPair> correlated;
   ResidualDiagnostics residuals;
+  LackOfFit lack_of_fit;
   std::optional<PredictedMap> workspace;
   std::optional<PredictionCheck> validation;
   std::vector<std::string> warnings;

@@ -2,6 +2,7 @@
 
 #include <glog/logging.h>
 
+#include <array>
 #include <chrono>
 #include <optional>
 #include <string>
@@ -21,6 +22,7 @@
 #include "src/calibration/plausibility.h"
 #include "src/calibration/preparation.h"
 #include "src/calibration/rejection.h"
+#include "src/calibration/sigma_change.h"
 #include "src/calibration/sigma_estimation.h"
 #include "src/calibration/verdict.h"
 #include "src/common/format.h"
@@ -64,16 +66,43 @@ struct Prepared {
   std::optional<Finding> misfit;  ///< what speaks against the input
   bool frames_fitted = false;
   EstimatedSigmas sigmas;
+  StatedNoise stated_noise;
 };
+
+// What is known of the measurement alone, in variances of the fit's sigmas.
+StatedNoise NoiseOver(const std::array<double, 2>& stated,
+                      const CalibrationTask& task) {
+  if (!task.options.estimate_sigma) return std::array<double, 2>{1.0, 1.0};
+  std::array<double, 2> ratio{1.0, 1.0};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double used =
+        MedianSigma(k == 0 ? RowClass::kLength : RowClass::kRotation,
+                    task.data.training, task.communicator);
+    if (used > 0.0) ratio[k] = (stated[k] / used) * (stated[k] / used);
+  }
+  return ratio;
+}
 
 Prepared Prepare(CalibrationTask task) {
   Prepared prepared;
   prepared.misfit = RefuseMistakes(task);
   prepared.task = std::move(task);
   prepared.frames_fitted = FitFrames(&prepared.task);
+  const CalibrationTask& given = prepared.task;
+  const Dataset& training = given.data.training;
+  const bool is_stated =
+      !given.options.estimate_sigma ||
+      SumOverRanks(given.communicator, training,
+                   given.options.sigmas_are_stated ? 1 : 0) > 0;
+  std::array<double, 2> stated{};
+  if (is_stated && given.options.estimate_sigma) {
+    stated = {MedianSigma(RowClass::kLength, training, given.communicator),
+              MedianSigma(RowClass::kRotation, training, given.communicator)};
+  }
   if (prepared.task.options.estimate_sigma) {
     prepared.sigmas = EstimateSigmas(&prepared.task);
   }
+  if (is_stated) prepared.stated_noise = NoiseOver(stated, prepared.task);
   return prepared;
 }
 
@@ -255,7 +284,8 @@ class Calibrator {
 
   void Assess(const CalibrationSolution& fit) {
     result_.uncertainty = AssessFit(fit, result_.identifiability,
-                                    result_.runs.front().summary.final_cost);
+                                    result_.runs.front().summary.final_cost,
+                                    prepared_.stated_noise);
     for (const ParameterUncertainty& one : result_.uncertainty->parameters) {
       result_.parameters[*model_.layout().Find(one.name)].std = one.std;
     }

@@ -118,7 +118,7 @@ Resolve ResolveByCeres(const CalibrationProblem& problem,
 
 UncertaintyResult AssessFit(const CalibrationSolution& fit,
                             const IdentifiabilityResult& pass,
-                            double final_cost) {
+                            double final_cost, const StatedNoise& stated) {
   CalibrationProblem problem = fit.problem;
   problem.losses = TunedLosses(fit.task.options.loss);
   AssessmentInput input{
@@ -126,6 +126,7 @@ UncertaintyResult AssessFit(const CalibrationSolution& fit,
        problem.priors, problem.losses, fit.values},
       fit.task.options.uncertainty};
   input.sigma_estimated = fit.task.options.estimate_sigma;
+  input.stated_noise = stated;
   if (fit.task.options.solver == SolverName::kCeres &&
       fit.task.data.training.global_observations() <= kMostForProfiles) {
     input.fit_cost = final_cost;

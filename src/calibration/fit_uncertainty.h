@@ -12,7 +12,7 @@ namespace alidade::internal {
 /// `pass`: what decided its free columns; `final_cost`: of the solve.
 UncertaintyResult AssessFit(const CalibrationSolution& fit,
                             const IdentifiabilityResult& pass,
-                            double final_cost);
+                            double final_cost, const StatedNoise& stated);
 
 /// Fits with one parameter held, for profiles: Ceres over the other free
 /// columns of `problem`, which must outlive it.

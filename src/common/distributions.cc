@@ -67,6 +67,12 @@ double FisherQuantile(double probability, double dof1, double dof2) {
                                   : ChiSquareQuantile(probability, dof1) / dof1;
 }
 
+double FisherSurvival(double f, double dof1, double dof2) {
+  if (!(f > 0.0)) return 1.0;
+  return dof2 < kAsGoodAsInfinite ? cdf(complement(Fisher(dof1, dof2), f))
+                                  : ChiSquareSurvival(f * dof1, dof1);
+}
+
 std::pair<double, double> RateInterval(std::int64_t held, std::int64_t n,
                                        double confidence) {
   if (n == 0) return {0.0, 1.0};

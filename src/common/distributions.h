@@ -37,6 +37,8 @@ double StudentTQuantile(double probability, double dof);
 /// Fisher's F: f with P(F <= f) = probability; `dof2` may be infinite.
 /// @pre dof1, dof2 > 0; 0 <= probability < 1.
 double FisherQuantile(double probability, double dof1, double dof2);
+/// P(F > f) without the loss of digits; 1 for f <= 0.
+double FisherSurvival(double f, double dof1, double dof2);
 
 /// The interval of a rate of which `held` of `n` trials were seen (Clopper and
 /// Pearson 1934): true rates outside would give such a count or a more extreme

@@ -286,7 +286,7 @@ void WarnAboutFree(const MeasurementModel& model, const Dataset& data,
   const double off_axis = arm.last_from_target().translation().head<2>().norm();
   if (arm.joints.back().type == JointType::kRevolute &&
       arm.num_targets() == 1 && !data.Has(MeasurementKind::kPose) &&
-      off_axis <= 1e-6 * Reach(arm)) {
+      off_axis <= 1e-6 * ArmReach(arm)) {
     result->warnings.emplace_back(
         "the target lies on the axis of the last joint, whose rotation "
         "therefore moves no measured point: two parameters fewer can be "

@@ -31,8 +31,10 @@ void RequireCovariance(const std::string& path,
                        const UncertaintyResult& uncertainty) {
   const auto p = static_cast<Eigen::Index>(uncertainty.parameters.size());
   const Eigen::MatrixXd& matrix = uncertainty.covariance;
+  const Eigen::MatrixXd& other = uncertainty.prediction_covariance;
   if (matrix.rows() == p && matrix.cols() == p &&
-      !(matrix.diagonal().array() < 0.0).any()) {
+      !(matrix.diagonal().array() < 0.0).any() &&
+      (other.size() == 0 || other.rows() == p)) {
     return;
   }
   throw InputError({path, 0, 0, "uncertainty.covariance"},
@@ -59,7 +61,15 @@ ParameterCovariance CovarianceOf(const UncertaintyResult& uncertainty,
       null_space.push_back(static_cast<int>(kept.size()) - 1);
     }
   }
-  Eigen::MatrixXd matrix = uncertainty.covariance(kept, kept);
+  // What the model lacks is part of every prediction.
+  const LackOfFit& lack = uncertainty.lack_of_fit;
+  covariance.excess.length = lack.excess_variance / 3.0;
+  covariance.excess.rotation = lack.rotation_excess_variance / 3.0;
+  covariance.excess.noise = lack.noise;
+  const bool is_other = uncertainty.prediction_covariance.size() > 0;
+  Eigen::MatrixXd matrix = is_other
+                               ? uncertainty.prediction_covariance(kept, kept)
+                               : uncertainty.covariance(kept, kept);
   const auto p = static_cast<Eigen::Index>(kept.size());
   covariance.null_space =
       Eigen::MatrixXd::Zero(p, static_cast<Eigen::Index>(null_space.size()));
@@ -97,7 +107,8 @@ std::optional<CalibratedArm> LoadCalibratedArm(const std::string& path) {
   calibrated.covariance = CovarianceOf(
       *result.uncertainty, MeasurementModel(calibrated.arm).layout());
   calibrated.confidence = result.uncertainty->confidence;
-  calibrated.sigma = result.sigma;
+  const LackOfFit& lack = result.uncertainty->lack_of_fit;
+  calibrated.sigma = lack.excess_variance > 0.0 ? lack.noise : result.sigma;
   for (const InputFile& input : result.inputs) {
     const bool is_validation = result.validation &&
                                result.validation->name == input.path &&

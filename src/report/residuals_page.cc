@@ -223,7 +223,9 @@ PageSection ResidualsSection(const CalibrationResult& result) {
   html += HtmlParagraph(FindingSentences(result, {"outliers"})) +
           OutlierTable(result).ToHtml(kMostOutliers);
   if (result.uncertainty) {
-    html += InfluenceTable(result.uncertainty->residuals).ToHtml();
+    html += HtmlParagraph(DescribeLackOfFit(*result.uncertainty)) +
+            StructureTable(result.uncertainty->lack_of_fit).ToHtml() +
+            InfluenceTable(result.uncertainty->residuals).ToHtml();
   }
   return {"residuals", "Residuals", html};
 }

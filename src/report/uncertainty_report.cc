@@ -13,6 +13,7 @@
 #include "src/report/report.h"
 #include "src/report/rows.h"
 #include "src/report/table.h"
+#include "src/uncertainty/lack_of_fit.h"
 
 namespace alidade::internal {
 namespace {
@@ -35,8 +36,8 @@ const ParameterResult* Find(const CalibrationResult& result,
 }
 
 std::string IntervalTable(const CalibrationResult& result) {
-  Table table({"name", "unit", ">deviation", ">std", ">from", ">to", ">in std",
-               ">nonlinearity", ">prior %", "interval"});
+  Table table({"name", "unit", ">deviation", ">std", ">robust", ">from", ">to",
+               ">in std", ">nonlinearity", ">prior %", "interval"});
   for (const ParameterUncertainty& one : result.uncertainty->parameters) {
     const ParameterResult* parameter = Find(result, one.name);
     if (parameter == nullptr) continue;
@@ -45,6 +46,7 @@ std::string IntervalTable(const CalibrationResult& result) {
     table.AddRow({one.name, UnitForPeople(dimension),
                   InUnit(parameter->deviation(), dimension, 4),
                   InUnit(one.std, dimension, 2),
+                  InUnit(one.robust_std, dimension, 2),
                   InUnit(one.interval.lower - nominal, dimension, 4),
                   InUnit(one.interval.upper - nominal, dimension, 4),
                   FormatSignificant(parameter->deviation() / one.std, 2),
@@ -63,6 +65,14 @@ std::string Correlations(const UncertaintyResult& uncertainty) {
                     FixedNumber(pair.correlation, 3) + ")");
   }
   return Paragraph("Strongly correlated: " + Join(pairs, ", ") + ".");
+}
+
+// "0.03 mm from parameters, 0.09 mm from what the model lacks".
+std::string DescribeParts(const PredictionParts& parts) {
+  return FormatLength(parts.from_parameters, 3) + " from parameters, " +
+         FormatLength(parts.from_model, 3) +
+         " from what the model lacks; a measurement adds " +
+         FormatLength(parts.from_measurement, 3);
 }
 
 std::string Influences(const ResidualDiagnostics& residuals) {
@@ -238,6 +248,7 @@ std::string DescribeMap(const PredictedMap& map) {
             FormatSignificant(map.rotation_summary.median / kDegree, 3) +
             " deg";
   }
+  text += ". Root mean square: " + DescribeParts(map.parts);
   if (map.true_summary.n > 0) {
     text += ". The true error there, of the arm that is known: median " +
             FormatLength(map.true_summary.median, 3) + ", 95 % below " +
@@ -245,6 +256,64 @@ std::string DescribeMap(const PredictedMap& map) {
             FormatLength(map.true_summary.max, 3);
   }
   return text + ".";
+}
+
+std::string DescribeLackOfFit(const UncertaintyResult& uncertainty) {
+  const LackOfFit& lack = uncertainty.lack_of_fit;
+  if (!(lack.degrees_of_freedom > 0.0)) return "";
+  std::string text = "The residuals are " + FormatLength(lack.residual, 3) +
+                     " in each coordinate";
+  const auto p_value = [](double p) {
+    return p < 1e-16 ? "p < 1e-16" : "p = " + FormatSignificant(p, 2);
+  };
+  switch (lack.source) {
+    case NoiseSource::kNone:
+      text +=
+          "; what of it the model lacks cannot be separated from noise: "
+          "measure some poses several times, or state the instrument's sigma";
+      break;
+    case NoiseSource::kStated:
+    case NoiseSource::kRepeats:
+      text += ", " +
+              std::string(lack.source == NoiseSource::kRepeats
+                              ? "those of repeated poses "
+                              : "as stated they would be ") +
+              FormatLength(lack.noise, 3) +
+              " (lack of fit: " + p_value(lack.p_value) + ")";
+      break;
+    case NoiseSource::kStructure:
+      text += ", without the structure that was found in them " +
+              FormatLength(lack.noise, 3);
+  }
+  std::vector<std::string> found;
+  for (const StructureTest& test : lack.structure) {
+    if (test.is_found) found.push_back(NameOf(test));
+  }
+  const auto tests = static_cast<std::int64_t>(lack.structure.size());
+  if (tests > 0) {
+    text += ". " + Count(tests, "test") + " of structure: the residuals " +
+            (found.empty()
+                 ? "depend on none of what was looked at (smallest corrected " +
+                       p_value(lack.structure.front().p_value) + ")"
+                 : "depend on " + Join(found, ", "));
+  }
+  if (lack.is_sample) text += ". An even sample of the poses was looked at";
+  return text + ".";
+}
+
+Table StructureTable(const LackOfFit& lack) {
+  constexpr std::size_t kMost = 8;
+  Table table("structure", "What the residuals depend on",
+              {"on", ">F", ">degrees of freedom", ">p, corrected",
+               ">explained [%]", "found"});
+  for (std::size_t k = 0; k < std::min(kMost, lack.structure.size()); ++k) {
+    const StructureTest& test = lack.structure[k];
+    table.AddRow(
+        {NameOf(test), NumberCell(test.statistic, 3),
+         NumberCell(test.degrees_of_freedom, 3), NumberCell(test.p_value, 2),
+         FixedCell(100.0 * test.explained, 1), test.is_found ? "yes" : ""});
+  }
+  return table;
 }
 
 std::string UncertaintySection(const CalibrationResult& result) {
@@ -259,26 +328,34 @@ std::string UncertaintySection(const CalibrationResult& result) {
                  " degrees of freedom"
            : ", sigma as stated") +
       (uncertainty.estimator == "sandwich" ? ", sandwich estimator" : "") +
-      ". \"nonlinearity\": the second-order part of an estimate in standard "
+      ". \"robust\": the standard deviation that the residuals of each "
+      "configuration give (sandwich); \"nonlinearity\": the second-order part "
+      "of an "
+      "estimate in standard "
       "deviations; \"prior\": the part of it that is known a priori.");
   text += "\n" + IntervalTable(result) + "\n";
   text += Correlations(uncertainty);
   const std::string tests =
       FindingSentences(result, {"normality", "whiteness"});
   if (!tests.empty()) text += Paragraph(tests);
+  text += Paragraph(DescribeLackOfFit(uncertainty));
   text += Influences(uncertainty.residuals);
   if (uncertainty.workspace) {
     text += "\n" + Paragraph(DescribeMap(*uncertainty.workspace));
   }
   const std::string prediction = FindingSentences(result, {"prediction"});
-  if (!prediction.empty()) text += Paragraph(prediction);
+  if (!prediction.empty()) {
+    text += Paragraph(prediction + " Predicted: " +
+                      DescribeParts(uncertainty.validation->parts) + ".");
+  }
   return text;
 }
 
 std::string FormatPredictionCheck(const std::string& where,
                                   const PredictionCheck& check) {
   const std::string text = DescribePrediction(where, check);
-  return text.empty() ? "" : Paragraph(text);
+  if (text.empty()) return "";
+  return Paragraph(text + " Predicted: " + DescribeParts(check.parts) + ".");
 }
 
 std::string FormatPredictedMap(const PredictedMap& map) {

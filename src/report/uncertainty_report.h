@@ -16,6 +16,11 @@ std::string UncertaintySection(const CalibrationResult& result);
 /// In one paragraph.
 std::string DescribeMap(const PredictedMap& map);
 
+/// The residuals beside the noise, and what they depend on, in one paragraph.
+std::string DescribeLackOfFit(const UncertaintyResult& uncertainty);
+/// The strongest tests of that; empty where there were none.
+Table StructureTable(const LackOfFit& lack);
+
 /// The poses that the result depends on most; empty where none is known.
 Table InfluenceTable(const ResidualDiagnostics& residuals);
 Table CorrelationTable(const UncertaintyResult& uncertainty);

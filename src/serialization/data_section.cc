@@ -344,6 +344,17 @@ std::vector<FieldRecord> DataFields() {
   return CollectFields([&](auto& v) { VisitData(v, arm, &format, &file); });
 }
 
+bool AreStated(const MeasurementSigmas& sigmas, const Dataset& data) {
+  if (sigmas.instrument) return true;
+  return std::any_of(data.blocks.begin(), data.blocks.end(),
+                     [](const ObservationBlock& block) {
+                       if (block.kind == MeasurementKind::kPointDistance)
+                         return false;
+                       const auto sigma = block.sigmas.map().row(0).array();
+                       return (sigma.isFinite() && sigma != kFirstSigma).any();
+                     });
+}
+
 LoadedData ReadData(const YamlValue& value, const MeasurementSigmas& sigmas,
                     JobContext* context, JobConfig* job) {
   DataFormat defaults;

@@ -22,8 +22,9 @@ inline constexpr double kFirstSigma = 1e-4;
 
 /// What `measurement` says of data that state no sigmas of their own.
 struct MeasurementSigmas {
-  double length = 0.0;    ///< (m)
-  double rotation = 0.0;  ///< (rad); 0 = from that of lengths
+  double length = 0.0;                    ///< (m)
+  double rotation = 0.0;                  ///< (rad); 0 = from that of lengths
+  std::optional<double> instrument = {};  ///< of lengths that are estimated
 };
 
 /// The section `measurement` of a job.
@@ -43,10 +44,25 @@ void VisitMeasurement(Visitor& v, MeasurementSigmas* sigmas, bool* estimates) {
       AngleKey("sigma_rotation").Above(0).Default("sigma / 0.2 m, in rad"),
       sigmas->rotation,
       "likewise of measured orientations, about each axis of the instrument");
+  v.Field(LengthKey("instrument").Above(0), sigmas->instrument,
+          "with `estimate`: the instrument's own standard deviation of a "
+          "length, where a data set states none. What the residuals have "
+          "beyond it the model lacks");
+  v.Check([sigmas, estimates](const YamlMap& map) {
+    if (!sigmas->instrument) return;
+    if (!*estimates) {
+      map.Required("instrument").Fail("needs `sigma: estimate`");
+    }
+    sigmas->length = *sigmas->instrument;
+  });
 }
 
 /// What a map of `data` may hold.
 std::vector<FieldRecord> DataFields();
+
+/// Whether sigmas that are estimated are more than a first guess: in the job or
+/// in a file somebody says what the instrument has.
+bool AreStated(const MeasurementSigmas& sigmas, const Dataset& data);
 
 /// Reads data for the job's arm: a path, a map of a file and what it does not
 /// say itself, or a list of both, merged. The job's references grow by what

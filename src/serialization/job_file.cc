@@ -145,6 +145,8 @@ void ReadTrainingData(const YamlValue& value, JobReading* reading) {
   job->data.references = reading->references.references;
   LoadedData loaded = ReadData(value, reading->sigmas, reading->context, job);
   job->data.training = std::move(loaded.data);
+  job->options.sigmas_are_stated =
+      AreStated(reading->sigmas, job->data.training);
   reading->sets = std::move(loaded.sets);
 }
 

@@ -45,12 +45,20 @@ class Assessment {
     }
     result_.degrees_of_freedom = covariance_.degrees_of_freedom;
     result_.covariance = covariance_.Matrix();
+    LackAssessment lack =
+        AssessLackOfFit(fit_, covariance_, input_.stated_noise);
+    prediction_ = std::move(lack.prediction);
+    result_.lack_of_fit = std::move(lack.lack);
+    if (lack.differs) result_.prediction_covariance = prediction_.Matrix();
+    robust_std_ = std::move(lack.robust_std);
     ListParameters();
     ListPairs();
     result_.residuals =
         DiagnoseResiduals(fit_, covariance_, !input_.sigma_estimated);
     Predict();
-    WarnOfResiduals();
+    WarnOfResiduals(lack.warnings.empty());
+    result_.warnings.insert(result_.warnings.end(), lack.warnings.begin(),
+                            lack.warnings.end());
     return std::move(result_);
   }
 
@@ -82,6 +90,7 @@ class Assessment {
       ParameterUncertainty one;
       one.name = NameOf(k);
       one.std = deviations[k];
+      one.robust_std = robust_std_[k];
       one.nonlinearity = nonlinearity[k];
       if (std::isfinite(prior_[k])) {
         const double share = one.std / prior_[k];
@@ -136,13 +145,13 @@ class Assessment {
   void Predict() {
     if (input_.options.map_configurations > 0) {
       result_.workspace =
-          MapPrediction(fit_.model, fit_.values, covariance_,
+          MapPrediction(fit_.model, fit_.values, prediction_,
                         input_.options.map_configurations, input_.options.seed,
                         input_.true_values);
     }
     if (input_.validation == nullptr) return;
     result_.validation =
-        CheckPrediction(fit_.model, fit_.values, covariance_,
+        CheckPrediction(fit_.model, fit_.values, prediction_,
                         *input_.validation, result_.confidence);
     if (result_.validation->verdict == "larger") {
       result_.warnings.push_back(
@@ -171,8 +180,8 @@ class Assessment {
     result_.warnings.push_back(text.str());
   }
 
-  void WarnOfResiduals() {
-    WarnOfSigma();
+  void WarnOfResiduals(bool lacks_nothing) {
+    if (lacks_nothing) WarnOfSigma();
     const ResidualDiagnostics& residuals = result_.residuals;
     if (residuals.reduced_chi_square < kMuchSmaller) return;
     if (residuals.normality.p_value < kUnlikely && fit_.losses.empty()) {
@@ -192,6 +201,8 @@ class Assessment {
   const AssessmentInput& input_;
   const FittedProblem& fit_;
   ParameterCovariance covariance_;
+  ParameterCovariance prediction_;  // with what the model lacks
+  Eigen::VectorXd robust_std_;
   const Eigen::VectorXd prior_;
   UncertaintyResult result_;
 };

@@ -5,6 +5,7 @@
 
 #include "alidade/uncertainty.h"
 #include "src/uncertainty/covariance.h"
+#include "src/uncertainty/lack_of_fit.h"
 #include "src/uncertainty/nonlinearity.h"
 
 namespace alidade::internal {
@@ -12,10 +13,6 @@ namespace alidade::internal {
 /// A test of the residuals that true ones would fail this seldom (p-value) is
 /// worth a word.
 inline constexpr double kUnlikely = 1e-3;
-/// Of a reduced chi-square: residuals so far below their sigmas are those of
-/// data without noise, of which no test says anything.
-inline constexpr double kMuchSmaller = 0.1;
-
 /// What an assessment knows besides the fit.
 struct AssessmentInput {
   FittedProblem fit;
@@ -23,6 +20,8 @@ struct AssessmentInput {
   /// Sigma was estimated from the residuals of this fit (the data's sigmas are
   /// the estimate already): intervals become Student's.
   bool sigma_estimated = false;
+  /// What of the variance of the fit is known to be the measurement's.
+  StatedNoise stated_noise = {};
   /// The cost of the fit as `resolve` counts it, and how to fit with one
   /// parameter held, for profiles; linear intervals where empty.
   double fit_cost = 0.0;

@@ -2,6 +2,7 @@
 #define ALIDADE_SRC_UNCERTAINTY_COVARIANCE_H_
 
 #include <Eigen/Core>
+#include <array>
 #include <limits>
 #include <vector>
 
@@ -25,6 +26,20 @@ struct FittedProblem {
   const Eigen::VectorXd& values;
 };
 
+/// What a prediction is off by beyond its parameters, where the model lacks
+/// something (lack_of_fit.h).
+struct ModelExcess {
+  double length = 0.0;    ///< variance of a coordinate of the target (m^2)
+  double rotation = 0.0;  ///< of a component of its rotation vector (rad^2)
+  /// Standard deviation of a measured coordinate (m); 0 = not known.
+  double noise = 0.0;
+  /// Variance of the noise over that of the sigmas, of lengths and
+  /// orientations.
+  std::array<double, 2> noise_ratio = {1.0, 1.0};
+
+  bool is_there() const { return length > 0.0 || rotation > 0.0; }
+};
+
 /// What is not known of parameters after a fit, to first order: estimate -
 /// truth = root * u, u of the identity covariance. Where sigma is estimated, u
 /// is Student's t of so many degrees of freedom rather than Gaussian.
@@ -40,6 +55,7 @@ struct ParameterCovariance {
   /// Huber's sandwich, not the inverse information.
   bool is_sandwich = false;
   double degrees_of_freedom = std::numeric_limits<double>::infinity();
+  ModelExcess excess;
 
   int size() const { return static_cast<int>(columns.size()); }
   /// root root^T; infinite on the diagonal and NaN beside it for parameters

@@ -76,8 +76,12 @@ void PredictSome(const MeasurementModel& model, const Eigen::VectorXd& values,
         const auto s = spread.middleCols(first, 3);
         const bool is_told =
             covariance.AreTold(some.middleCols(first, 3).transpose());
-        (half == 0 ? predicted[k].position : predicted[k].rotation) =
+        Eigen::Matrix3d& variance =
+            half == 0 ? predicted[k].position : predicted[k].rotation;
+        variance =
             is_told ? Eigen::Matrix3d(s.transpose().lazyProduct(s)) : Unknown();
+        variance.diagonal().array() +=
+            half == 0 ? covariance.excess.length : covariance.excess.rotation;
       }
     }
   };
@@ -130,6 +134,11 @@ PredictedMap MapPrediction(const MeasurementModel& model,
     map.semi_axes.col(i) = SemiAxes(predicted[i].position);
   }
   map.summary = SummarizeErrors(map.position_std);
+  const double lacking = 3.0 * covariance.excess.length;
+  map.parts.from_model = std::sqrt(lacking);
+  map.parts.from_parameters =
+      std::sqrt(std::max(0.0, map.summary.rms * map.summary.rms - lacking));
+  map.parts.from_measurement = std::sqrt(3.0) * covariance.excess.noise;
   map.rotation_summary = SummarizeErrors(map.rotation_std);
   if (true_values.size() > 0) {
     map.true_error =

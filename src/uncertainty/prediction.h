@@ -12,8 +12,8 @@
 namespace alidade::internal {
 
 /// What a calibration leaves unknown of the target's pose at one configuration,
-/// to first order: J root root^T J^T, J the Jacobian of the pose. Infinite
-/// where J sees a direction that is not identifiable.
+/// to first order: J root root^T J^T, J the Jacobian of the pose, and what the
+/// model lacks. Infinite where J sees a direction that is not identifiable.
 struct PoseCovariance {
   Eigen::Matrix3d position;  ///< in the instrument's frame (m^2)
   Eigen::Matrix3d rotation;  ///< of the rotation vector on the left (rad^2)
@@ -42,7 +42,9 @@ PredictedMap MapPrediction(const MeasurementModel& model,
 /// Sets predictions beside what was observed at poses that the fit has not
 /// seen: every measured row r of an observation whose predicted standard
 /// deviation is known, r / sqrt(1 + (J cov J^T)), in whitened units, and every
-/// whole position as |L^-1 r|^2 with L L^T = I + J cov J^T. Intervals are
+/// whole position as |L^-1 r|^2 with L L^T = I + J cov J^T. Where the model
+/// lacks something, rows are first divided by the root of noise and excess
+/// together. Intervals are
 /// Student's t, ellipsoids Fisher's F where sigma is estimated. The verdict:
 /// the share of rows within their intervals is what 95 % of all right
 /// predictions come to, all rows of one sharing the error of its parameters

@@ -43,15 +43,17 @@ class HeldOut {
         scores_(data.num_observations()) {}
 
   // `rows`: whitened derivatives of observation i, and its residual.
-  void Add(Eigen::Index i, const Eigen::Ref<const Eigen::MatrixXd>& rows) {
+  void Add(Eigen::Index i, const Eigen::Ref<const Eigen::MatrixXd>& whitened) {
     const auto b =
         std::upper_bound(first_.begin(), first_.end(), i) - first_.begin() - 1;
     const ObservationBlock& block = data_.blocks[b];
     if (block.kind == MeasurementKind::kPointDistance) return;
-    const Eigen::Index p = rows.cols() - 1;
+    const Eigen::Index p = whitened.cols() - 1;
     const std::vector<Eigen::Index> measured =
         MeasuredRows(block, i - first_[b]);
-    if (measured.empty() || !covariance_.AreTold(rows.leftCols(p))) return;
+    if (measured.empty() || !covariance_.AreTold(whitened.leftCols(p))) return;
+    const Eigen::VectorXd sigmas = block.sigmas.col(i - first_[b]);
+    const Eigen::MatrixXd rows = WithExcess(sigmas, whitened);
     const Eigen::MatrixXd spread = rows.leftCols(p) * covariance_.root;
     const Eigen::MatrixXd variance =
         Eigen::MatrixXd::Identity(rows.rows(), rows.rows()) +
@@ -67,6 +69,13 @@ class HeldOut {
       const Eigen::Matrix3d of_position = variance.topLeftCorner<3, 3>();
       scores.held =
           error.dot(of_position.llt().solve(error)) <= ellipsoid_ ? 1 : 0;
+      const Eigen::Vector3d sigma = sigmas.head<3>();
+      scores.from_parameters = (whitened.topLeftCorner(3, p) * covariance_.root)
+                                   .rowwise()
+                                   .squaredNorm()
+                                   .dot(sigma.cwiseAbs2());
+      scores.from_measurement =
+          covariance_.excess.noise_ratio[0] * sigma.squaredNorm();
     }
     if (GlobalObservation(data_, b, i - first_[b]) % stride_ != 0) return;
     for (const Eigen::Index row : measured) {
@@ -94,6 +103,24 @@ class HeldOut {
             })),
             all};
   }
+  // On every rank.
+  PredictionParts Parts() const {
+    const auto mean = [this](double Scores::*part) {
+      const std::vector<double> all = Gather([part](const Scores& one) {
+        return one.held < 0 ? std::vector<double>()
+                            : std::vector<double>{one.*part};
+      });
+      return ComputeOnRoot(communicator_, data_, [&all] {
+        double sum = 0.0;
+        for (const double each : all) sum += each;
+        return std::sqrt(
+            sum / static_cast<double>(std::max<std::size_t>(1, all.size())));
+      });
+    };
+    return {mean(&Scores::from_parameters),
+            std::sqrt(3.0 * covariance_.excess.length),
+            mean(&Scores::from_measurement)};
+  }
   std::int64_t Positions(bool held_alone) const {
     const auto mine =
         std::count_if(scores_.begin(), scores_.end(), [&](const Scores& one) {
@@ -109,7 +136,25 @@ class HeldOut {
     int held = -1;               // whether a position's ellipsoid holds
     std::vector<double> spread;  // J root, row by row, of those sampled
     bool is_whole_position = false;
+    double from_parameters = 0.0;  // variances of a whole position (m^2)
+    double from_measurement = 0.0;
   };
+
+  // Noise and what the model lacks are one deviation of a measured row.
+  Eigen::MatrixXd WithExcess(
+      const Eigen::VectorXd& sigmas,
+      const Eigen::Ref<const Eigen::MatrixXd>& whitened) const {
+    Eigen::MatrixXd rows = whitened;
+    const ModelExcess& excess = covariance_.excess;
+    if (!excess.is_there()) return rows;
+    for (Eigen::Index row = 0; row < rows.rows(); ++row) {
+      const double variance = row < 3 ? excess.length : excess.rotation;
+      const double ratio = excess.noise_ratio[row < 3 ? 0 : 1];
+      rows.row(row) /=
+          std::sqrt(ratio + variance / (sigmas[row] * sigmas[row]));
+    }
+    return rows;
+  }
 
   template <typename Pick>
   std::vector<double> Gather(const Pick& pick) const {
@@ -185,6 +230,7 @@ PredictionCheck CheckPrediction(const MeasurementModel& model,
   check.z_scores = Eigen::Map<const Eigen::VectorXd>(
       z.data(), static_cast<Eigen::Index>(z.size()));
   CountHeld(scores, covariance.degrees_of_freedom, &check);
+  check.parts = scores.Parts();
   if (check.axes.n > 0) {
     check.rms_z = std::sqrt(check.z_scores.squaredNorm() /
                             static_cast<double>(check.axes.n));

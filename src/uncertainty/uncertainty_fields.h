@@ -16,6 +16,24 @@ inline constexpr std::array kWords<IntervalMethod> = {
     std::pair{IntervalMethod::kProfile, "profile"},
 };
 
+template <>
+inline constexpr std::array kWords<StructureKind> = {
+    std::pair{StructureKind::kJointValue, "joint_value"},
+    std::pair{StructureKind::kJointRipple, "joint_ripple"},
+    std::pair{StructureKind::kGravityMoment, "gravity_moment"},
+    std::pair{StructureKind::kGravitySign, "gravity_sign"},
+    std::pair{StructureKind::kApproach, "approach_direction"},
+    std::pair{StructureKind::kRowOrder, "row_order"},
+};
+
+template <>
+inline constexpr std::array kWords<NoiseSource> = {
+    std::pair{NoiseSource::kNone, "none"},
+    std::pair{NoiseSource::kStated, "stated"},
+    std::pair{NoiseSource::kRepeats, "repeats"},
+    std::pair{NoiseSource::kStructure, "structure"},
+};
+
 template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, UncertaintyOptions>& options) {
   v.Field(Key("confidence").Above(0).Below(1), options.confidence,
@@ -49,6 +67,7 @@ void VisitFields(Visitor& v, Subject<Visitor, ParameterUncertainty>& one) {
   v.Field("interval", one.interval);
   v.Field("nonlinearity", one.nonlinearity, kInfinity);
   v.Field("prior_share", one.prior_share);
+  v.Later("robust_std", one.robust_std);
 }
 
 template <typename Visitor>
@@ -95,12 +114,46 @@ void VisitFields(Visitor& v, Subject<Visitor, ResidualDiagnostics>& residuals) {
 }
 
 template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, StructureTest>& test) {
+  v.Field("kind", test.kind);
+  v.Field("joint", test.joint);
+  v.Field("statistic", test.statistic);
+  v.Field("degrees_of_freedom", test.degrees_of_freedom);
+  v.Field("p_value", test.p_value);
+  v.Field("explained", test.explained);
+  v.Field("found", test.is_found);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, LackOfFit>& lack) {
+  v.Field("noise_source", lack.source);
+  v.Field("noise", lack.noise);
+  v.Field("residual", lack.residual);
+  v.Field("degrees_of_freedom", lack.degrees_of_freedom);
+  v.Field("p_value", lack.p_value);
+  v.Field("excess_variance", lack.excess_variance);
+  v.Field("rotation_excess_variance", lack.rotation_excess_variance);
+  v.Field("looks", lack.looks);
+  v.Field("sample", lack.is_sample);
+  v.Field("structure", lack.structure);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, PredictionParts>& parts) {
+  v.Field("from_parameters", parts.from_parameters,
+          std::numeric_limits<double>::infinity());
+  v.Field("from_model", parts.from_model);
+  v.Field("from_measurement", parts.from_measurement);
+}
+
+template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, PredictionCheck>& check) {
   v.Field("confidence", check.confidence);
   v.Field("axes", check.axes);
   v.Field("ellipsoids", check.ellipsoids);
   v.Field("rms_z", check.rms_z);
   v.Field("verdict", check.verdict);
+  v.Later("parts", check.parts);
   v.Field("z_histogram", check.histogram);
 }
 
@@ -109,6 +162,7 @@ void VisitFields(Visitor& v, Subject<Visitor, PredictedMap>& map) {
   v.Field("position_std", map.summary);
   v.Field("rotation_std", map.rotation_summary);
   v.Optional("true_error", map.true_summary);
+  v.Later("parts", map.parts);
 }
 
 template <typename Visitor>
@@ -119,8 +173,10 @@ void VisitFields(Visitor& v, Subject<Visitor, UncertaintyResult>& result) {
   v.Field("estimator", result.estimator);
   v.Field("parameters", result.parameters);
   v.Field("covariance", result.covariance);
+  v.Later("prediction_covariance", result.prediction_covariance);
   v.Field("correlated", result.correlated);
   v.Field("residuals", result.residuals);
+  v.Later("lack_of_fit", result.lack_of_fit);
   v.Optional("workspace", result.workspace);
   v.Optional("validation", result.validation);
   v.Field("warnings", result.warnings);

@@ -1,0 +1,339 @@
+#include "src/uncertainty/lack_of_fit.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "src/common/distributions.h"
+#include "src/common/format.h"
+#include "src/common/text.h"
+#include "src/uncertainty/looks.h"
+#include "src/uncertainty/residual_gram.h"
+#include "src/uncertainty/residual_structure.h"
+#include "src/uncertainty/structure_columns.h"
+
+namespace alidade::internal {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// What a prediction takes in, and what is worth a warning.
+constexpr double kTakenIn = 0.05;
+constexpr double kWarned = 0.01;
+constexpr double kLeastRatio = 1.05;
+// Repeats of fewer degrees of freedom do not tell the noise; those of less
+// spread, in sigmas squared, are copies.
+constexpr double kFewestRepeats = 10.0;
+constexpr double kNoSpread = 1e-6;
+// Residuals of exact data (m, rad).
+constexpr double kExact = 1e-9;
+
+// A root of a matrix that is not negative.
+Eigen::MatrixXd RootOf(const Eigen::MatrixXd& matrix) {
+  const Eigen::VectorXd scale = matrix.diagonal().unaryExpr(
+      [](double x) { return x > 0.0 ? std::sqrt(x) : 1.0; });
+  const Eigen::VectorXd inverse = scale.cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      inverse.asDiagonal() * matrix * inverse.asDiagonal());
+  return scale.asDiagonal() * solver.eigenvectors() *
+         solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+}
+
+// A class of rows: what its residuals have beyond the noise.
+struct ClassExcess {
+  NoiseSource source = NoiseSource::kNone;
+  double squares = 0.0;  // mean, over degrees of freedom, in sigmas squared
+  double freedom = 0.0;
+  double noise = 0.0;      // of one measurement, in sigmas squared
+  double precision = 0.0;  // mean of 1 / sigma^2
+  double p_value = std::numeric_limits<double>::quiet_NaN();
+  double excess = 0.0;    // variance (m^2, rad^2), significant or not
+  double residual = 0.0;  // of one measurement, in sigmas squared
+
+  bool is_known() const { return source != NoiseSource::kNone; }
+  bool is_taken_in() const { return p_value < kTakenIn; }
+};
+
+class Assessor {
+ public:
+  Assessor(const FittedProblem& fit, const ParameterCovariance& covariance,
+           const StatedNoise& stated)
+      : fit_(fit),
+        covariance_(covariance),
+        stated_(stated),
+        looks_(TakeLooks(fit)),
+        structure_(fit.model, fit.values, looks_.data, looks_.residuals.size(),
+                   !looks_.is_sample),
+        gram_(SumLooks(fit, looks_, structure_, covariance.root)),
+        plain_(fit, gram_),
+        with_structure_(plain_) {}
+
+  LackAssessment Run() {
+    result_.prediction = covariance_;
+    result_.lack.is_sample = looks_.is_sample;
+    result_.lack.looks = static_cast<std::int64_t>(looks_.counts.size());
+    if (plain_.AllFreedom() >= 1.0) {
+      if (!IsExact()) {
+        result_.lack.structure =
+            FindStructure(structure_.families(), &with_structure_);
+      }
+      const ClassExcess lengths = Compare(kLengths);
+      const ClassExcess rotations = Compare(kRotations);
+      Fill(lengths, rotations);
+      TakeIn(lengths, rotations);
+      WarnOfLack(lengths.freedom > 0.0 ? lengths : rotations);
+      WarnOfStructure();
+    }
+    FindRobustDeviations();
+    return std::move(result_);
+  }
+
+ private:
+  Eigen::VectorXd PriorPrecisions() const {
+    return FreePriors(fit_).array().square().inverse();
+  }
+
+  // Rows of the whole data set for each that was looked at.
+  double SampleFactor() const {
+    double counted = 0.0;
+    for (const int count : looks_.counts) counted += count;
+    return std::max(
+        1.0, static_cast<double>(fit_.data.global_observations()) / counted);
+  }
+
+  bool HasStructure() const {
+    return !result_.lack.structure.empty() &&
+           result_.lack.structure.front().is_found;
+  }
+
+  // Of data without noise rounding alone is left, in which there is structure.
+  bool IsExact() const {
+    const double rows = gram_.rows[kLengths] + gram_.rows[kRotations];
+    const double precision =
+        (gram_.precision[kLengths] + gram_.precision[kRotations]) / rows;
+    const double mean = plain_.AllSquares() / plain_.AllFreedom();
+    const bool is_far_below =
+        stated_ && (*stated_)[kLengths] == 1.0 && mean < kMuchSmaller;
+    return is_far_below || mean < kExact * kExact * precision;
+  }
+
+  ClassExcess Compare(int which) const {
+    ClassExcess one;
+    const double freedom = plain_.Freedom(which);
+    if (!(gram_.rows[which] > 0.0) || freedom < 1.0) return one;
+    one.freedom = freedom;
+    one.squares = plain_.Squares(which) / freedom;
+    one.precision = gram_.precision[which] / gram_.rows[which];
+    const double of_mean = gram_.inverse_counts[which] / gram_.rows[which];
+    double repeat_freedom = kInfinity;
+    const double spread = looks_.repeat_squares[which] /
+                          std::max(1.0, looks_.repeat_freedom[which]);
+    if (looks_.repeat_freedom[which] >= kFewestRepeats && spread > kNoSpread) {
+      one.source = NoiseSource::kRepeats;
+      repeat_freedom = looks_.repeat_freedom[which];
+      one.noise = spread;
+    } else if (stated_) {
+      one.source = NoiseSource::kStated;
+      one.noise = (*stated_)[which];
+    } else if (HasStructure() && with_structure_.Freedom(which) >= 1.0) {
+      one.source = NoiseSource::kStructure;
+      one.noise = with_structure_.Squares(which) /
+                  with_structure_.Freedom(which) / of_mean;
+      one.p_value = result_.lack.structure.front().p_value;
+    }
+    one.residual = one.squares;
+    if (!one.is_known()) return one;
+    const double beyond = one.squares - one.noise * of_mean;
+    if (one.source != NoiseSource::kStructure) {
+      one.p_value = FisherSurvival(one.squares / (one.noise * of_mean), freedom,
+                                   repeat_freedom);
+    }
+    one.excess = std::max(0.0, beyond) / one.precision;
+    one.residual = std::max(0.0, one.noise + beyond);
+    return one;
+  }
+
+  void Fill(const ClassExcess& lengths, const ClassExcess& rotations) {
+    LackOfFit& lack = result_.lack;
+    const ClassExcess& first = lengths.freedom > 0.0 ? lengths : rotations;
+    lack.source = first.source;
+    lack.degrees_of_freedom = first.freedom;
+    lack.p_value = first.p_value;
+    if (lengths.precision > 0.0) {
+      lack.noise = std::sqrt(lengths.noise / lengths.precision);
+      lack.residual = std::sqrt(lengths.residual / lengths.precision);
+    }
+    constexpr double kAxes = 3.0;
+    if (lengths.is_taken_in()) lack.excess_variance = kAxes * lengths.excess;
+    if (rotations.is_taken_in()) {
+      lack.rotation_excess_variance = kAxes * rotations.excess;
+    }
+  }
+
+  // Into predictions.
+  void TakeIn(const ClassExcess& lengths, const ClassExcess& rotations) {
+    ModelExcess& excess = result_.prediction.excess;
+    excess.noise =
+        lengths.is_known() ? result_.lack.noise : result_.lack.residual;
+    if (lengths.is_taken_in()) {
+      excess.length = lengths.excess;
+      excess.noise_ratio[kLengths] = lengths.noise;
+    }
+    if (rotations.is_taken_in()) {
+      excess.rotation = rotations.excess;
+      excess.noise_ratio[kRotations] = rotations.noise;
+    }
+    result_.differs = excess.is_there() && !covariance_.is_sandwich;
+    if (!result_.differs) return;
+    const double noise = lengths.is_taken_in() ? lengths.noise : 1.0;
+    const double sample = SampleFactor();
+    Eigen::MatrixXd filling =
+        sample *
+        (noise * gram_.information + excess.length * gram_.common[kLengths] +
+         excess.rotation * gram_.common[kRotations]);
+    filling.diagonal() += PriorPrecisions();
+    result_.prediction.root =
+        covariance_.root * (covariance_.root.transpose() * RootOf(filling));
+    result_.prediction.degrees_of_freedom =
+        std::min(covariance_.degrees_of_freedom, plain_.AllFreedom());
+  }
+
+  void FindRobustDeviations() {
+    const Eigen::VectorXd prior = PriorPrecisions();
+    const double sample = SampleFactor();
+    Eigen::MatrixXd bread = sample * gram_.information;
+    Eigen::MatrixXd filling = sample * gram_.scores * gram_.scores.transpose();
+    bread.diagonal() += prior;
+    filling.diagonal() += prior;
+    const Eigen::VectorXd scale = bread.diagonal().cwiseSqrt().cwiseInverse();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+        scale.asDiagonal() * bread * scale.asDiagonal());
+    constexpr double kNotDetermined = 1e-12;
+    const Eigen::VectorXd inverse = solver.eigenvalues().unaryExpr(
+        [](double x) { return x > kNotDetermined ? 1.0 / x : 0.0; });
+    const Eigen::MatrixXd vectors = scale.asDiagonal() * solver.eigenvectors();
+    const Eigen::MatrixXd half = vectors.transpose() * RootOf(filling);
+    const Eigen::MatrixXd root = vectors * (inverse.asDiagonal() * half);
+    result_.robust_std = root.rowwise().norm();
+    for (int k = 0; k < covariance_.size(); ++k) {
+      if (!covariance_.IsTold(k)) result_.robust_std[k] = kInfinity;
+    }
+  }
+
+  void WarnOfLack(const ClassExcess& one) {
+    const bool is_measured = one.source == NoiseSource::kStated ||
+                             one.source == NoiseSource::kRepeats;
+    const double ratio = std::sqrt(one.residual / one.noise);
+    if (!is_measured || !(one.p_value < kWarned) || !(ratio > kLeastRatio)) {
+      return;
+    }
+    const LackOfFit& lack = result_.lack;
+    const bool by_repeats = one.source == NoiseSource::kRepeats;
+    std::string text = "residuals are " + FormatSignificant(ratio, 2) +
+                       " times the " +
+                       (by_repeats ? "repeatability" : "stated sigma");
+    if (lack.noise > 0.0) text += " (" + FormatLength(lack.noise, 2) + ")";
+    text += ": the arm has errors that its parameters do not describe";
+    if (!by_repeats) text += ", or sigma is stated too small";
+    if (lack.excess_variance > 0.0) {
+      text += ". Predictions contain them (" +
+              FormatLength(std::sqrt(lack.excess_variance), 2) +
+              " of a position)";
+    }
+    if (!by_repeats) {
+      text += ". Measure some poses several times: their spread is the noise";
+    }
+    result_.warnings.push_back(std::move(text));
+  }
+
+  void WarnOfStructure() {
+    std::vector<std::string> others;
+    const std::vector<StructureTest>& tests = result_.lack.structure;
+    if (!HasStructure()) return;
+    for (std::size_t k = 1; k < tests.size() && tests[k].is_found; ++k) {
+      others.push_back(NameOf(tests[k]));
+    }
+    std::string text =
+        "the residuals depend on " + NameOf(tests.front()) + " (" +
+        FixedNumber(100.0 * tests.front().explained, 0) +
+        " % of their sum of squares, corrected p " +
+        (tests.front().p_value < 1e-16
+             ? "< 1e-16"
+             : "= " + FormatSignificant(tests.front().p_value, 2)) +
+        "): " + CureOf(tests.front().kind);
+    if (!others.empty()) text += ". They also depend on " + Join(others, ", ");
+    result_.warnings.push_back(std::move(text));
+  }
+
+  static const char* CureOf(StructureKind kind) {
+    switch (kind) {
+      case StructureKind::kJointValue:
+        return "an eccentric encoder or gear, or elasticity. Look at that "
+               "joint, and measure poses over the range where the arm works";
+      case StructureKind::kJointRipple:
+        return "a gear that ripples. Measure more poses, and do not trust "
+               "single ones";
+      case StructureKind::kGravityMoment:
+        return "elasticity, the joint gives way under load. Measure with the "
+               "payload and in the region where the arm works";
+      case StructureKind::kGravitySign:
+        return "backlash that gravity takes up. Have the joint looked at, or "
+               "work where the load stays on one side";
+      case StructureKind::kApproach:
+        return "backlash or friction. Approach all poses from the same side, "
+               "here and at work";
+      case StructureKind::kRowOrder:
+        return "thermal growth, or the base or the instrument moves. Let the "
+               "arm and the instrument warm up, measure in less time, and "
+               "measure one pose again and again in between";
+    }
+    return "";
+  }
+
+  const FittedProblem& fit_;
+  const ParameterCovariance& covariance_;
+  const StatedNoise stated_;
+  const Looks looks_;
+  const StructureColumns structure_;
+  const ResidualGram gram_;
+  const StructureFit plain_;
+  StructureFit with_structure_;
+  LackAssessment result_;
+};
+
+}  // namespace
+
+std::string NameOf(const StructureTest& test) {
+  const std::string of_joint = test.joint > 0
+                                   ? " of joint " + std::to_string(test.joint)
+                                   : " of the joints";
+  switch (test.kind) {
+    case StructureKind::kJointValue:
+      return "the value" + of_joint;
+    case StructureKind::kJointRipple:
+      return "a ripple with the value" + of_joint;
+    case StructureKind::kGravityMoment:
+      return "the gravity moment" + of_joint;
+    case StructureKind::kGravitySign:
+      return "the sign of the gravity moment" + of_joint;
+    case StructureKind::kApproach:
+      return "the approach direction" + of_joint;
+    case StructureKind::kRowOrder:
+      return "the order of rows";
+  }
+  return "";
+}
+
+LackAssessment AssessLackOfFit(const FittedProblem& fit,
+                               const ParameterCovariance& covariance,
+                               const StatedNoise& stated) {
+  if (covariance.size() == 0) {
+    LackAssessment nothing;
+    nothing.prediction = covariance;
+    return nothing;
+  }
+  return Assessor(fit, covariance, stated).Run();
+}
+
+}  // namespace alidade::internal
