@@ -129,20 +129,6 @@ void AddPriors(const CalibrationProblem& problem, double* values,
   }
 }
 
-void AddBounds(const CalibrationProblem& problem, double* values,
-               ceres::Problem* ceres_problem) {
-  if (problem.lower.size() == 0) return;
-  for (const ParameterBlock& block : problem.model.layout().blocks()) {
-    double* const data = values + block.first_column;
-    if (!ceres_problem->HasParameterBlock(data)) continue;
-    for (const int index : FreeInBlock(problem, block)) {
-      const int column = block.first_column + index;
-      ceres_problem->SetParameterLowerBound(data, index, problem.lower[column]);
-      ceres_problem->SetParameterUpperBound(data, index, problem.upper[column]);
-    }
-  }
-}
-
 class AutodiffFormulation : public Formulation {
  public:
   AutodiffFormulation(const CalibrationProblem& problem,
@@ -151,7 +137,6 @@ class AutodiffFormulation : public Formulation {
     AddResiduals(problem, values_.data(), &ceres_problem_);
     AddPriors(problem, values_.data(), &ceres_problem_);
     HoldFixedParameters(problem, values_.data(), &ceres_problem_);
-    AddBounds(problem, values_.data(), &ceres_problem_);
   }
 
   ceres::Problem* problem() override { return &ceres_problem_; }

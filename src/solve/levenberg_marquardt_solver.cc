@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "src/solve/bounded_solver.h"
 #include "src/solve/formulation.h"
 #include "src/solve/progress.h"
 #include "src/solve/solve.h"
@@ -125,16 +126,9 @@ void RequireStationary(const Eigen::VectorXd& values, Progress* progress) {
 }
 
 // Ceres over `formulation`, until the shared rules or Ceres end it.
-void IterateCeres(const CalibrationProblem& problem,
-                  const SolverOptions& options, double radius,
+void IterateCeres(const SolverOptions& options, double radius,
                   Formulation* formulation, Progress* progress) {
   ceres::Solver::Options ceres_options = CeresOptions(options, radius);
-  // Steps that end at a bound keep promising what lies beyond it.
-  if (problem.lower.size() > 0) {
-    constexpr double kNoChange = 1e-13;
-    ceres_options.function_tolerance = kNoChange;
-    ceres_options.parameter_tolerance = kNoChange;
-  }
   ceres_options.linear_solver_type = formulation->linear_solver();
   StoppingRules stopping_rules(*formulation, progress);
   ceres_options.callbacks.push_back(&stopping_rules);
@@ -143,11 +137,9 @@ void IterateCeres(const CalibrationProblem& problem,
   ExplainTermination(ceres_summary, progress);
 }
 
-}  // namespace
-
-SolverSummary SolveLevenbergMarquardt(const CalibrationProblem& problem,
-                                      const SolverOptions& options,
-                                      Eigen::VectorXd* values) {
+SolverSummary SolveUnbounded(const CalibrationProblem& problem,
+                             const SolverOptions& options,
+                             Eigen::VectorXd* values) {
   const bool reduced = options.evaluation != Evaluation::kAutodiff;
   Progress progress(problem, options, "ceres");
   Eigen::VectorXd current = *values;
@@ -163,13 +155,29 @@ SolverSummary SolveLevenbergMarquardt(const CalibrationProblem& problem,
     progress.summary().evaluation = reduced ? "reduced" : "autodiff";
     progress.summary().trust_region_used = radius;
     progress.summary().setup_time_s = progress.stopwatch().Seconds();
-    IterateCeres(problem, options, radius, formulation.get(), &progress);
+    IterateCeres(options, radius, formulation.get(), &progress);
     current = formulation->Values();
-    if (problem.lower.size() == 0) RequireStationary(current, &progress);
+    RequireStationary(current, &progress);
   }
   progress.Finish();
   if (progress.summary().IsSolutionUsable()) *values = current;
   return progress.summary();
+}
+
+}  // namespace
+
+SolverSummary SolveLevenbergMarquardt(const CalibrationProblem& problem,
+                                      const SolverOptions& options,
+                                      Eigen::VectorXd* values) {
+  if (problem.lower.size() == 0) {
+    return SolveUnbounded(problem, options, values);
+  }
+  Progress progress(problem, options, "ceres");
+  if (!progress.Start(*values)) {
+    progress.Finish();
+    return progress.summary();
+  }
+  return SolveWithinBounds(problem, options, SolveUnbounded, values);
 }
 
 }  // namespace alidade::internal

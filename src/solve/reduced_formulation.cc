@@ -86,9 +86,8 @@ class ReducedResidual : public ceres::CostFunction {
     const Eigen::VectorXd step = (values_ - current_at_)(problem_.free_columns);
     const Eigen::VectorXd change = current_.factor * step;
     predicted_decrease_ = -change.dot(2.0 * current_.projected + change);
-    // Within bounds Ceres tries more values than those that a step leads to.
-    is_last_ = problem_.lower.size() == 0 && predicted_decrease_ >= 0.0 &&
-               progress_.WouldStop(predicted_decrease_);
+    is_last_ =
+        predicted_decrease_ >= 0.0 && progress_.WouldStop(predicted_decrease_);
     if (expects_success_ && !is_last_) MakeNext();
     expects_success_ = false;
     cost_ = reducer_.Summarize(values_).cost;
@@ -139,14 +138,6 @@ class ReducedFormulation : public Formulation {
         residual_(
             new ReducedResidual(problem, values, std::move(start), progress)) {
     ceres_problem_.AddResidualBlock(residual_, nullptr, free_.data());
-    if (problem_.lower.size() == 0) return;
-    for (int k = 0; k < static_cast<int>(free_.size()); ++k) {
-      const int column = problem_.free_columns[k];
-      ceres_problem_.SetParameterLowerBound(free_.data(), k,
-                                            problem_.lower[column]);
-      ceres_problem_.SetParameterUpperBound(free_.data(), k,
-                                            problem_.upper[column]);
-    }
   }
 
   ceres::Problem* problem() override { return &ceres_problem_; }

@@ -1,0 +1,116 @@
+// Minima within bounds, against all sets of bounds that may be active: without
+// those of a set, its parameters fixed at them, the problem has no bounds, and
+// the best solution of all sets that is within the bounds is the minimum.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "tests/solve/solvers_test_util.h"
+
+namespace alidade::internal {
+namespace {
+
+using testing::Calibration;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct Bound {
+  int column;
+  double value;
+};
+
+// Bounds at `part` of the way from the start to the solution without any.
+std::vector<Bound> BoundsBefore(const Calibration& calibration, double part,
+                                const std::vector<const char*>& names) {
+  Eigen::VectorXd solution = calibration.model.NominalValues();
+  const Eigen::VectorXd start = solution;
+  calibration.Solve(testing::kCeres, &solution);
+  std::vector<Bound> bounds;
+  for (const char* name : names) {
+    const int column = *calibration.model.layout().Find(name);
+    bounds.push_back(
+        {column, start[column] + part * (solution[column] - start[column])});
+  }
+  return bounds;
+}
+
+CalibrationProblem WithBounds(const Calibration& calibration,
+                              const std::vector<Bound>& bounds) {
+  CalibrationProblem problem = calibration.Problem();
+  const Eigen::VectorXd start = calibration.model.NominalValues();
+  problem.lower = Eigen::VectorXd::Constant(start.size(), -kInfinity);
+  problem.upper = Eigen::VectorXd::Constant(start.size(), kInfinity);
+  for (const Bound& bound : bounds) {
+    (bound.value > start[bound.column] ? problem.upper
+                                       : problem.lower)[bound.column] =
+        bound.value;
+  }
+  return problem;
+}
+
+double LeastCostOfAllSets(const Calibration& calibration,
+                          const std::vector<Bound>& bounds) {
+  const CalibrationProblem bounded = WithBounds(calibration, bounds);
+  double least = kInfinity;
+  for (unsigned set = 0; set < 1U << bounds.size(); ++set) {
+    CalibrationProblem problem = calibration.Problem();
+    Eigen::VectorXd values = calibration.model.NominalValues();
+    for (std::size_t k = 0; k < bounds.size(); ++k) {
+      if ((set >> k & 1U) == 0) continue;
+      values[bounds[k].column] = bounds[k].value;
+      auto& free = problem.free_columns;
+      free.erase(std::find(free.begin(), free.end(), bounds[k].column));
+    }
+    const SolverSummary summary =
+        SolveLevenbergMarquardt(problem, SolverOptions(), &values);
+    EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
+    const bool is_within = (values.array() >= bounded.lower.array()).all() &&
+                           (values.array() <= bounded.upper.array()).all();
+    if (is_within) least = std::min(least, summary.final_cost);
+  }
+  return least;
+}
+
+class BoundsTest : public ::testing::TestWithParam<double> {};
+
+TEST_P(BoundsTest, FindsTheMinimumOfAllActiveSets) {
+  const Calibration calibration = testing::NoisyFlangeCalibration(3, 60);
+  const std::vector<Bound> bounds =
+      BoundsBefore(calibration, GetParam(), {"d2", "d3", "alpha3", "theta3"});
+  const double least = LeastCostOfAllSets(calibration, bounds);
+  for (const Evaluation evaluation :
+       {Evaluation::kAutodiff, Evaluation::kReduced}) {
+    SolverOptions options;
+    options.evaluation = evaluation;
+    Eigen::VectorXd values = calibration.model.NominalValues();
+    const CalibrationProblem problem = WithBounds(calibration, bounds);
+    const SolverSummary summary =
+        SolveLevenbergMarquardt(problem, options, &values);
+    ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
+    // Both stop some 1e-15 of the cost before their minimum.
+    EXPECT_NEAR(summary.final_cost / least, 1.0, 1e-9);
+    EXPECT_TRUE((values.array() >= problem.lower.array()).all());
+    EXPECT_TRUE((values.array() <= problem.upper.array()).all());
+    EXPECT_EQ(summary.num_free, static_cast<int>(problem.free_columns.size()));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Parts, BoundsTest, ::testing::Values(0.1, 0.5, 0.9));
+
+TEST(BoundsBeyondTest, BoundsBeyondTheSolutionChangeNothing) {
+  const Calibration calibration = testing::NoisyFlangeCalibration(3, 60);
+  const std::vector<Bound> bounds =
+      BoundsBefore(calibration, 1.5, {"d2", "d3", "alpha3", "theta3"});
+  Eigen::VectorXd free = calibration.model.NominalValues();
+  const SolverSummary without = calibration.Solve(testing::kCeres, &free);
+  Eigen::VectorXd values = calibration.model.NominalValues();
+  const SolverSummary within = SolveLevenbergMarquardt(
+      WithBounds(calibration, bounds), SolverOptions(), &values);
+  EXPECT_NEAR(within.final_cost / without.final_cost, 1.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace alidade::internal
