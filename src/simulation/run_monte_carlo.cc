@@ -7,6 +7,7 @@
 
 #include "alidade/error.h"
 #include "alidade/monte_carlo.h"
+#include "alidade/rotation.h"
 #include "src/calibration/calibration_task.h"
 #include "src/calibration/fit_uncertainty.h"
 #include "src/calibration/frame_fit.h"
@@ -279,7 +280,31 @@ class MonteCarlo {
     const SolverSummary summary =
         SolveLevenbergMarquardt(problem, task_.options.solver_options, &values);
     if (!summary.IsSolutionUsable()) return std::nullopt;
+    CountFromNominal(StandIns(truth), &values);
     return values;
+  }
+
+  // Rotations of frames and tilts of planes, counted from those of a model
+  // whose nominal values are `start`, as they count from the nominal ones.
+  void CountFromNominal(const Eigen::VectorXd& start,
+                        Eigen::VectorXd* values) const {
+    const ParameterLayout& layout = model_.layout();
+    const auto add_rotation = [&](int column) {
+      const Eigen::Vector3d before = start.segment<3>(column);
+      values->segment<3>(column) = VectorFromRotation<double>(
+          RotationFromVector<double>(values->segment<3>(column)) *
+          RotationFromVector<double>(before));
+    };
+    add_rotation(layout.Column(ParameterKind::kBaseRotation, 0));
+    for (int target = 0; target < layout.shape().num_targets; ++target) {
+      add_rotation(layout.Column(ParameterKind::kToolRotation, 0, target));
+    }
+    for (int column = 0; column < layout.size(); ++column) {
+      // To first order, as relations are.
+      if (layout.parameter(column).kind == ParameterKind::kPlaneTilt) {
+        (*values)[column] += start[column];
+      }
+    }
   }
 
   Trial RunTrial(int number) const {

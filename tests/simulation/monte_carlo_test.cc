@@ -97,6 +97,23 @@ TEST(MonteCarloTest, TruthDrawnFromThePriorsIsHeldByThePosterior) {
   EXPECT_NEAR(result.ellipsoids.rate(), 0.95, 0.03);
 }
 
+// Rotations of a fitted base, which joints that are drawn take with them: of
+// 150 trials each interval holds 95 +- 1.8 %, here at four sigmas.
+TEST(MonteCarloTest, RotationsOfTheBaseAreHeldToo) {
+  JobConfig config = FlangeJob(150);
+  config.options.identifiability.policy = WeakPolicy::kPrior;
+  config.options.identifiability.candidates.base = true;
+  config.montecarlo.truth = SimulatedTruth::kPriors;
+  const MonteCarloResult result = Study(config, 2);
+  int rotations = 0;
+  for (const SimulatedParameter& one : result.parameters) {
+    if (one.name.rfind("base_r", 0) != 0) continue;
+    ++rotations;
+    EXPECT_NEAR(one.coverage.rate(), 0.95, 0.072) << one.name;
+  }
+  EXPECT_GE(rotations, 2);
+}
+
 TEST(MonteCarloTest, StopsWhereTheMeanErrorIsKnownWellEnough) {
   JobConfig config = FlangeJob(100000);
   config.montecarlo.precision = 0.05;
