@@ -79,9 +79,10 @@ struct Arm {
   }
 };
 
-/// Whether the joint has limits on both sides that mean something. Limits of 0
-/// to 0, which programs write that know none, and those of a revolute joint
-/// that span more than twenty turns are as good as none.
+/// Whether the joint has limits on both sides that mean something. Limits that
+/// are the same on both sides, which programs write that know none (0 to 0),
+/// and those of a revolute joint that span more than twenty turns are as good
+/// as none.
 bool HasLimits(const Joint& joint);
 
 /// An upper bound of the distance between the base and the target (m): the

@@ -131,7 +131,7 @@ std::string WarnOfMeaninglessLimits(const Arm& arm) {
   }
   return joints.empty() ? ""
                         : "the limits of joints " + joints +
-                              " are 0 to 0 or span more than twenty turns: "
+                              " are equal or span more than twenty turns: "
                               "they are taken as none";
 }
 

@@ -3,12 +3,9 @@
 namespace alidade::internal {
 
 double ColumnScale(const MeasurementModel& model, int column) {
-  const Parameter& parameter = model.layout().parameter(column);
-  if (parameter.dimension != Dimension::kAngle) return 1.0;
-  // Only a turn of the base moves targets the more, the farther away it stands.
-  return parameter.kind == ParameterKind::kBaseRotation
-             ? Reach(model.nominal())
-             : ArmReach(model.nominal());
+  return model.layout().parameter(column).dimension == Dimension::kAngle
+             ? ArmReach(model.nominal())
+             : 1.0;
 }
 
 Eigen::MatrixXd ScaleColumns(const MeasurementModel& model,

@@ -9,9 +9,8 @@
 namespace alidade::internal {
 
 /// What a unit of the parameter moves a point at the end of the reach by: the
-/// arm's reach for angles (of the base as seen from the instrument: the
-/// distance to it as well), 1 for lengths. Columns divided by it compare in
-/// metres, and those of joints do not depend on where the instrument stands.
+/// arm's reach for angles, 1 for lengths. The base turns about itself, so that
+/// columns divided by it compare in metres wherever the instrument stands.
 double ColumnScale(const MeasurementModel& model, int column);
 
 /// The factor with every column divided by its scale.

@@ -30,7 +30,7 @@ double SumOfLengths(const Arm& arm) {
 bool HasLimits(const Joint& joint) {
   constexpr double kMostTurns = 20.0;
   if (!std::isfinite(joint.lower) || !std::isfinite(joint.upper)) return false;
-  if (joint.lower == 0.0 && joint.upper == 0.0) return false;
+  if (joint.lower == joint.upper) return false;
   return joint.type != JointType::kRevolute ||
          joint.upper - joint.lower <= kMostTurns * 2.0 * kPi;
 }

@@ -57,9 +57,9 @@ Arm RegionArm(const PlanTask& config, Arm arm) {
   for (std::size_t j = 0; j < config.region.joint_limits.size(); ++j) {
     arm.joints[j].lower = config.region.joint_limits[j].first;
     arm.joints[j].upper = config.region.joint_limits[j].second;
-    // A joint that is held has limits, too: those of 0 to 0 would be none.
-    if (arm.joints[j].upper == 0.0 && arm.joints[j].lower == 0.0) {
-      arm.joints[j].upper = std::numeric_limits<double>::min();
+    // A joint that is held has limits, too: equal ones would be none.
+    if (arm.joints[j].upper == arm.joints[j].lower) {
+      arm.joints[j].upper = std::nextafter(arm.joints[j].upper, kInfinity);
     }
   }
   return arm;
