@@ -17,6 +17,12 @@ namespace {
 // Observations of each kind that a start is found from; the fit takes all.
 constexpr Eigen::Index kEnoughForStart = 1000;
 
+// Frames as stated that leave errors below this part of the arm's reach are
+// near enough to start from. A start that is found instead may be anywhere
+// along what these poses do not determine, where the arm as stated is the
+// better guess.
+constexpr double kNear = 0.01;
+
 // How far frames that were fitted at the nominal geometry may be from where
 // they are.
 constexpr double kMisplacedLength = 0.05;  // m
@@ -58,7 +64,9 @@ bool FitFrames(CalibrationTask* task) {
   bool is_found = false;
   const MeasurementModel stated(task->arm, task->data.references, execution);
   const bool holds_part = !FramesOnly(options, stated.layout()).fix.empty();
-  if (!holds_part) {
+  const bool is_near =
+      MedianError(stated, data) < kNear * ArmReach(stated.nominal());
+  if (!holds_part && !is_near) {
     InitialFrames start =
         FindInitialFrames(task->arm, task->data.references,
                           EvenSubset(task->communicator, data, kEnoughForStart),
