@@ -10,10 +10,9 @@
 namespace alidade::internal {
 namespace {
 
-// Errors of robust fits are those of what they reject, too.
-bool IsWorse(const FinishedFit& fit, const EvaluatedSet& set) {
-  return fit.task.options.loss == LossKind::kNone &&
-         set.after.mean > set.before.mean && set.change_t > kBeyondChance;
+bool IsWorse(const KeptErrors& judged) {
+  return judged.after.mean > judged.before.mean &&
+         judged.change_t > kBeyondChance;
 }
 
 // Residuals in sigmas; of a robust fit those of a typical observation.
@@ -37,7 +36,7 @@ bool IsUseless(const FinishedFit& fit, const CalibrationResult& result) {
 // Along directions that hardly matter a solver may creep for ever and be right.
 bool IsStoppedAway(const FinishedFit& fit, const CalibrationResult& result) {
   constexpr double kLargeResiduals = 2.5;
-  const EvaluatedSet& judged = JudgedSet(result);
+  const KeptErrors judged = JudgedSet(result).Judged();
   return result.runs.front().summary.status == SolverStatus::kIterationLimit &&
          (ResidualRatio(fit, result) > kLargeResiduals ||
           judged.after.rms > judged.before.rms);
@@ -49,7 +48,7 @@ bool IsUndetermined(const FinishedFit& fit) {
              static_cast<Eigen::Index>(fit.problem.free_columns.size());
 }
 
-std::string GrowsAt(const char* poses, const EvaluatedSet& set) {
+std::string GrowsAt(const char* poses, const KeptErrors& set) {
   return std::string("the mean error at the ") + poses + " poses grows from " +
          FormatLength(set.before.mean, 3) + " to " +
          FormatLength(set.after.mean, 3) +
@@ -72,9 +71,10 @@ std::string ReasonToReject(const FinishedFit& fit, bool frames_fitted,
            "not fit this arm. Identify fewer, measure more poses, look for "
            "what is wrong with the data, or allow more iterations";
   }
-  if (IsWorse(fit, result.train)) return GrowsAt("training", result.train);
-  if (result.heldout && IsWorse(fit, *result.heldout)) {
-    return GrowsAt("validation", *result.heldout);
+  const KeptErrors train = result.train.Judged();
+  if (IsWorse(train)) return GrowsAt("training", train);
+  if (result.heldout && IsWorse(result.heldout->Judged())) {
+    return GrowsAt("validation", result.heldout->Judged());
   }
   if (frames_fitted && IsUseless(fit, result)) {
     return "the calibrated arm fits no better than the nominal one, and its "

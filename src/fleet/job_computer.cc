@@ -40,11 +40,13 @@ void Describe(const CalibrationResult& result, BatchEntry* entry) {
   entry->title = result.title;
   entry->arm = result.arm_name;
   entry->data = result.train.name;
-  entry->train_before = result.train.before;
-  entry->train_after = result.train.after;
+  const KeptErrors train = result.train.Judged();
+  entry->train_before = train.before;
+  entry->train_after = train.after;
   if (result.heldout) {
-    entry->heldout_before = result.heldout->before;
-    entry->heldout_after = result.heldout->after;
+    const KeptErrors heldout = result.heldout->Judged();
+    entry->heldout_before = heldout.before;
+    entry->heldout_after = heldout.after;
   }
   entry->num_free = result.identifiability.num_free;
   if (!result.runs.empty()) {
