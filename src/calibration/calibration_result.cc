@@ -6,10 +6,12 @@
 #include <cmath>
 
 #include "src/common/format.h"
+#include "src/common/text.h"
 #include "src/common/text_table.h"
 
 namespace alidade {
 
+using internal::Count;
 using internal::FormatAccuracy;
 using internal::FormatLength;
 using internal::FormatParameter;
@@ -38,6 +40,18 @@ SharedVector EvaluatedSet::ErrorAfter() const {
   return residual_after.map().colwise().norm().transpose();
 }
 
+VerdictDecision Verdict::decision() const {
+  if (level == FindingLevel::kFailed) return VerdictDecision::kRejected;
+  return level == FindingLevel::kAttention
+             ? VerdictDecision::kAcceptedWithWarnings
+             : VerdictDecision::kAccepted;
+}
+
+KeptErrors EvaluatedSet::Judged() const {
+  if (kept) return *kept;
+  return {0, before, after, rotation_before, rotation_after, change_t};
+}
+
 bool CalibrationResult::accepted() const {
   return std::all_of(acceptance.begin(), acceptance.end(),
                      [](const AcceptanceCheck& check) { return check.met(); });
@@ -46,6 +60,11 @@ bool CalibrationResult::accepted() const {
 bool CalibrationResult::IsUsable() const {
   return status == CalibrationStatus::kDone ||
          status == CalibrationStatus::kMissedLimits;
+}
+
+bool CalibrationResult::IsRejected() const {
+  return status == CalibrationStatus::kFailed && !runs.empty() &&
+         runs.front().summary.IsSolutionUsable();
 }
 
 const ParameterResult& CalibrationResult::Parameter(
@@ -61,10 +80,13 @@ std::string CalibrationResult::BriefReport() const {
   std::string text = arm_name + ": " + ToString(status);
   if (!message.empty()) text += ": " + message;
   if (!IsUsable()) return text;
-  const EvaluatedSet& set = validation ? *validation : train;
+  const KeptErrors set = (validation ? *validation : train).Judged();
   return text + "; rms error at " + (validation ? "validation" : "training") +
          " poses " + FormatLength(set.before.rms) + " before, " +
-         FormatLength(set.after.rms) + " after";
+         FormatLength(set.after.rms) + " after" +
+         (set.num_rejected == 0
+              ? ""
+              : ", without " + Count(set.num_rejected, "rejected observation"));
 }
 
 std::string CalibrationResult::FullReport() const {

@@ -118,7 +118,8 @@ Resolve ResolveByCeres(const CalibrationProblem& problem,
 
 UncertaintyResult AssessFit(const CalibrationSolution& fit,
                             const IdentifiabilityResult& pass,
-                            double final_cost) {
+                            double final_cost, const OutlierSearch& training,
+                            const OutlierSearch& validation) {
   CalibrationProblem problem = fit.problem;
   problem.losses = TunedLosses(fit.task.options.loss);
   AssessmentInput input{
@@ -131,10 +132,18 @@ UncertaintyResult AssessFit(const CalibrationSolution& fit,
     input.fit_cost = final_cost;
     input.resolve = ResolveByCeres(problem, fit.task.options.solver_options);
   }
-  if (fit.task.data.validation) input.validation = &*fit.task.data.validation;
+  if (training.kept) input.kept = &*training.kept;
+  if (validation.ordinary) {
+    input.validation = &*validation.ordinary;
+  } else if (fit.task.data.validation) {
+    input.validation = &*fit.task.data.validation;
+  }
   if (fit.task.options.true_values)
     input.true_values = *fit.task.options.true_values;
   UncertaintyResult result = AssessUncertainty(input);
+  if (validation.ordinary) {
+    result.validation->num_outliers = validation.num_outliers;
+  }
   WarnOfWhatIsNotMeasured(fit, pass, &result);
   if (fit.task.options.uncertainty.intervals == IntervalMethod::kProfile &&
       !input.resolve) {

@@ -27,15 +27,25 @@ constexpr char kPage[] = "report.html";
 std::set<std::string> NamesOf(OutputKind kind) {
   switch (kind) {
     case OutputKind::kCalibration:
-      return {"arm.yaml",          "report.txt",
-              "residuals.csv",     "validation.csv",
-              "iterations.csv",    "error_before.svg",
-              "error_after.svg",   "convergence.svg",
-              "influence.csv",     "validation_before.svg",
-              "relations.svg",     "validation_after.svg",
-              "predicted_map.csv", "singular_values.svg",
-              "predicted_map.svg", "residual_histogram.svg",
-              "report.html",       "validation_z_scores.svg",
+      return {"arm.yaml",
+              "arm.rejected.yaml",
+              "report.txt",
+              "residuals.csv",
+              "validation.csv",
+              "iterations.csv",
+              "error_before.svg",
+              "error_after.svg",
+              "convergence.svg",
+              "influence.csv",
+              "validation_before.svg",
+              "relations.svg",
+              "validation_after.svg",
+              "predicted_map.csv",
+              "singular_values.svg",
+              "predicted_map.svg",
+              "residual_histogram.svg",
+              "report.html",
+              "validation_z_scores.svg",
               "result.json"};
     case OutputKind::kComparison:
       return {
@@ -85,7 +95,12 @@ std::string DirectoryOf(const std::filesystem::path& file) {
 }
 
 ReportFile RenderArm(const CalibrationResult& result) {
-  return {"arm.yaml", FormatArm(result.arm, ArmComment(result))};
+  const bool is_rejected = result.IsRejected();
+  return {is_rejected ? "arm.rejected.yaml" : "arm.yaml",
+          FormatArm(result.arm, (is_rejected ? "Rejected, not to be used: " +
+                                                   result.message + ". "
+                                             : "") +
+                                    ArmComment(result))};
 }
 
 }  // namespace

@@ -48,7 +48,8 @@ class Assessment {
     ListParameters();
     ListPairs();
     result_.residuals =
-        DiagnoseResiduals(fit_, covariance_, !input_.sigma_estimated);
+        DiagnoseResiduals(fit_, covariance_, !input_.sigma_estimated,
+                          input_.kept != nullptr ? *input_.kept : fit_.data);
     Predict();
     WarnOfResiduals();
     return std::move(result_);

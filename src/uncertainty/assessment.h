@@ -29,6 +29,9 @@ struct AssessmentInput {
   Resolve resolve = {};
   /// Poses that the fit has not seen; null where there are none.
   const Dataset* validation = nullptr;
+  /// The data of the fit without those that it has rejected; null where there
+  /// are none.
+  const Dataset* kept = nullptr;
   /// Values of the real arm, where it is known; else empty.
   Eigen::VectorXd true_values = {};
 };
