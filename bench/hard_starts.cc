@@ -29,17 +29,66 @@ struct Bench {
   bool with_frames = true;
 };
 
-std::vector<Bench> Arms(const std::string& root) {
+std::vector<Bench> Arms(const std::string& root,
+                        const std::vector<std::string>& names) {
   std::vector<Bench> arms;
-  for (const char* name : {"rv2aj_flange", "ur10", "irb120", "panda"}) {
+  for (const std::string& name : names) {
     Bench bench{LoadArm(root + "/configs/robots/" + name + ".yaml")};
-    bench.with_frames = std::string(name) != "rv2aj_flange";
+    bench.with_frames = name != "rv2aj_flange";
     if (bench.with_frames) {
       bench.nominal.last_from_target().translation() << 0.05, 0.03, 0.1;
     }
     arms.push_back(std::move(bench));
   }
   return arms;
+}
+
+// Revolute joints of alpha (deg), d and r (m), modified Denavit-Hartenberg.
+Bench MakeBench(const std::string& name,
+                const std::vector<Eigen::Vector3d>& table) {
+  Bench bench;
+  bench.nominal.name = name;
+  for (const Eigen::Vector3d& row : table) {
+    Joint joint;
+    joint.alpha = row[0] * kDegree;
+    joint.d = row[1];
+    joint.r = row[2];
+    joint.lower = -2.6;
+    joint.upper = 2.6;
+    bench.nominal.joints.push_back(joint);
+  }
+  bench.nominal.targets.resize(1);
+  bench.nominal.last_from_target().translation() << 0.05, 0.03, 0.1;
+  return bench;
+}
+
+// Dimensions as their makers publish them.
+std::vector<Bench> FurtherArms() {
+  return {MakeBench("UR5", {{0, 0, 0.0892},
+                            {90, 0, 0},
+                            {0, -0.425, 0},
+                            {0, -0.3922, 0.1092},
+                            {90, 0, 0.0947},
+                            {-90, 0, 0.0823}}),
+          MakeBench("UR3", {{0, 0, 0.1519},
+                            {90, 0, 0},
+                            {0, -0.2437, 0},
+                            {0, -0.2133, 0.1124},
+                            {90, 0, 0.0854},
+                            {-90, 0, 0.0819}}),
+          MakeBench("PUMA 560", {{0, 0, 0},
+                                 {-90, 0, 0.2435},
+                                 {0, 0.4318, -0.0934},
+                                 {90, -0.0203, 0.4331},
+                                 {-90, 0, 0},
+                                 {90, 0, 0.0565}}),
+          MakeBench("LBR iiwa 7", {{0, 0, 0.34},
+                                   {-90, 0, 0},
+                                   {90, 0, 0.4},
+                                   {90, 0, 0},
+                                   {-90, 0, 0.4},
+                                   {-90, 0, 0},
+                                   {90, 0, 0.126}})};
 }
 
 // Moves every parameter of the joints by normal draws, half of the priors for
@@ -237,13 +286,26 @@ struct Mistake {
   std::function<void(Eigen::MatrixXd*, Eigen::Matrix3Xd*)> make;
 };
 
+void ScaleAngles(const Arm& arm, double factor, Eigen::MatrixXd* q) {
+  for (int j = 0; j < arm.num_joints(); ++j) {
+    if (arm.joints[j].type == JointType::kRevolute) q->row(j) *= factor;
+  }
+}
+
 std::vector<Mistake> MistakesOf(const Arm& arm) {
   std::vector<Mistake> mistakes = {
       {"in degrees but read as radians",
-       [](Eigen::MatrixXd* q, Eigen::Matrix3Xd*) { *q /= kDegree; }},
+       [&arm](Eigen::MatrixXd* q, Eigen::Matrix3Xd*) {
+         ScaleAngles(arm, 1.0 / kDegree, q);
+       }},
       {"in radians but read as degrees",
-       [](Eigen::MatrixXd* q, Eigen::Matrix3Xd*) { *q *= kDegree; }},
-      {"in grad", [](Eigen::MatrixXd* q, Eigen::Matrix3Xd*) { *q /= 0.9; }},
+       [&arm](Eigen::MatrixXd* q, Eigen::Matrix3Xd*) {
+         ScaleAngles(arm, kDegree, q);
+       }},
+      {"in grad",
+       [&arm](Eigen::MatrixXd* q, Eigen::Matrix3Xd*) {
+         ScaleAngles(arm, 1.0 / 0.9, q);
+       }},
       {"in mm but read as m",
        [](Eigen::MatrixXd*, Eigen::Matrix3Xd* p) { *p *= 1e3; }},
       {"in m but read as mm",
@@ -273,6 +335,14 @@ std::vector<Mistake> MistakesOf(const Arm& arm) {
                           q->row(j).swap(q->row(j - 1));
                         }});
   }
+  // The last: alone only.
+  mistakes.push_back(
+      {"fit in two parts", [](Eigen::MatrixXd*, Eigen::Matrix3Xd* p) {
+         const Eigen::Index n = p->cols() * 2 / 5;
+         const Eigen::AngleAxisd turn(0.7, Eigen::Vector3d::UnitZ());
+         p->rightCols(n) = (turn.toRotationMatrix() * p->rightCols(n)).eval();
+         p->rightCols(n).colwise() += Eigen::Vector3d(0.3, -0.8, 0.1);
+       }});
   return mistakes;
 }
 
@@ -290,12 +360,13 @@ void InputMistakes(const Bench& bench, int count) {
         DrawJointValues(real, kPoses, static_cast<std::uint64_t>(k + 1));
     Eigen::Matrix3Xd points = TargetPositions(real, joints);
     for (double& value : points.reshaped()) value += kSigma * random.Normal();
-    const auto pick = [&] {
+    const auto pick = [&](std::size_t among) {
       return static_cast<std::size_t>(
-          random.Uniform(0.0, static_cast<double>(all.size())));
+          random.Uniform(0.0, static_cast<double>(among)));
     };
-    const std::size_t first = pick();
-    const std::size_t second = k % 2 == 0 ? first : pick();
+    const bool is_single = k % 2 == 0;
+    const std::size_t first = pick(all.size() - (is_single ? 0 : 1));
+    const std::size_t second = is_single ? first : pick(all.size() - 1);
     // Units come last: a zero is off in the units of the arm.
     all[std::max(first, second)].make(&joints, &points);
     if (second != first) all[std::min(first, second)].make(&joints, &points);
@@ -312,7 +383,8 @@ void InputMistakes(const Bench& bench, int count) {
     }
     const bool is_right = text.find(all[first].says) != std::string::npos &&
                           text.find(all[second].says) != std::string::npos;
-    if (text.find("Several mistakes") != std::string::npos) {
+    if (text.find("Several mistakes") != std::string::npos ||
+        text.find("this is not all") != std::string::npos) {
       ++(is_right ? named : alike);
     } else if (is_right) {
       ++named;
@@ -332,8 +404,15 @@ void InputMistakes(const Bench& bench, int count) {
 
 bool Run(const std::vector<std::string>& arguments) {
   if (arguments.size() != 2) return false;
-  const std::vector<Bench> arms = Arms(arguments[0]);
   const std::string& what = arguments[1];
+  std::vector<Bench> arms =
+      Arms(arguments[0], {"rv2aj_flange", "ur10", "irb120", "panda"});
+  if (what == "mistakes") {
+    for (const Bench& bench : Arms(arguments[0], {"rokae", "lifting_column"})) {
+      arms.push_back(bench);
+    }
+    for (const Bench& bench : FurtherArms()) arms.push_back(bench);
+  }
   for (const Bench& bench : arms) {
     if (what == "recalibration") {
       Recalibrate(bench, 50);
@@ -342,7 +421,7 @@ bool Run(const std::vector<std::string>& arguments) {
     } else if (what == "zeros") {
       ZerosOff(bench);
     } else if (what == "mistakes") {
-      InputMistakes(bench, 125);
+      InputMistakes(bench, 50);
     } else {
       return false;
     }

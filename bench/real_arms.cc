@@ -88,6 +88,7 @@ void WriteSplits(const RealArm& arm, const std::string& directory) {
 struct Means {
   int done = 0;
   int worse_than_before = 0;
+  int warned = 0;  // that the priors cost accuracy
   int rank = 0;
   double before = 0.0;
   double mean = 0.0;
@@ -100,6 +101,9 @@ struct Means {
     ++done;
     rank = result.identifiability.num_free;
     if (validation.after.mean > validation.before.mean) ++worse_than_before;
+    for (const std::string& warning : result.warnings) {
+      if (warning.find(" mrad pull") != std::string::npos) ++warned;
+    }
     before += validation.before.mean / kMillimetre;
     mean += validation.after.mean / kMillimetre;
     median += validation.after.median / kMillimetre;
@@ -169,13 +173,21 @@ std::string Number(double value) {
   return text.data();
 }
 
+JobConfig WithEstimatedPriors(JobConfig job) {
+  job.options.prior_scale = PriorScale::kEstimated;
+  return job;
+}
+
 void PrintAccuracy(const RealArm& arm, const PlainFit& plain) {
   const Means ours = OverSeeds(arm, arm.job, kValidation);
+  const Means estimated =
+      OverSeeds(arm, WithEstimatedPriors(arm.job), kValidation);
   const std::string rotation =
       ours.rotation > 0.0 ? Number(ours.rotation) : "-";
   std::cout << "| `" << arm.name << "` | " << arm.job.data.training.num_poses()
             << " | " << ours.rank << " | " << Number(ours.before) << " | "
             << Number(plain.mean) << " | " << Number(ours.mean) << " | "
+            << Number(estimated.mean) << " | " << ours.warned << " | "
             << Number(plain.median) << " | " << Number(ours.median) << " | "
             << Number(plain.max) << " | " << Number(ours.max) << " | "
             << rotation << " |" << std::endl;
@@ -222,10 +234,12 @@ void PrintFewPoses(const RealArm& arm, LineChart* with_priors,
                   static_cast<double>(arm.job.data.training.num_poses());
     if (share <= 0.05) continue;
     const Means ours = OverSeeds(arm, arm.job, share);
+    const Means estimated = OverSeeds(arm, WithEstimatedPriors(arm.job), share);
     const Means keep = OverSeeds(arm, WithoutPriors(arm.job), share);
     std::cout << "| `" << arm.name << "` | " << poses << " | "
               << Number(ours.before) << " | " << Cell(ours) << " | "
-              << ours.worse_than_before << " | " << Cell(keep) << " | "
+              << ours.worse_than_before << " | " << ours.warned << " | "
+              << Cell(estimated) << " | " << Cell(keep) << " | "
               << keep.worse_than_before << " |" << std::endl;
     AddPoint(poses, ours, ours.before, &with_series);
     AddPoint(poses, keep, ours.before, &without_series);
@@ -249,15 +263,17 @@ void Report(const std::string& root, const std::string& plain_path,
             const std::string& images) {
   std::map<std::string, PlainFit> plain = ReadPlainFits(plain_path);
   std::cout << "| set | N | free | before | plain, mean | Alidade, mean | "
+               "estimated priors, mean | warned | "
                "plain, median | Alidade, median | plain, max | Alidade, max | "
                "Alidade, orientation [deg] |\n"
-               "|---|---|---|---|---|---|---|---|---|---|---|"
+               "|---|---|---|---|---|---|---|---|---|---|---|---|---|"
             << std::endl;
   for (const std::string& name : JobNames()) {
     PrintAccuracy(Load(root, name), plain[name]);
   }
   std::cout << "\n| set | poses | before | with priors | worse than before | "
-               "without | worse than before |\n|---|---|---|---|---|---|---|"
+               "warned | estimated priors | without | worse than before |\n"
+               "|---|---|---|---|---|---|---|---|---|"
             << std::endl;
   LineChart with_priors = FewPosesChart("priors of 5 mrad and 1 mm");
   LineChart without = FewPosesChart("no priors");

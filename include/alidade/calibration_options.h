@@ -34,6 +34,12 @@ struct CalibrationData {
 
 enum class SolverName { kCeres, kPseudoInverse };
 
+/// Where the size of the joints' priors comes from.
+enum class PriorScale {
+  kGiven,      ///< PriorTolerances
+  kEstimated,  ///< one factor for angles and one for lengths, from the data
+};
+
 /// Poses that the fit does not use, drawn from the training data by
 /// configuration, so that repeats of a pose stay together.
 struct HoldOutOptions {
@@ -76,6 +82,7 @@ struct CalibrationOptions {
   /// measurements cannot determine. `identifiability.candidates.base` and
   /// `.tool` add the two frames to the joints.
   IdentifiabilityOptions identifiability;
+  PriorScale prior_scale = PriorScale::kGiven;
   SolverName solver = SolverName::kCeres;
   SolverOptions solver_options;
   /// Against outliers; SolverName::kCeres only.

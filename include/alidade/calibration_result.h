@@ -41,15 +41,22 @@ struct Finding {
   double threshold = std::numeric_limits<double>::quiet_NaN();
   std::string sentence;
   FindingLevel level = FindingLevel::kPassed;
+  /// What to do about it, a sentence; may be empty below kAttention.
+  std::string next = "";
 };
 
+/// What a verdict comes to.
+enum class VerdictDecision { kAccepted, kAcceptedWithWarnings, kRejected };
+
 /// Whether a result may be used. `level` is that of the worst finding, a note
-/// counting as passed.
+/// counting as passed; findings come in the order of their weight.
 struct Verdict {
   FindingLevel level = FindingLevel::kFailed;
   std::string title;     ///< "Accepted", "Usable, with warnings" ...
   std::string sentence;  ///< what the calibration achieved; may be several
   std::vector<Finding> findings;
+
+  VerdictDecision decision() const;
 };
 
 /// A file that a result was computed from.
@@ -96,6 +103,16 @@ struct ObservationLabel {
   bool has_rotation = false;  ///< an orientation was measured
 };
 
+/// Errors without the observations that the robust loss has rejected.
+struct KeptErrors {
+  std::int64_t num_rejected = 0;
+  Accuracy before;
+  Accuracy after;
+  Accuracy rotation_before;  ///< (rad); n = 0 without orientations
+  Accuracy rotation_after;
+  double change_t = std::numeric_limits<double>::quiet_NaN();
+};
+
 /// The error of the arm, before and after calibration, at the poses of one
 /// data set. All lengths in m, all angles in rad. Matrices may share their
 /// numbers with the data set that was evaluated.
@@ -123,7 +140,11 @@ struct EvaluatedSet {
   /// whether the calibration made a difference here. Positive = worse; NaN
   /// where fewer than two lengths were measured.
   double change_t = std::numeric_limits<double>::quiet_NaN();
+  /// Where some were rejected: what a result is judged by.
+  std::optional<KeptErrors> kept;
 
+  /// `kept` or, where nothing was rejected, the errors of all observations.
+  KeptErrors Judged() const;
   SharedVector ErrorBefore() const;
   SharedVector ErrorAfter() const;
 };
@@ -141,6 +162,8 @@ struct AcceptanceCheck {
   double limit = 0.0;
   double obtained = 0.0;
   Dimension dimension = Dimension::kLength;
+  /// Observations that were rejected and did not count.
+  std::int64_t num_rejected = 0;
   bool met() const { return obtained <= limit; }
 };
 
@@ -165,11 +188,27 @@ struct ReferenceResult {
   double offset = std::numeric_limits<double>::quiet_NaN();
 };
 
+/// Errors of poses that were each left out of one fit, without what the fit to
+/// all of them has rejected.
+struct KeptCrossValidation {
+  std::int64_t num_rejected = 0;
+  Accuracy position;
+  Accuracy rotation;  ///< (rad); n = 0 without orientations
+};
+
 /// Errors of poses that were each left out of one fit.
 struct CrossValidation {
   int folds = 0;
   Accuracy position;
   Accuracy rotation;  ///< (rad); n = 0 without orientations
+  std::optional<KeptCrossValidation> kept = {};  ///< where some were rejected
+};
+
+/// Factors that priors of the joints were multiplied by, where they were found
+/// from the data.
+struct PriorScaling {
+  double angle = 1.0;
+  double length = 1.0;
 };
 
 /// What measurements of the same configuration differ by: the instrument and
@@ -182,14 +221,15 @@ struct RepeatSpread {
   std::int64_t rotation_degrees_of_freedom = 0;
 };
 
-/// An observation of the training data whose residual is beyond what chance
-/// allows.
+/// An observation whose residual is beyond what chance allows.
 struct Outlier {
-  std::int64_t observation = 0;  ///< of the data that was fitted, from 0
+  std::int64_t observation = 0;  ///< of its data set, from 0
   ObservationLabel label;
-  double error = 0.0;         ///< in length (m)
-  double standardised = 0.0;  ///< norm of the whitened residual
-  double weight = 1.0;        ///< that the robust loss left it
+  double error = 0.0;  ///< in length (m)
+  /// Norm of the whitened residual; of a validation pose, in predicted standard
+  /// deviations.
+  double standardised = 0.0;
+  double weight = 1.0;  ///< that the robust loss leaves it
 };
 
 /// One quantity that a publication states, in its own words.
@@ -253,6 +293,7 @@ struct CalibrationResult {
   /// Where base or tool are fitted: what each part of a calibration brings.
   std::vector<StageResult> stages;
   std::optional<CrossValidation> cross_validation;
+  std::optional<PriorScaling> prior_scaling;
   RepeatSpread repeats;
   std::vector<RejectedRow> rejected;
   /// What people call the targets and references: {"point1", "A"}.
@@ -261,7 +302,8 @@ struct CalibrationResult {
   /// Norm of a whitened residual beyond which one of all observations would be
   /// by chance in 5 % of calibrations; 0 = not looked at.
   double outlier_limit = 0.0;
-  std::vector<Outlier> outliers;  ///< worst first
+  std::vector<Outlier> outliers;  ///< of the training data, worst first
+  std::vector<Outlier> validation_outliers;
   /// Standard deviation of a coordinate, where the job asked for an estimate
   /// (m); 0 = given.
   double estimated_sigma = 0.0;
@@ -291,6 +333,9 @@ struct CalibrationResult {
   /// Whether a solver found a solution that may be used; acceptance limits do
   /// not matter.
   bool IsUsable() const;
+  /// Whether there is a solution, complete with its accuracy, that must not be
+  /// used: `message` says why.
+  bool IsRejected() const;
   /// By name ("d3"). @pre the layout has it, and the result is usable.
   const ParameterResult& Parameter(const std::string& name) const;
   /// Its confidence interval (CalibrationOptions::uncertainty); NaN where the

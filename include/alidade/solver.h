@@ -1,6 +1,8 @@
 #ifndef ALIDADE_SOLVER_H_
 #define ALIDADE_SOLVER_H_
 
+#include <Eigen/Core>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -27,8 +29,9 @@ struct IterationRecord {
   double rms_error = 0.0;  ///< root mean square of the same (m)
   /// Norm of the step in the parameters (mixed m and rad); 0 at entry 0.
   double step_norm = 0.0;
-  bool accepted = true;  ///< false: the step was rejected
-  double time_s = 0.0;   ///< wall time since the solve began
+  bool accepted = true;         ///< false: the step was rejected
+  double time_s = 0.0;          ///< wall time since the solve began
+  Eigen::VectorXd values = {};  ///< all parameters there; in no file
 };
 
 /// What a solver did. The same for every solver.
@@ -52,6 +55,9 @@ struct SolverSummary {
   int accepted_steps = 0;
   int rejected_steps = 0;
   std::vector<IterationRecord> iterations;
+  /// Observations that the errors of the iterations leave out, because a
+  /// calibration has rejected them as outliers in the end.
+  std::int64_t num_rejected = 0;
 
   int threads_given = 0;
   int threads_used = 0;

@@ -211,7 +211,9 @@ struct PredictionCheck {
   /// Deviations over predicted standard deviations, one per coordinate.
   Eigen::VectorXd z_scores;
   Histogram histogram;  ///< of these
-  double rms_z = 0.0;   ///< 1 where predicted and observed agree
+  /// Outliers among the observations, which all of this leaves out.
+  std::int64_t num_outliers = 0;
+  double rms_z = 0.0;  ///< 1 where predicted and observed agree
   /// "agree", "larger" or "smaller" than predicted, and why so.
   std::string verdict;
   PredictionParts parts;  ///< at whole positions

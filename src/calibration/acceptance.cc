@@ -17,22 +17,25 @@ double OrInfinity(const Accuracy& accuracy, double value) {
 
 ValidationErrors ValidationErrorsOf(const CalibrationResult& result) {
   if (result.validation) {
-    return {result.validation->after, result.validation->rotation_after};
+    const KeptErrors judged = result.validation->Judged();
+    return {judged.after, judged.rotation_after, judged.num_rejected};
   }
-  if (result.cross_validation) {
-    return {result.cross_validation->position,
-            result.cross_validation->rotation};
-  }
-  return {};
+  if (!result.cross_validation) return {};
+  const CrossValidation& all = *result.cross_validation;
+  return all.kept ? ValidationErrors{all.kept->position, all.kept->rotation,
+                                     all.kept->num_rejected}
+                  : ValidationErrors{all.position, all.rotation};
 }
 
 std::vector<AcceptanceCheck> CheckAcceptance(const AcceptanceLimits& limits,
                                              const CalibrationResult& result) {
   std::vector<AcceptanceCheck> checks;
+  std::int64_t num_rejected = 0;
   const auto add = [&](const std::string& quantity,
                        const std::optional<double>& limit, double obtained,
                        Dimension dimension) {
-    if (limit) checks.push_back({quantity, *limit, obtained, dimension});
+    if (!limit) return;
+    checks.push_back({quantity, *limit, obtained, dimension, num_rejected});
   };
   const auto add_lengths = [&](const std::string& set, const Accuracy& accuracy,
                                const std::optional<double>& rms,
@@ -50,10 +53,13 @@ std::vector<AcceptanceCheck> CheckAcceptance(const AcceptanceLimits& limits,
         add(set + "_rotation_max", max, OrInfinity(accuracy, accuracy.max),
             Dimension::kAngle);
       };
-  add_lengths("train", result.train.after, limits.train_rms, limits.train_max);
-  add_rotations("train", result.train.rotation_after, limits.train_rotation_rms,
+  const KeptErrors train = result.train.Judged();
+  num_rejected = train.num_rejected;
+  add_lengths("train", train.after, limits.train_rms, limits.train_max);
+  add_rotations("train", train.rotation_after, limits.train_rotation_rms,
                 limits.train_rotation_max);
   const ValidationErrors validation = ValidationErrorsOf(result);
+  num_rejected = validation.num_rejected;
   add_lengths("validation", validation.lengths, limits.validation_rms,
               limits.validation_max);
   add_rotations("validation", validation.rotations,

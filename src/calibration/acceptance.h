@@ -1,6 +1,7 @@
 #ifndef ALIDADE_SRC_CALIBRATION_ACCEPTANCE_H_
 #define ALIDADE_SRC_CALIBRATION_ACCEPTANCE_H_
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -9,10 +10,12 @@
 
 namespace alidade::internal {
 
-/// Errors of the poses left out of the fit, or of each fold; n = 0 without.
+/// Errors of the poses left out of the fit, or of each fold, without rejected
+/// observations; n = 0 without poses held out.
 struct ValidationErrors {
   Accuracy lengths;
   Accuracy rotations;
+  std::int64_t num_rejected = 0;
 };
 ValidationErrors ValidationErrorsOf(const CalibrationResult& result);
 

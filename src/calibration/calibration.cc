@@ -19,8 +19,10 @@
 #include "src/calibration/fit_warnings.h"
 #include "src/calibration/frame_fit.h"
 #include "src/calibration/identifiability_cache.h"
+#include "src/calibration/outliers.h"
 #include "src/calibration/plausibility.h"
 #include "src/calibration/preparation.h"
+#include "src/calibration/prior_scale.h"
 #include "src/calibration/rejection.h"
 #include "src/calibration/sigma_change.h"
 #include "src/calibration/sigma_estimation.h"
@@ -39,11 +41,12 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
 }
 
 SolverRun Solve(SolverName name, const CalibrationProblem& problem,
-                LossKind loss, const SolverOptions& options) {
+                LossKind loss, const SolverOptions& options,
+                const Eigen::VectorXd& start = {}) {
   SolverRun run;
   run.values = problem.model.NominalValues();
   run.summary = name == SolverName::kCeres
-                    ? SolveRobust(problem, loss, options, &run.values)
+                    ? SolveRobust(problem, loss, options, &run.values, start)
                     : SolvePseudoInverse(problem, options, &run.values);
   run.train = EvaluateAccuracy(problem.model, problem.data, run.values);
   return run;
@@ -53,7 +56,8 @@ SolverRun Solve(SolverName name, const CalibrationProblem& problem,
 // the input, before anything is fitted. Returns what speaks against others.
 std::optional<Finding> RefuseMistakes(const CalibrationTask& task) {
   InputDiagnosis diagnosis =
-      DiagnoseInput(task.arm, task.data.training, task.communicator);
+      DiagnoseInput(task.arm, task.data.training,
+                    task.options.identifiability.candidates, task.communicator);
   if (!diagnosis.is_explained) return diagnosis.finding;
   SourceLocation location;
   location.file = task.data.training.name;
@@ -67,6 +71,7 @@ struct Prepared {
   bool frames_fitted = false;
   EstimatedSigmas sigmas;
   StatedNoise stated_noise;
+  std::optional<PriorScaling> prior_scaling;
 };
 
 // What is known of the measurement alone, in variances of the fit's sigmas.
@@ -103,6 +108,9 @@ Prepared Prepare(CalibrationTask task) {
     prepared.sigmas = EstimateSigmas(&prepared.task);
   }
   if (is_stated) prepared.stated_noise = NoiseOver(stated, prepared.task);
+  if (prepared.task.options.prior_scale == PriorScale::kEstimated) {
+    prepared.prior_scaling = EstimatePriors(&prepared.task, &prepared.sigmas);
+  }
   return prepared;
 }
 
@@ -165,6 +173,7 @@ class Calibrator {
     result_.sigma = MedianLengthSigma(data, task().communicator);
     result_.estimated_sigma = prepared_.sigmas.length;
     result_.estimated_rotation_sigma = prepared_.sigmas.rotation;
+    result_.prior_scaling = prepared_.prior_scaling;
     result_.repeats = MeasureRepeats(data, task().communicator);
     const auto add = [&](const std::string& block, const std::string& name) {
       if (!name.empty()) result_.aliases.emplace_back(block, name);
@@ -222,8 +231,8 @@ class Calibrator {
     SolverOptions options = task().options.solver_options;
     options.num_threads = model_.num_threads();
     problem_.emplace(ProblemOf(task(), model_, result_.identifiability));
-    result_.runs.push_back(
-        Solve(task().options.solver, *problem_, task().options.loss, options));
+    result_.runs.push_back(Solve(task().options.solver, *problem_,
+                                 task().options.loss, options, task().start));
     const SolverSummary& summary = result_.runs.front().summary;
     if (!summary.IsSolutionUsable()) {
       Fail(CalibrationStatus::kFailed, "the solver " + summary.solver + " " +
@@ -244,13 +253,14 @@ class Calibrator {
     result_.arm = model_.layout().WithValues(task().arm, values);
     ListParameters(nominal, values);
     ListReferences(model_.ReferencesAt(values));
-    EvaluateSets(nominal, values);
     const CalibrationSolution fit{task(), *problem_, values};
+    FindAllOutliers(fit);
+    EvaluateSets(nominal, values);
     if (prepared_.frames_fitted) {
       result_.stages = ListStages(fit, result_.identifiability.num_free);
     }
     if (task().options.folds) {
-      result_.cross_validation = CrossValidate(*as_given_);
+      result_.cross_validation = CrossValidate(*as_given_, training_.kept);
       if (!result_.cross_validation) {
         AddWarning(
             "cross-validation found no usable fit of one of its folds, or one "
@@ -259,33 +269,59 @@ class Calibrator {
             &result_);
       }
     }
-    result_.outliers = ListOutliers(fit, &result_.outlier_limit);
-    result_.reduced_chi_square = ReducedChiSquare(fit);
+    result_.reduced_chi_square = ReducedChiSquare(
+        fit, training_.kept ? *training_.kept : problem_->data);
     WarnOfFit(fit,
               {prepared_.frames_fitted, prepared_.sigmas.is_bound,
-               prepared_.misfit.has_value()},
+               prepared_.sigmas.has_two_groups, prepared_.misfit.has_value()},
               &result_);
     Assess(fit);
     Accept(fit);
   }
 
+  void FindAllOutliers(const CalibrationSolution& fit) {
+    training_ = FindOutliers(fit);
+    result_.outliers = training_.outliers;
+    result_.outlier_limit = training_.limit;
+    for (SolverRun& run : result_.runs) {
+      CountKeptAlone(fit, training_, &run.summary);
+    }
+    if (!task().data.validation) return;
+    validation_ = FindValidationOutliers(fit, training_);
+    result_.validation_outliers = validation_.outliers;
+  }
+
+  EvaluatedSet EvaluateWith(const OutlierSearch& found, const Dataset& data,
+                            const Eigen::VectorXd& nominal,
+                            const Eigen::VectorXd& values) const {
+    EvaluatedSet set = EvaluateSet(model_, data, nominal, values,
+                                   found.kept ? &*found.kept : nullptr);
+    if (set.kept) set.kept->num_rejected = found.num_rejected;
+    return set;
+  }
+
   void EvaluateSets(const Eigen::VectorXd& nominal,
                     const Eigen::VectorXd& values) {
     const CalibrationData& data = task().data;
-    result_.train = EvaluateSet(model_, data.training, nominal, values);
+    result_.train = EvaluateWith(training_, data.training, nominal, values);
     if (!data.validation) return;
-    result_.validation = EvaluateSet(model_, *data.validation, nominal, values);
+    result_.validation =
+        EvaluateWith(validation_, *data.validation, nominal, values);
     // Without orientations in the fit nothing determines the target's own.
     if (!data.training.Has(MeasurementKind::kPose)) {
       result_.validation->rotation_before = {};
       result_.validation->rotation_after = {};
+      if (result_.validation->kept) {
+        result_.validation->kept->rotation_before = {};
+        result_.validation->kept->rotation_after = {};
+      }
     }
   }
 
   void Assess(const CalibrationSolution& fit) {
-    result_.uncertainty = AssessFit(fit, result_.identifiability,
-                                    result_.runs.front().summary.final_cost,
-                                    prepared_.stated_noise);
+    result_.uncertainty = AssessFit(
+        fit, result_.identifiability, result_.runs.front().summary.final_cost,
+        {training_, validation_, prepared_.stated_noise});
     for (const ParameterUncertainty& one : result_.uncertainty->parameters) {
       result_.parameters[*model_.layout().Find(one.name)].std = one.std;
     }
@@ -357,6 +393,8 @@ class Calibrator {
   IdentifiabilityCache* const cache_;
   const MeasurementModel model_;
   std::optional<CalibrationProblem> problem_;
+  OutlierSearch training_;
+  OutlierSearch validation_;
   CalibrationResult result_;
 };
 

@@ -20,6 +20,12 @@ inline constexpr std::array kWords<LossKind> = {
     std::pair{LossKind::kTukey, "tukey"},
 };
 
+template <>
+inline constexpr std::array kWords<PriorScale> = {
+    std::pair{PriorScale::kGiven, "given"},
+    std::pair{PriorScale::kEstimated, "estimated"},
+};
+
 template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, HoldOutOptions>& options) {
   v.Field(Key("fraction").Above(0).Below(1).Default(""), options.fraction,

@@ -41,6 +41,18 @@ SharedVector EvaluatedSet::ErrorAfter() const {
   return residual_after.map().colwise().norm().transpose();
 }
 
+VerdictDecision Verdict::decision() const {
+  if (level == FindingLevel::kFailed) return VerdictDecision::kRejected;
+  return level == FindingLevel::kAttention
+             ? VerdictDecision::kAcceptedWithWarnings
+             : VerdictDecision::kAccepted;
+}
+
+KeptErrors EvaluatedSet::Judged() const {
+  if (kept) return *kept;
+  return {0, before, after, rotation_before, rotation_after, change_t};
+}
+
 bool CalibrationResult::accepted() const {
   return std::all_of(acceptance.begin(), acceptance.end(),
                      [](const AcceptanceCheck& check) { return check.met(); });
@@ -49,6 +61,11 @@ bool CalibrationResult::accepted() const {
 bool CalibrationResult::IsUsable() const {
   return status == CalibrationStatus::kDone ||
          status == CalibrationStatus::kMissedLimits;
+}
+
+bool CalibrationResult::IsRejected() const {
+  return status == CalibrationStatus::kFailed && !runs.empty() &&
+         runs.front().summary.IsSolutionUsable();
 }
 
 const ParameterResult& CalibrationResult::Parameter(
@@ -99,10 +116,13 @@ std::string CalibrationResult::BriefReport() const {
   text += ToString(status);
   if (!message.empty()) text += ": " + message;
   if (!IsUsable()) return text;
-  const EvaluatedSet& set = validation ? *validation : train;
+  const KeptErrors set = (validation ? *validation : train).Judged();
   return text + "; rms error at " + (validation ? "validation" : "training") +
          " poses " + FormatLength(set.before.rms) + " before, " +
-         FormatLength(set.after.rms) + " after";
+         FormatLength(set.after.rms) + " after" +
+         (set.num_rejected == 0
+              ? ""
+              : ", without " + Count(set.num_rejected, "rejected observation"));
 }
 
 std::string CalibrationResult::FullReport() const {

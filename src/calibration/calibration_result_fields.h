@@ -29,6 +29,13 @@ inline constexpr std::array kWords<FindingLevel> = {
     std::pair{FindingLevel::kFailed, "failed"},
 };
 
+template <>
+inline constexpr std::array kWords<VerdictDecision> = {
+    std::pair{VerdictDecision::kAccepted, "accepted"},
+    std::pair{VerdictDecision::kAcceptedWithWarnings, "accepted_with_warnings"},
+    std::pair{VerdictDecision::kRejected, "rejected"},
+};
+
 template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, InputFile>& input) {
   v.Field("path", input.path);
@@ -42,10 +49,12 @@ void VisitFields(Visitor& v, Subject<Visitor, Finding>& finding) {
   v.Field("statistic", finding.statistic);
   v.Field("threshold", finding.threshold);
   v.Field("sentence", finding.sentence);
+  v.Later("next", finding.next);
 }
 
 template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, Verdict>& verdict) {
+  v.Computed("decision", verdict.decision());
   v.Field("level", verdict.level);
   v.Field("title", verdict.title);
   v.Field("sentence", verdict.sentence);
@@ -74,6 +83,23 @@ void VisitFields(Visitor& v, Subject<Visitor, ParameterResult>& parameter) {
   v.Field("predicted_std", decision.predicted_std);
 }
 
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, KeptErrors>& kept) {
+  v.Field("rejected", kept.num_rejected);
+  v.Field("before", kept.before);
+  v.Field("after", kept.after);
+  v.Optional("rotation_before", kept.rotation_before);
+  v.Optional("rotation_after", kept.rotation_after);
+  v.Field("change_t", kept.change_t);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, KeptCrossValidation>& kept) {
+  v.Field("rejected", kept.num_rejected);
+  v.Field("position", kept.position);
+  v.Optional("rotation", kept.rotation);
+}
+
 /// Numbers of each pose are in CSV files beside it.
 template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, EvaluatedSet>& set) {
@@ -84,6 +110,7 @@ void VisitFields(Visitor& v, Subject<Visitor, EvaluatedSet>& set) {
   v.Optional("rotation_before", set.rotation_before);
   v.Optional("rotation_after", set.rotation_after);
   v.Later("change_t", set.change_t);
+  v.Optional("without_rejected", set.kept);
 }
 
 template <typename Visitor>
@@ -100,6 +127,7 @@ void VisitFields(Visitor& v, Subject<Visitor, AcceptanceCheck>& check) {
   v.Later("unit", check.dimension);
   v.Field("limit", check.limit);
   v.Field("obtained", check.obtained);
+  v.Later("rejected", check.num_rejected);
   v.Computed("met", check.met());
 }
 
@@ -128,6 +156,13 @@ void VisitFields(Visitor& v, Subject<Visitor, CrossValidation>& validation) {
   v.Field("folds", validation.folds);
   v.Field("position", validation.position);
   v.Optional("rotation", validation.rotation);
+  v.Optional("without_rejected", validation.kept);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, PriorScaling>& scaling) {
+  v.Field("angle", scaling.angle);
+  v.Field("length", scaling.length);
 }
 
 template <typename Visitor>
@@ -187,6 +222,7 @@ void VisitFields(Visitor& v, Subject<Visitor, CalibrationResult>& result) {
   v.Later("rejected_rows", result.rejected);
   v.Pairs("aliases", result.aliases, "block", "name");
   v.Later("references", result.references);
+  v.Optional("prior_scaling", result.prior_scaling);
   v.Later("repeats", result.repeats);
   v.LaterGroup("fit", [&](auto& fit) {
     fit.Later("sigma", result.sigma);
@@ -195,6 +231,7 @@ void VisitFields(Visitor& v, Subject<Visitor, CalibrationResult>& result) {
     fit.Field("reduced_chi_square", result.reduced_chi_square);
     fit.Field("outlier_limit", result.outlier_limit);
     fit.Field("outliers", result.outliers);
+    fit.Later("validation_outliers", result.validation_outliers);
   });
   v.Optional("uncertainty", result.uncertainty);
   v.Computed("solver", result.runs.empty() ? SolverSummary()

@@ -1,6 +1,8 @@
 #ifndef ALIDADE_SRC_CALIBRATION_CALIBRATION_TASK_H_
 #define ALIDADE_SRC_CALIBRATION_CALIBRATION_TASK_H_
 
+#include <Eigen/Core>
+
 #include "alidade/arm.h"
 #include "alidade/calibration_options.h"
 #include "alidade/calibration_result.h"
@@ -22,6 +24,8 @@ struct CalibrationTask {
   /// what one process would, to the bit, but for what has an entry for each
   /// pose, observation or outlier, which the root alone has.
   Communicator* communicator = SingleProcess();
+  /// Where a robust solve begins, near its solution; empty: at nominal.
+  Eigen::VectorXd start = {};
 
   Execution execution() const { return {options.num_threads, communicator}; }
 };

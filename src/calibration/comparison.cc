@@ -6,6 +6,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "src/calibration/parameter_assessment.h"
 #include "src/calibration/verdict.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
@@ -266,8 +267,9 @@ using internal::SignedQuantity;
 ComparedResult DescribeForComparison(const std::string& label,
                                      const CalibrationResult& result) {
   const EvaluatedSet& set = JudgedSet(result);
+  const KeptErrors errors = set.Judged();
   ComparedResult compared{
-      label, set.before, set.after, &set != &result.train, {}};
+      label, errors.before, errors.after, &set != &result.train, {}};
   for (const ParameterResult& parameter : result.parameters) {
     const std::string& kind = parameter.kind;
     if (kind != "beta" && kind != "alpha" && kind != "d" && kind != "theta" &&

@@ -150,6 +150,19 @@ Lists RotationLists(const SharedVector& errors, const Dataset& data) {
   return lists;
 }
 
+// Of an EvaluatedSet or of KeptErrors.
+template <typename Errors>
+void SummarizeBoth(const MeasurementModel& model, const Dataset& data,
+                   const SharedVector& before, const SharedVector& after,
+                   Errors* errors) {
+  errors->before = Summarize(model, data, CountedLengths(before, data));
+  errors->after = Summarize(model, data, CountedLengths(after, data));
+  errors->change_t = ChangeInStandardErrors(model, data, before, after);
+  if (!data.Has(MeasurementKind::kPose)) return;
+  errors->rotation_before = Summarize(model, data, RotationLists(before, data));
+  errors->rotation_after = Summarize(model, data, RotationLists(after, data));
+}
+
 // The labels of the global data set, on the root.
 std::vector<ObservationLabel> LabelsInOrder(
     Communicator* communicator, const Dataset& data,
@@ -287,7 +300,7 @@ std::vector<ObservationLabel> LabelsOf(const Arm& arm, const Dataset& data) {
 
 EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
                          const Eigen::VectorXd& before,
-                         const Eigen::VectorXd& after) {
+                         const Eigen::VectorXd& after, const Dataset* kept) {
   Communicator* const communicator = model.communicator();
   EvaluatedSet set;
   set.name = data.name;
@@ -311,15 +324,10 @@ EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
     set.rotation_residual_after =
         ObservationsInOrder(communicator, data, Rotations(data, errors_after));
   }
-  set.before = Summarize(model, data, CountedLengths(errors_before, data));
-  set.after = Summarize(model, data, CountedLengths(errors_after, data));
-  set.change_t =
-      ChangeInStandardErrors(model, data, errors_before, errors_after);
-  if (data.Has(MeasurementKind::kPose)) {
-    set.rotation_before =
-        Summarize(model, data, RotationLists(errors_before, data));
-    set.rotation_after =
-        Summarize(model, data, RotationLists(errors_after, data));
+  SummarizeBoth(model, data, errors_before, errors_after, &set);
+  if (kept != nullptr) {
+    SummarizeBoth(model, *kept, errors_before, errors_after,
+                  &set.kept.emplace());
   }
   return set;
 }

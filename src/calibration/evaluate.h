@@ -19,11 +19,14 @@ std::vector<ObservationLabel> LabelsOf(const Arm& arm, const Dataset& data);
 
 /// Errors of two sets of values, before and after, at the poses of `data`. Of
 /// a part (partition.h) the global data set is evaluated; what has an entry for
-/// each pose or observation is then on the root alone. This and all below that
-/// take a data set are collective.
+/// each pose or observation is then on the root alone. `kept`: null, or the
+/// data without those that were rejected, whose number `num_rejected` of the
+/// result's `kept` the caller fills in. This and all below that take a data set
+/// are collective.
 EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
                          const Eigen::VectorXd& before,
-                         const Eigen::VectorXd& after);
+                         const Eigen::VectorXd& after,
+                         const Dataset* kept = nullptr);
 
 /// The norms of lengths that an accuracy is made of, block by block, from the
 /// stacked errors of a model: without point distances and observations of

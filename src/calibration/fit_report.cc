@@ -7,14 +7,11 @@
 #include <set>
 #include <utility>
 
-#include "alidade/robust_loss.h"
 #include "src/calibration/evaluate.h"
 #include "src/calibration/frame_fit.h"
-#include "src/calibration/label_bytes.h"
 #include "src/calibration/preparation.h"
+#include "src/calibration/prior_scale.h"
 #include "src/calibration/sigma_estimation.h"
-#include "src/common/bytes.h"
-#include "src/common/distributions.h"
 #include "src/common/format.h"
 #include "src/identifiability/analysis.h"
 #include "src/kernel/holdout.h"
@@ -22,10 +19,6 @@
 
 namespace alidade::internal {
 namespace {
-
-// Observations beyond this are outliers: were all residuals Gaussian, one of
-// them would be there in so many of all calibrations.
-constexpr double kChanceOfOutlier = 0.05;
 
 // A parameter so many prior standard deviations away was not drawn from it.
 constexpr double kFarFromPrior = 5.0;
@@ -48,14 +41,33 @@ StageResult MakeStage(const CalibrationSolution& fit, const std::string& name,
   return stage;
 }
 
-void AppendTo(const SharedVector& norms, std::vector<double>* all) {
-  all->insert(all->end(), norms.data(), norms.data() + norms.size());
-}
+// Errors of poses left out of several fits.
+class Errors {
+ public:
+  void Add(const SharedVector& errors, const Dataset& data) {
+    for (const std::vector<double>& norms : CountedLengths(errors, data)) {
+      lengths_.insert(lengths_.end(), norms.begin(), norms.end());
+    }
+    const SharedVector norms = RotationErrors(errors, data);
+    rotations_.insert(rotations_.end(), norms.data(),
+                      norms.data() + norms.size());
+  }
+  Accuracy Positions() const { return Summarize(lengths_); }
+  Accuracy Rotations() const { return Summarize(rotations_); }
+  std::int64_t size() const {
+    return static_cast<std::int64_t>(
+        std::max(lengths_.size(), rotations_.size()));
+  }
 
-Accuracy Summarize(const std::vector<double>& norms) {
-  return SummarizeErrors(Eigen::Map<const Eigen::VectorXd>(
-      norms.data(), static_cast<Eigen::Index>(norms.size())));
-}
+ private:
+  static Accuracy Summarize(const std::vector<double>& norms) {
+    return SummarizeErrors(Eigen::Map<const Eigen::VectorXd>(
+        norms.data(), static_cast<Eigen::Index>(norms.size())));
+  }
+
+  std::vector<double> lengths_;
+  std::vector<double> rotations_;
+};
 
 // Targets, points and planes that data say something of, as names.
 std::set<std::string> ObjectsIn(const Dataset& data) {
@@ -79,35 +91,6 @@ bool CoversObjects(const HoldOut& split) {
                        validation.end());
 }
 
-// Those of all ranks, on the root.
-std::vector<Outlier> WithThoseOfOthers(Communicator* communicator,
-                                       const Dataset& data,
-                                       std::vector<Outlier> mine) {
-  if (!data.partition) return mine;
-  ByteWriter writer;
-  for (const Outlier& outlier : mine) {
-    writer.Put(outlier.observation);
-    PutLabel(outlier.label, &writer);
-    writer.Put(outlier.error);
-    writer.Put(outlier.standardised);
-    writer.Put(outlier.weight);
-  }
-  std::vector<Outlier> all;
-  for (const std::string& bytes : communicator->GatherToRoot(writer.Take())) {
-    ByteReader reader(bytes);
-    while (!reader.is_at_end()) {
-      Outlier outlier;
-      outlier.observation = reader.Get<std::int64_t>();
-      outlier.label = GetLabel(&reader);
-      outlier.error = reader.Get<double>();
-      outlier.standardised = reader.Get<double>();
-      outlier.weight = reader.Get<double>();
-      all.push_back(std::move(outlier));
-    }
-  }
-  return all;
-}
-
 }  // namespace
 
 std::vector<StageResult> ListStages(const CalibrationSolution& fit,
@@ -129,64 +112,21 @@ std::vector<StageResult> ListStages(const CalibrationSolution& fit,
   return stages;
 }
 
-std::vector<Outlier> ListOutliers(const CalibrationSolution& fit,
-                                  double* limit) {
-  const Dataset& data = fit.task.data.training;
-  const SharedVector errors = fit.model().Errors(fit.values, data);
-  const SharedVector squared = SquaredNorms(errors, data);
-  const SharedVector lengths = LengthErrors(errors, data);
-  const double chance =
-      kChanceOfOutlier / static_cast<double>(std::max<Eigen::Index>(
-                             1, data.global_observations()));
-  // Squared limits of observations of 0 to 6 rows.
-  std::array<double, 7> limits{};
-  for (std::size_t rows = 1; rows < limits.size(); ++rows) {
-    limits[rows] = ChiSquareUpperQuantile(chance, static_cast<int>(rows));
-  }
-  constexpr int kPositionRows = 3;
-  *limit = std::sqrt(limits[kPositionRows]);
-  const std::vector<RobustLoss> losses = TunedLosses(fit.task.options.loss);
-  std::vector<Outlier> outliers;
-  Eigen::Index count = 0;
-  for (std::size_t k = 0; k < data.blocks.size(); ++k) {
-    const ObservationBlock& block = data.blocks[k];
-    for (Eigen::Index i = 0; i < block.size(); ++i, ++count) {
-      const int rows = block.Dimension(i);
-      if (rows == 0 || squared[count] <= limits[rows]) continue;
-      const double weight =
-          losses.empty() ? 1.0 : losses[rows - 1].Weight(squared[count]);
-      outliers.push_back({GlobalObservation(data, k, i),
-                          LabelOf(fit.model().nominal(), data, k, i),
-                          lengths[count], std::sqrt(squared[count]), weight});
-    }
-  }
-  outliers =
-      WithThoseOfOthers(fit.task.communicator, data, std::move(outliers));
-  std::stable_sort(outliers.begin(), outliers.end(),
-                   [](const Outlier& a, const Outlier& b) {
-                     if (a.standardised != b.standardised) {
-                       return a.standardised > b.standardised;
-                     }
-                     return a.observation < b.observation;
-                   });
-  return outliers;
-}
-
-double ReducedChiSquare(const CalibrationSolution& fit) {
-  const double freedom = DegreesOfFreedom(fit.problem, fit.values);
+double ReducedChiSquare(const CalibrationSolution& fit, const Dataset& data) {
+  const double freedom = DegreesOfFreedom(fit.problem, fit.values, data);
   if (freedom < 1.0) return 0.0;
-  const Dataset& data = fit.task.data.training;
   const SharedVector squared =
       SquaredNorms(fit.model().Errors(fit.values, data), data);
   return SumInOrder(fit.task.communicator, data, squared) / freedom;
 }
 
-std::optional<CrossValidation> CrossValidate(const CalibrationTask& task) {
-  std::vector<double> lengths;
-  std::vector<double> rotations;
-  for (int k = 0; k < task.options.folds->folds; ++k) {
-    HoldOut split = HoldOutFold(task.data.training, task.options.folds->folds,
-                                k, task.options.folds->seed);
+std::optional<CrossValidation> CrossValidate(
+    const CalibrationTask& task, const std::optional<Dataset>& kept) {
+  Errors all;
+  Errors without;
+  const FoldsOptions& folds = *task.options.folds;
+  for (int k = 0; k < folds.folds; ++k) {
+    HoldOut split = HoldOutFold(task.data.training, folds.folds, k, folds.seed);
     if (!CoversObjects(split)) return std::nullopt;
     CalibrationTask fold = task;
     fold.data.training = std::move(split.train);
@@ -197,19 +137,27 @@ std::optional<CrossValidation> CrossValidate(const CalibrationTask& task) {
     if (fold.options.estimate_sigma && !(EstimateSigmas(&fold).length > 0.0)) {
       return std::nullopt;
     }
+    EstimatedSigmas sigmas;
+    if (fold.options.prior_scale == PriorScale::kEstimated &&
+        !EstimatePriors(&fold, &sigmas)) {
+      return std::nullopt;
+    }
     const MeasurementModel model(fold.arm, fold.data.references,
                                  fold.execution());
     const Fit fit = FitOnce(fold, model, fold.options.identifiability);
     if (!fit.summary.IsSolutionUsable()) return std::nullopt;
     const SharedVector errors = model.Errors(fit.values, split.validation);
-    for (const std::vector<double>& norms :
-         CountedLengths(errors, split.validation)) {
-      lengths.insert(lengths.end(), norms.begin(), norms.end());
-    }
-    AppendTo(RotationErrors(errors, split.validation), &rotations);
+    all.Add(errors, split.validation);
+    if (!kept) continue;
+    without.Add(errors,
+                HoldOutFold(*kept, folds.folds, k, folds.seed).validation);
   }
-  return CrossValidation{task.options.folds->folds, Summarize(lengths),
-                         Summarize(rotations)};
+  CrossValidation result{folds.folds, all.Positions(), all.Rotations()};
+  if (kept) {
+    result.kept = {all.size() - without.size(), without.Positions(),
+                   without.Rotations()};
+  }
+  return result;
 }
 
 std::string FarFromPriors(const CalibrationSolution& fit) {

@@ -27,20 +27,17 @@ struct CalibrationSolution {
 std::vector<StageResult> ListStages(const CalibrationSolution& fit,
                                     int num_free);
 
-/// The observations that are farther off than one of all would be by chance in
-/// 5 % of calibrations, worst first. `limit` receives how far that is, in
-/// sigmas, for an observation of three rows; those of other dimensions have
-/// limits of the same probability.
-std::vector<Outlier> ListOutliers(const CalibrationSolution& fit,
-                                  double* limit);
-
-/// Chi-square of the fit over its degrees of freedom, priors accounted for; 0
-/// where fewer than one is left.
-double ReducedChiSquare(const CalibrationSolution& fit);
+/// Chi-square of the training data, or of a part of their observations, over
+/// its degrees of freedom, priors accounted for; 0 where fewer than one is
+/// left.
+double ReducedChiSquare(const CalibrationSolution& fit, const Dataset& data);
 
 /// Fits all folds of the job's data, frames and all, and pools the errors of
-/// the poses held out. Nothing where one of the fits is not usable.
-std::optional<CrossValidation> CrossValidate(const CalibrationTask& task);
+/// the poses held out. `kept`: the training data without what the fit to all of
+/// them has rejected, where there is any. Nothing where one of the fits is not
+/// usable.
+std::optional<CrossValidation> CrossValidate(
+    const CalibrationTask& task, const std::optional<Dataset>& kept);
 
 /// Free parameters further from nominal than their priors allow, as
 /// "d3 (6.1), ...", in standard deviations; empty where there are none.

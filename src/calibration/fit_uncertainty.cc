@@ -118,7 +118,7 @@ Resolve ResolveByCeres(const CalibrationProblem& problem,
 
 UncertaintyResult AssessFit(const CalibrationSolution& fit,
                             const IdentifiabilityResult& pass,
-                            double final_cost, const StatedNoise& stated) {
+                            double final_cost, const FitFindings& found) {
   CalibrationProblem problem = fit.problem;
   problem.losses = TunedLosses(fit.task.options.loss);
   AssessmentInput input{
@@ -126,16 +126,24 @@ UncertaintyResult AssessFit(const CalibrationSolution& fit,
        problem.priors, problem.losses, fit.values},
       fit.task.options.uncertainty};
   input.sigma_estimated = fit.task.options.estimate_sigma;
-  input.stated_noise = stated;
+  input.stated_noise = found.noise;
   if (fit.task.options.solver == SolverName::kCeres &&
       fit.task.data.training.global_observations() <= kMostForProfiles) {
     input.fit_cost = final_cost;
     input.resolve = ResolveByCeres(problem, fit.task.options.solver_options);
   }
-  if (fit.task.data.validation) input.validation = &*fit.task.data.validation;
+  if (found.training.kept) input.kept = &*found.training.kept;
+  if (found.validation.ordinary) {
+    input.validation = &*found.validation.ordinary;
+  } else if (fit.task.data.validation) {
+    input.validation = &*fit.task.data.validation;
+  }
   if (fit.task.options.true_values)
     input.true_values = *fit.task.options.true_values;
   UncertaintyResult result = AssessUncertainty(input);
+  if (found.validation.ordinary) {
+    result.validation->num_outliers = found.validation.num_outliers;
+  }
   WarnOfWhatIsNotMeasured(fit, pass, &result);
   if (fit.task.options.uncertainty.intervals == IntervalMethod::kProfile &&
       !input.resolve) {

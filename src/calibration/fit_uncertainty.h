@@ -4,15 +4,23 @@
 #include "alidade/identifiability.h"
 #include "alidade/uncertainty.h"
 #include "src/calibration/fit_report.h"
+#include "src/calibration/outliers.h"
 #include "src/uncertainty/assessment.h"
 
 namespace alidade::internal {
 
-/// How far a finished fit of a job can be trusted, by the job's options.
-/// `pass`: what decided its free columns; `final_cost`: of the solve.
+/// What was found of the data beside the fit.
+struct FitFindings {
+  const OutlierSearch& training;
+  const OutlierSearch& validation;
+  StatedNoise noise;
+};
+
+/// The uncertainty of a finished fit, by the job's options. `pass`: what
+/// decided its free columns; `final_cost`: of the solve.
 UncertaintyResult AssessFit(const CalibrationSolution& fit,
                             const IdentifiabilityResult& pass,
-                            double final_cost, const StatedNoise& stated);
+                            double final_cost, const FitFindings& found);
 
 /// Fits with one parameter held, for profiles: Ceres over the other free
 /// columns of `problem`, which must outlive it.

@@ -11,6 +11,7 @@
 
 #include "src/calibration/plausibility.h"
 #include "src/calibration/preparation.h"
+#include "src/calibration/prior_check.h"
 #include "src/calibration/same_data.h"
 #include "src/calibration/sigma_estimation.h"
 #include "src/common/distributions.h"
@@ -49,17 +50,20 @@ bool LeavesSizeOpen(const CalibrationTask& task) {
 
 // An outlier far beyond all others spoils the fit of them all, unless a robust
 // loss has taken its weight.
-std::string WarnOfWorst(const CalibrationResult& result) {
+std::string WarnOfWorst(const CalibrationResult& result,
+                        const std::vector<Outlier>& outliers) {
   constexpr double kFarBeyond = 3.0;
   constexpr double kHardlyCounts = 0.01;
-  if (result.outliers.empty()) return "";
-  const Outlier& worst = result.outliers.front();
+  if (outliers.empty()) return "";
+  const Outlier& worst = outliers.front();
+  const bool is_validation = &outliers == &result.validation_outliers;
   if (worst.weight < kHardlyCounts) return "";
   if (worst.standardised < kFarBeyond * result.outlier_limit) return "";
   return (worst.label.where.empty() ? "" : worst.label.where + ": ") +
-         "the measurement that fits worst is " + FormatLength(worst.error, 3) +
+         std::string("the ") + (is_validation ? "validation " : "") +
+         "measurement that fits worst is " + FormatLength(worst.error, 3) +
          " off, " + FormatSignificant(worst.standardised, 2) +
-         " standard deviations (" + std::to_string(result.outliers.size()) +
+         " standard deviations (" + std::to_string(outliers.size()) +
          " are beyond what chance allows): look at it, leave it out, or choose "
          "a `loss`";
 }
@@ -169,6 +173,43 @@ std::string WarnOfLimits(const CalibrationTask& task) {
          "Predictions and plans stay within the limits";
 }
 
+// So many are no accidents, and of a group nearly as large as the other it is
+// not known which is right.
+std::string WarnOfManyRejected(const CalibrationSolution& fit,
+                               const CalibrationResult& result) {
+  constexpr double kMany = 0.2;
+  if (!result.train.kept) return "";
+  const auto rejected = static_cast<double>(result.train.kept->num_rejected);
+  const double part =
+      rejected / static_cast<double>(std::max<Eigen::Index>(
+                     1, fit.task.data.training.global_observations()));
+  if (part < kMany) return "";
+  return FixedNumber(100.0 * part, 0) +
+         " % of the measurements are rejected as outliers: so many are no "
+         "accidents, and the fit is that of the larger group. Look for what "
+         "they have in common (residuals.csv): a target or an instrument that "
+         "was moved, a region of the workspace";
+}
+
+// Found with simulated arms: where sigma comes from the residuals of a robust
+// fit, it is the less certain the fewer there are.
+std::string WarnOfFewForRobust(const CalibrationSolution& fit) {
+  constexpr double kFewPerParameter = 2.5;
+  const CalibrationTask& task = fit.task;
+  if (task.options.loss == LossKind::kNone || !task.options.estimate_sigma) {
+    return "";
+  }
+  const auto equations = static_cast<double>(
+      GlobalEquations(fit.model().communicator(), task.data.training));
+  const auto free = static_cast<double>(fit.problem.free_columns.size());
+  if (equations >= kFewPerParameter * free) return "";
+  return "sigma is estimated with a robust loss from few measurements (" +
+         FormatSignificant(equations, 6) + " equations for " +
+         FormatSignificant(free, 6) +
+         " parameters): intervals hold less often than they say, 95 % ones in "
+         "some 90 %. Measure more poses, or state sigma";
+}
+
 std::string Listed(const std::string& before, const std::string& names,
                    const std::string& after) {
   return names.empty() ? "" : before + names + after;
@@ -201,7 +242,7 @@ void WarnOfFit(const CalibrationSolution& fit, const FitHistory& history,
   if (summary.status == SolverStatus::kIterationLimit) {
     warn("the solver " + summary.solver +
          " was stopped by the number of iterations and may be far from the "
-         "minimum");
+         "minimum: allow more, or identify fewer parameters");
   }
   for (const Finding& copies : DiagnoseSameData(fit.task)) {
     AddWarning(copies, added);
@@ -210,7 +251,17 @@ void WarnOfFit(const CalibrationSolution& fit, const FitHistory& history,
   if (!history.input_was_suspect) {
     warn(WarnOfFrames(fit, history.frames_fitted, result));
   }
-  warn(WarnOfWorst(result));
+  warn(WarnOfWorst(result, result.outliers));
+  warn(WarnOfWorst(result, result.validation_outliers));
+  warn(WarnOfManyRejected(fit, result));
+  warn(WarnOfFewForRobust(fit));
+  warn(WarnOfPriors(fit, result.identifiability));
+  if (history.has_two_groups) {
+    warn(
+        "half of the measurements agree far better among themselves than with "
+        "the others, which this loss does not leave out. Use `robust: {loss: "
+        "tukey}`, and look for what the others have in common");
+  }
   if (history.sigma_is_bound) {
     warn(
         "too few measurements to determine sigma from the residuals: it is "

@@ -13,6 +13,8 @@ struct FitHistory {
   bool frames_fitted = false;
   /// Sigma was to be estimated, and too few measurements bound it only.
   bool sigma_is_bound = false;
+  /// EstimatedSigmas::has_two_groups.
+  bool has_two_groups = false;
   /// Something was said against the input already.
   bool input_was_suspect = false;
 };

@@ -9,15 +9,13 @@
 #include <utility>
 #include <vector>
 
-#include "src/calibration/frame_fit.h"
 #include "src/calibration/input_mistakes.h"
+#include "src/calibration/position_fit.h"
 #include "src/calibration/position_sample.h"
-#include "src/calibration/preparation.h"
+#include "src/calibration/stations.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
-#include "src/initialization/frame_start.h"
 #include "src/kernel/partition.h"
-#include "src/model/chain_axes.h"
 
 namespace alidade::internal {
 namespace {
@@ -39,87 +37,6 @@ constexpr double kAlike = 2.0;
 // Cures that are looked at more closely, and of these those that are solved.
 constexpr std::size_t kMostFitted = 60;
 constexpr std::size_t kMostSolved = 8;
-// Of the positions in such a calibration (m).
-constexpr double kSigma = 1e-4;
-
-// Median residual of the nominal arm with any base and tool (m).
-double Misfit(const Arm& arm, const PositionSample& sample) {
-  Arm in_base = arm;
-  in_base.instrument_from_base.setIdentity();
-  std::vector<Eigen::Isometry3d> frames;
-  ChainAxes axes;
-  for (Eigen::Index i = 0; i < sample.points.cols(); ++i) {
-    ComputeChainAxes(in_base, sample.joint_values.col(i).data(), &axes);
-    frames.push_back(axes.instrument_from_last);
-  }
-  const std::optional<PositionStart> start = StartFromPositions(
-      frames, sample.points, std::vector<int>(frames.size(), 0), 1);
-  return start ? start->misfit.median : kInfinity;
-}
-
-// The same with the target as the arm states it and a base that fits all of
-// them best: one way to place the arm, found at a fraction of the cost of the
-// best one.
-double MisfitAsStated(const Arm& arm, const PositionSample& sample) {
-  Arm in_base = arm;
-  in_base.instrument_from_base.setIdentity();
-  Eigen::Matrix3Xd targets(3, sample.points.cols());
-  ChainAxes axes;
-  for (Eigen::Index i = 0; i < targets.cols(); ++i) {
-    ComputeChainAxes(in_base, sample.joint_values.col(i).data(), &axes);
-    targets.col(i) = axes.instrument_from_target.translation();
-  }
-  const std::optional<RigidFit> fit = FitRigid(targets, sample.points);
-  if (!fit) return kInfinity;
-  Eigen::VectorXd misfits =
-      (fit->b_from_a * targets - sample.points).colwise().norm();
-  if (!misfits.allFinite()) return kInfinity;
-  double* const middle = misfits.data() + misfits.size() / 2;
-  std::nth_element(misfits.data(), middle, misfits.data() + misfits.size());
-  return *middle;
-}
-
-// Every third position, or all others.
-PositionSample Part(const PositionSample& sample, bool held_out) {
-  std::vector<Eigen::Index> columns;
-  for (Eigen::Index k = 0; k < sample.size(); ++k) {
-    if ((k % 3 == 2) == held_out) columns.push_back(k);
-  }
-  PositionSample part;
-  part.joint_values = sample.joint_values(Eigen::all, columns);
-  part.points = sample.points(Eigen::all, columns);
-  return part;
-}
-
-// The median error at a third of the positions of the arm that is calibrated
-// with the others, base and tool with it (m).
-double SolvedMisfit(const Arm& arm, const PositionSample& sample,
-                    bool with_wide_priors = false) {
-  const PositionSample fitted = Part(sample, false);
-  const PositionSample others = Part(sample, true);
-  const auto data = [](const PositionSample& part) {
-    return MakePositions(
-        part.joint_values, part.points,
-        Eigen::Matrix3Xd::Constant(3, part.size(), kSigma).eval());
-  };
-  CalibrationTask task{arm, data(fitted), {}};
-  task.options.identifiability.candidates = {true, true, true};
-  if (!FitFrames(&task)) return kInfinity;
-  const MeasurementModel model(task.arm);
-  const IdentifiabilityOptions& options = task.options.identifiability;
-  const Fit fit =
-      FitPart(task, model, with_wide_priors ? WidenPriors(options) : options);
-  if (!fit.summary.IsSolutionUsable()) return kInfinity;
-  Eigen::VectorXd errors =
-      (model.Predict(fit.values, others.joint_values) - others.points)
-          .colwise()
-          .norm();
-  if (!errors.allFinite()) return kInfinity;
-  double* const middle = errors.data() + errors.size() / 2;
-  std::nth_element(errors.data(), middle, errors.data() + errors.size());
-  return *middle;
-}
-
 // A cure and the error that it leaves. Cures compare by the part of how far the
 // positions then lie apart: a smaller unit makes every error smaller.
 struct Cure {
@@ -137,10 +54,22 @@ void KeepBest(std::size_t count, std::vector<Cure>* cures) {
   if (cures->size() > count) cures->resize(count);
 }
 
+// Poses that state the instrument in the tool's frame.
+InputMistake InverseMistake() {
+  return {InputMistake::Kind::kRow,
+          "the poses are inverse, as a camera on the tool measures them: "
+          "invert each (position and orientation), so that it states the "
+          "target in the frame of the instrument",
+          {}};
+}
+
 class Diagnosis {
  public:
-  Diagnosis(const Arm& arm, const PositionSample& sample)
-      : arm_(arm), sample_(sample) {
+  /// `inverse`: the same of the inverse poses, where poses were measured.
+  Diagnosis(const Arm& arm, const PositionSample& sample,
+            const std::optional<PositionSample>& inverse,
+            const CandidateGroups& candidates)
+      : arm_(arm), sample_(sample), inverse_(inverse), candidates_(candidates) {
     Arm at_origin = arm;
     at_origin.instrument_from_base.setIdentity();
     reach_ = Reach(at_origin);
@@ -161,6 +90,16 @@ class Diagnosis {
         FormatLength(misfit, 3) + " off";
     const std::vector<InputMistake> singles = SingleMistakes(arm_);
     std::vector<Cure> cures = FindCures(singles);
+    const InputMistake inverse = InverseMistake();
+    AddInverse(inverse, &cures);
+    if (cures.empty()) {
+      if (const auto stations = TwoStations()) {
+        finding.sentence +=
+            ". They fit in two parts, each with a base of its "
+            "own";
+        return {finding, true, stations->first_of_second};
+      }
+    }
     // Two that explain it as well are as possible: a joint that counts the
     // other way may be two others that do.
     std::vector<std::string> found;
@@ -175,7 +114,14 @@ class Diagnosis {
         IsExplained(sample_, SolvedMisfit(arm_, sample_, true))) {
       return {};
     }
+    const bool is_whole = KeepWhole(&cures);
     finding.sentence += Describe(cures);
+    if (!is_whole) {
+      finding.sentence +=
+          ". But this is not all: base and tool would have to be elsewhere "
+          "than stated. Identify them too, or look for a further mistake that "
+          "they would take up";
+    }
     return {finding, !cures.empty()};
   }
 
@@ -204,17 +150,58 @@ class Diagnosis {
     KeepBest(kMostSolved, &cures);
     for (Cure& cure : cures) cure.misfit = SolvedMisfit(arm_, cure.mended);
     KeepBest(kMostSolved, &cures);
-    const Cure as_read{nullptr, sample_, solved_};
     const double best = cures.front().Relative();
     std::vector<Cure> explaining;
     for (Cure& cure : cures) {
-      if (IsExplained(cure.mended, cure.misfit) &&
-          kClearlyBetter * cure.Relative() < as_read.Relative() &&
-          cure.Relative() <= kAlike * best) {
+      if (IsCure(cure) && cure.Relative() <= kAlike * best) {
         explaining.push_back(std::move(cure));
       }
     }
     return explaining;
+  }
+
+  bool IsCure(const Cure& cure) const {
+    const Cure as_read{nullptr, sample_, solved_};
+    return IsExplained(cure.mended, cure.misfit) &&
+           kClearlyBetter * cure.Relative() < as_read.Relative();
+  }
+
+  void AddInverse(const InputMistake& mistake, std::vector<Cure>* cures) const {
+    if (!inverse_) return;
+    const Cure cure{&mistake, *inverse_, SolvedMisfit(arm_, *inverse_)};
+    if (!IsCure(cure)) return;
+    const double best = cures->empty() ? kInfinity : cures->front().Relative();
+    if (cure.Relative() > kAlike * best) return;
+    cures->insert(cure.Relative() < best ? cures->begin() : cures->end(), cure);
+  }
+
+  // Each part has to fit alone, with the nominal arm and after a calibration.
+  std::optional<StationChange> TwoStations() const {
+    const auto change = FindStationChange(arm_, sample_);
+    if (!change) return std::nullopt;
+    for (const PositionSample& part :
+         {TakePart(sample_, 0, change->column),
+          TakePart(sample_, change->column, sample_.size())}) {
+      if (!(Misfit(arm_, part) <= Tolerated(part, kTolerated, kExplains)) ||
+          !IsExplained(part, SolvedMisfit(arm_, part))) {
+        return std::nullopt;
+      }
+    }
+    return change;
+  }
+
+  // Cures that are whole with what is known of base and tool; all of them, and
+  // false, where none is.
+  bool KeepWhole(std::vector<Cure>* cures) const {
+    if ((candidates_.base && candidates_.tool) || cures->empty()) return true;
+    std::vector<Cure> whole;
+    for (const Cure& cure : *cures) {
+      const double misfit = SolvedMisfit(arm_, cure.mended, false, candidates_);
+      if (IsExplained(cure.mended, misfit)) whole.push_back(cure);
+    }
+    if (whole.empty()) return false;
+    *cures = std::move(whole);
+    return true;
   }
 
   static std::string Describe(const std::vector<Cure>& cures) {
@@ -248,6 +235,8 @@ class Diagnosis {
 
   const Arm& arm_;
   const PositionSample& sample_;
+  const std::optional<PositionSample>& inverse_;
+  const CandidateGroups& candidates_;
   double reach_ = 0.0;
   double solved_ = kInfinity;  // as read
 };
@@ -312,9 +301,21 @@ std::optional<Finding> DiagnoseFar(const Arm& arm, const Dataset& data,
                  FindingLevel::kFailed};
 }
 
+// Where the second station begins, if this rank knows it.
+void AddStations(const Dataset& data, InputDiagnosis* diagnosis) {
+  const Eigen::Index number = diagnosis->first_of_second_station;
+  std::string where = PlaceOfPosition(data, number);
+  if (where.empty()) where = "position " + std::to_string(number + 1);
+  diagnosis->finding->sentence +=
+      " (from about " + where +
+      " on): the instrument was moved, or set up anew. Calibrate each part "
+      "alone, or bring all into the frame of one station";
+}
+
 }  // namespace
 
 InputDiagnosis DiagnoseInput(const Arm& arm, const Dataset& data,
+                             const CandidateGroups& candidates,
                              Communicator* communicator) {
   const std::optional<PositionSample> sample =
       SamplePositions(data, communicator);
@@ -322,7 +323,15 @@ InputDiagnosis DiagnoseInput(const Arm& arm, const Dataset& data,
   if (auto far = DiagnoseFar(arm, data, *sample, communicator)) {
     return {std::move(far), true};
   }
-  return Diagnosis(arm, *sample).Run();
+  const std::optional<PositionSample> inverse =
+      data.Has(MeasurementKind::kPose)
+          ? SamplePositions(WithInversePoses(data), communicator)
+          : std::nullopt;
+  InputDiagnosis diagnosis = Diagnosis(arm, *sample, inverse, candidates).Run();
+  if (diagnosis.first_of_second_station > 0) {
+    AddStations(data, &diagnosis);
+  }
+  return diagnosis;
 }
 
 std::optional<Finding> DiagnoseZeros(const Dataset& data,

@@ -1,12 +1,14 @@
 #ifndef ALIDADE_SRC_CALIBRATION_PLAUSIBILITY_H_
 #define ALIDADE_SRC_CALIBRATION_PLAUSIBILITY_H_
 
+#include <Eigen/Core>
 #include <optional>
 
 #include "alidade/arm.h"
 #include "alidade/calibration_result.h"
 #include "alidade/communicator.h"
 #include "alidade/dataset.h"
+#include "alidade/identifiability.h"
 
 namespace alidade::internal {
 
@@ -16,6 +18,9 @@ struct InputDiagnosis {
   std::optional<Finding> finding;
   /// The sentence says what to mend, and nothing is to be fitted before.
   bool is_explained = false;
+  /// The number of the position, among those of the first target, from which on
+  /// another station measured; 0: there is one station.
+  Eigen::Index first_of_second_station = 0;
 };
 
 /// What speaks against the data before anything is calibrated:
@@ -31,10 +36,16 @@ struct InputDiagnosis {
 /// thirds of the mended positions predicts the others to 0.1 % of the reach and
 /// 2 % of how far they lie apart, four times better than without it. Where
 /// several do so alike, because base and tool can imitate one by another, the
-/// sentence names all of them. Nothing is said where fewer than twelve
-/// positions of the first target were measured. Looks at 60 positions; takes
-/// milliseconds where they fit, and about a second where they do not.
+/// sentence names all of them. Poses are tried as their inverses too, and,
+/// where nothing of this explains the data, rows up to one and from there on as
+/// those of two stations. Nothing is said where fewer than twelve positions of
+/// the first target were measured. Looks at 60 positions; takes milliseconds
+/// where they fit, and about a second where they do not.
+///
+/// Cures are found with base and tool free. Those that explain the data with
+/// what `candidates` leave known are preferred; where none does, that is said.
 InputDiagnosis DiagnoseInput(const Arm& arm, const Dataset& data,
+                             const CandidateGroups& candidates,
                              Communicator* communicator = SingleProcess());
 
 /// Positions that are exactly 0, 0, 0, if any: the finding's statistic is their

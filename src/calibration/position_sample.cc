@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "alidade/rotation.h"
 #include "src/common/bytes.h"
 #include "src/kernel/partition.h"
 
@@ -14,6 +15,11 @@ namespace {
 
 constexpr Eigen::Index kFewest = 12;
 constexpr Eigen::Index kEnough = 60;
+
+bool IsTaken(const ObservationBlock& block, Eigen::Index i) {
+  return HoldsPosition(block.kind) && block.target(i) == 0 &&
+         block.sigmas.col(i).head<3>().allFinite();
+}
 
 // Column k of `count` that are evenly taken from so many.
 Eigen::Index Thinned(Eigen::Index k, Eigen::Index count, Eigen::Index all) {
@@ -41,13 +47,14 @@ class Positions {
     const Eigen::Index rows = count_ - 2;
     const Eigen::Index taken = std::min(kEnough, rows);
     const Eigen::MatrixXd none(joints_.rows(), taken);
-    PositionSample sample{none, none, none, Eigen::Matrix3Xd(3, taken)};
+    PositionSample sample{none, none, none, Eigen::Matrix3Xd(3, taken), {}};
     for (Eigen::Index k = 0; k < taken; ++k) {
       const Eigen::Index i = 1 + Thinned(k, taken, rows);
       sample.joint_values.col(k) = joints_.col(IndexOf(i));
       sample.joint_values_before.col(k) = joints_.col(IndexOf(i - 1));
       sample.joint_values_after.col(k) = joints_.col(IndexOf(i + 1));
       sample.points.col(k) = points_.col(IndexOf(i));
+      sample.numbers.push_back(i);
     }
     return sample;
   }
@@ -59,12 +66,12 @@ class Positions {
    public:
     explicit Members(const ObservationBlock& block) {
       for (Eigen::Index i = 0; i < block.size(); ++i) {
-        if (IsMember(block, i)) ++size_;
+        if (IsTaken(block, i)) ++size_;
       }
       if (size_ == block.size()) return;
       list_.reserve(static_cast<std::size_t>(size_));
       for (Eigen::Index i = 0; i < block.size(); ++i) {
-        if (IsMember(block, i)) list_.push_back(i);
+        if (IsTaken(block, i)) list_.push_back(i);
       }
     }
     Eigen::Index size() const { return size_; }
@@ -73,11 +80,6 @@ class Positions {
     }
 
    private:
-    static bool IsMember(const ObservationBlock& block, Eigen::Index i) {
-      return HoldsPosition(block.kind) && block.target(i) == 0 &&
-             block.sigmas.col(i).head<3>().allFinite();
-    }
-
     Eigen::Index size_ = 0;
     std::vector<Eigen::Index> list_;
   };
@@ -177,6 +179,35 @@ std::optional<PositionSample> SamplePositions(const Dataset& data,
     return std::nullopt;
   }
   return positions.Sample();
+}
+
+std::string PlaceOfPosition(const Dataset& data, Eigen::Index number) {
+  if (data.partition) return "";
+  for (const ObservationBlock& block : data.blocks) {
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      if (IsTaken(block, i) && number-- == 0) {
+        return SourceOf(data, block.pose(i));
+      }
+    }
+  }
+  return "";
+}
+
+Dataset WithInversePoses(const Dataset& data) {
+  Dataset inverse = data;
+  for (ObservationBlock& block : inverse.blocks) {
+    if (block.kind != MeasurementKind::kPose) continue;
+    MatrixBuilder measured(block.measured);
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      auto pose = measured.map().col(i);
+      const Eigen::Vector3d back = -pose.tail<3>();
+      pose.head<3>() =
+          (-(RotationFromVector<double>(back) * pose.head<3>())).eval();
+      pose.tail<3>() = back;
+    }
+    block.measured = measured.Freeze();
+  }
+  return inverse;
 }
 
 double ExtentOf(const Eigen::Matrix3Xd& points) {

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "alidade/communicator.h"
 #include "alidade/dataset.h"
@@ -16,7 +18,8 @@ struct PositionSample {
   Eigen::MatrixXd joint_values;
   Eigen::MatrixXd joint_values_before;
   Eigen::MatrixXd joint_values_after;
-  Eigen::Matrix3Xd points;  ///< (m)
+  Eigen::Matrix3Xd points;            ///< (m)
+  std::vector<Eigen::Index> numbers;  ///< among all that could be taken
 
   Eigen::Index size() const { return points.cols(); }
 };
@@ -26,6 +29,13 @@ struct PositionSample {
 /// than twelve, or one that is not finite. Collective.
 std::optional<PositionSample> SamplePositions(const Dataset& data,
                                               Communicator* communicator);
+
+/// Where position `number` of those that can be taken was read, "file:line";
+/// empty where this rank does not know.
+std::string PlaceOfPosition(const Dataset& data, Eigen::Index number);
+
+/// Measured poses inverted: where the instrument is in the frame of the target.
+Dataset WithInversePoses(const Dataset& data);
 
 /// How far the positions lie apart: the root mean square about their mean (m).
 double ExtentOf(const Eigen::Matrix3Xd& points);

@@ -75,8 +75,9 @@ Fit FitOnce(const CalibrationTask& task, const MeasurementModel& model,
       AnalyzeIdentifiability(model, task.data.training, options);
   const CalibrationProblem problem =
       ProblemOf(task, model, fit.identifiability);
-  fit.summary = SolveRobust(problem, task.options.loss,
-                            task.options.solver_options, &fit.values);
+  fit.summary =
+      SolveRobust(problem, task.options.loss, task.options.solver_options,
+                  &fit.values, task.start);
   return fit;
 }
 

@@ -10,10 +10,9 @@
 namespace alidade::internal {
 namespace {
 
-// Errors of robust fits are those of what they reject, too.
-bool IsWorse(const CalibrationSolution& fit, const EvaluatedSet& set) {
-  return fit.task.options.loss == LossKind::kNone &&
-         set.after.mean > set.before.mean && set.change_t > kBeyondChance;
+bool IsWorse(const KeptErrors& judged) {
+  return judged.after.mean > judged.before.mean &&
+         judged.change_t > kBeyondChance;
 }
 
 // Standardised residuals; of a robust fit those of a typical observation.
@@ -40,7 +39,7 @@ bool IsUseless(const CalibrationSolution& fit,
 bool IsStoppedAway(const CalibrationSolution& fit,
                    const CalibrationResult& result) {
   constexpr double kLargeResiduals = 2.5;
-  const EvaluatedSet& judged = JudgedSet(result);
+  const KeptErrors judged = JudgedSet(result).Judged();
   return result.runs.front().summary.status == SolverStatus::kIterationLimit &&
          (ResidualRatio(fit, result) > kLargeResiduals ||
           judged.after.rms > judged.before.rms);
@@ -52,7 +51,7 @@ bool IsUndetermined(const CalibrationSolution& fit) {
              static_cast<Eigen::Index>(fit.problem.free_columns.size());
 }
 
-std::string GrowsAt(const char* poses, const EvaluatedSet& set) {
+std::string GrowsAt(const char* poses, const KeptErrors& set) {
   return std::string("the mean error at the ") + poses + " poses grows from " +
          FormatLength(set.before.mean, 3) + " to " +
          FormatLength(set.after.mean, 3) +
@@ -75,9 +74,10 @@ std::string ReasonToReject(const CalibrationSolution& fit, bool frames_fitted,
            "not fit this arm. Identify fewer, measure more poses, look for "
            "what is wrong with the data, or allow more iterations";
   }
-  if (IsWorse(fit, result.train)) return GrowsAt("training", result.train);
-  if (result.validation && IsWorse(fit, *result.validation)) {
-    return GrowsAt("validation", *result.validation);
+  const KeptErrors train = result.train.Judged();
+  if (IsWorse(train)) return GrowsAt("training", train);
+  if (result.validation && IsWorse(result.validation->Judged())) {
+    return GrowsAt("validation", result.validation->Judged());
   }
   if (frames_fitted && IsUseless(fit, result)) {
     return "the calibrated arm fits no better than the nominal one, and its "

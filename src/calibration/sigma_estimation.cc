@@ -12,6 +12,7 @@
 #include "alidade/robust_loss.h"
 #include "src/calibration/preparation.h"
 #include "src/calibration/sigma_change.h"
+#include "src/calibration/trimmed_fit.h"
 #include "src/identifiability/observability.h"
 #include "src/kernel/partition.h"
 #include "src/kernel/reduction.h"
@@ -47,7 +48,9 @@ double DegreesOfFreedomOfRows(const CalibrationProblem& problem,
   const Eigen::MatrixXd all =
       JacobianFactor(problem.model, values, problem.data, free);
   const Eigen::MatrixXd part =
-      JacobianFactor(problem.model, values, rows, free);
+      &rows == &problem.data
+          ? all
+          : JacobianFactor(problem.model, values, rows, free);
   const double used = PredictTotal(all, PriorsOfFree(problem), part);
   const auto equations =
       static_cast<double>(GlobalEquations(problem.model.communicator(), rows));
@@ -152,11 +155,18 @@ class SigmaRounds {
   SigmaRounds(const CalibrationTask& task, const MeasurementModel& model)
       : model_(model), stated_(task), task_(task) {}
 
+  /// From the sigmas and the start of `first`, whose sigmas are about right.
+  SigmaRounds(const CalibrationTask& stated, const MeasurementModel& model,
+              CalibrationTask first)
+      : model_(model), stated_(stated), task_(std::move(first)), round_(1) {
+    stated_.start = task_.start;
+  }
+
   /// Fits once, with these options, and changes the sigmas. The sigmas of the
   /// first round may be far too small for what the model leaves.
   void Run(const IdentifiabilityOptions& options) {
-    const Fit fit = round_++ == 0 ? FitPart(task_, model_, options)
-                                  : FitOnce(task_, model_, options);
+    Fit fit = round_++ == 0 ? FitPart(task_, model_, options)
+                            : FitOnce(task_, model_, options);
     sigmas_ = {};
     if (!fit.summary.IsSolutionUsable()) return Stop();
     CalibrationTask next = stated_;
@@ -165,6 +175,7 @@ class SigmaRounds {
     }
     task_ = std::move(next);
     sigmas_ = MedianSigmas();
+    last_ = std::move(fit);
   }
 
   void RunAll(int rounds) {
@@ -194,6 +205,13 @@ class SigmaRounds {
     }
     return fit.summary.final_cost - ExcessOfPriors(fit) +
            SumInOrder(model_.communicator(), data, logs.Freeze());
+  }
+
+  /// A fit to the half of the data that agree best, from the last fit.
+  std::optional<TrimmedFit> Trim() const {
+    if (!last_) return std::nullopt;
+    return FitTrimmed(ProblemOf(task_, model_, last_->identifiability),
+                      last_->values);
   }
 
   const EstimatedSigmas& sigmas() const { return sigmas_; }
@@ -268,12 +286,13 @@ class SigmaRounds {
     const auto median = [this](RowClass which) {
       return MedianSigma(which, task_.data.training, task_.communicator);
     };
-    return {median(RowClass::kLength), median(RowClass::kRotation), false};
+    return {median(RowClass::kLength), median(RowClass::kRotation)};
   }
 
   const MeasurementModel& model_;
-  const CalibrationTask stated_;
+  CalibrationTask stated_;
   CalibrationTask task_;
+  std::optional<Fit> last_;
   EstimatedSigmas sigmas_;
   int round_ = 0;
   bool has_stopped_ = false;
@@ -286,7 +305,7 @@ class SigmaRounds {
 std::optional<SigmaRounds> FromWidePriors(const CalibrationTask& task,
                                           const MeasurementModel& model,
                                           const EstimatedSigmas& found) {
-  constexpr double kMuchLess = 0.7;
+  constexpr double kLess = 0.7;
   if (task.options.identifiability.method != IdentifiabilityMethod::kRank) {
     return std::nullopt;
   }
@@ -295,11 +314,33 @@ std::optional<SigmaRounds> FromWidePriors(const CalibrationTask& task,
   const EstimatedSigmas& sigmas = wide.sigmas();
   const bool is_other =
       sigmas.length > 0.0 && !sigmas.is_bound &&
-      (sigmas.length < kMuchLess * found.length ||
-       sigmas.rotation < kMuchLess * found.rotation || !(found.length > 0.0));
+      (sigmas.length < kLess * found.length ||
+       sigmas.rotation < kLess * found.rotation || !(found.length > 0.0));
   if (!is_other) return std::nullopt;
   wide.RunAll(kSigmaRounds);
   return wide;
+}
+
+constexpr double kMuchLess = 0.5;
+
+// Where nearly half of the observations are off together, a robust loss whose
+// scale comes from all of them takes them in: sigma and fit agree with each
+// other, and the posterior has two maxima again.
+std::optional<SigmaRounds> FromTrimmed(const CalibrationTask& task,
+                                       const MeasurementModel& model,
+                                       const SigmaRounds& found) {
+  if (task.options.loss == LossKind::kNone || !(found.sigmas().length > 0.0) ||
+      found.sigmas().is_bound) {
+    return std::nullopt;
+  }
+  const std::optional<TrimmedFit> trimmed = found.Trim();
+  if (!trimmed || !(trimmed->scale < kMuchLess)) return std::nullopt;
+  CalibrationTask first = found.task();
+  first.start = trimmed->values;
+  ScaleSigmas(std::max(trimmed->scale, kSmallestSigma), &first.data.training);
+  SigmaRounds rounds(task, model, std::move(first));
+  rounds.RunAll(kSigmaRounds + 1);
+  return rounds;
 }
 
 }  // namespace
@@ -313,9 +354,17 @@ EstimatedSigmas EstimateSigmas(CalibrationTask* task) {
       FromWidePriors(*task, model, rounds.sigmas());
   const bool is_wide_better =
       wide && !wide->sigmas().is_bound && wide->Cost() < rounds.Cost();
-  const SigmaRounds& best = is_wide_better ? *wide : rounds;
+  const SigmaRounds& so_far = is_wide_better ? *wide : rounds;
+  const std::optional<SigmaRounds> trimmed = FromTrimmed(*task, model, so_far);
+  const bool is_trimmed_better =
+      trimmed && !trimmed->sigmas().is_bound && trimmed->Cost() < so_far.Cost();
+  const SigmaRounds& best = is_trimmed_better ? *trimmed : so_far;
   *task = best.task();
-  return best.sigmas();
+  EstimatedSigmas sigmas = best.sigmas();
+  sigmas.has_two_groups = trimmed && !is_trimmed_better &&
+                          trimmed->sigmas().length > 0.0 &&
+                          trimmed->sigmas().length < kMuchLess * sigmas.length;
+  return sigmas;
 }
 
 double MedianLengthSigma(const Dataset& data, Communicator* communicator) {
@@ -325,6 +374,11 @@ double MedianLengthSigma(const Dataset& data, Communicator* communicator) {
 double DegreesOfFreedom(const CalibrationProblem& problem,
                         const Eigen::VectorXd& values) {
   return DegreesOfFreedomOfRows(problem, values, problem.data);
+}
+
+double DegreesOfFreedom(const CalibrationProblem& problem,
+                        const Eigen::VectorXd& values, const Dataset& part) {
+  return DegreesOfFreedomOfRows(problem, values, part);
 }
 
 }  // namespace alidade::internal

@@ -15,6 +15,9 @@ struct EstimatedSigmas {
   /// The fit uses up nearly all equations: these are what the nominal geometry
   /// leaves, more than the true ones.
   bool is_bound = false;
+  /// Half of the data agree far better among themselves than with the others,
+  /// which the loss does not leave out.
+  bool has_two_groups = false;
 };
 
 /// Changes the sigmas of training and validation data, those of lengths and
@@ -24,8 +27,10 @@ struct EstimatedSigmas {
 /// are too small, what the instrument does not explain is the model's: one
 /// variance is added to all rows, so that rows of different sigmas come closer
 /// in weight. Where they are too large, all are scaled. Priors weigh against
-/// sigma, so that it is iterated. Lengths of 0 where a fit failed or leaves no
-/// freedom.
+/// sigma, so that it is iterated. The posterior of values and sigmas may have
+/// several maxima: the rounds are begun with wide priors too and, with a robust
+/// loss, from the half of the data that agree best, and the best is taken.
+/// Lengths of 0 where a fit failed or leaves no freedom.
 EstimatedSigmas EstimateSigmas(CalibrationTask* task);
 
 /// Median standard deviation of the measured lengths (m); 0 = there are none.
@@ -36,6 +41,10 @@ double MedianLengthSigma(const Dataset& data, Communicator* communicator);
 /// p - sum_k [(J^T J + P^-1)^-1]_kk / prior_k^2 (J whitened, at `values`).
 double DegreesOfFreedom(const CalibrationProblem& problem,
                         const Eigen::VectorXd& values);
+/// The same of some of the problem's data alone: their equations less what they
+/// decide.
+double DegreesOfFreedom(const CalibrationProblem& problem,
+                        const Eigen::VectorXd& values, const Dataset& part);
 
 }  // namespace alidade::internal
 

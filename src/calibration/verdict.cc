@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "alidade/units.h"
+#include "src/calibration/advice.h"
+#include "src/calibration/parameter_assessment.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
 #include "src/solve/solver_names.h"
@@ -30,12 +32,6 @@ constexpr double kRoundingErrors = 1e4;
 // and the part beyond which the stated sigma cannot be right.
 constexpr double kSmallPart = 0.1;
 constexpr double kImpossiblePart = 1.5;
-
-// An observation of less weight was rejected by the robust loss.
-constexpr double kRejected = 0.5;
-
-// Beyond this part of the information a prior dominates.
-constexpr double kDominantPrior = 0.5;
 
 std::string FormatAngle(double radians, int digits) {
   return FormatSignificant(radians / kDegree, digits) + " deg";
@@ -66,33 +62,25 @@ std::string QuantityTitle(const std::string& key) {
          (has("train") ? "training" : "validation") + " poses";
 }
 
-// Mean errors before and after, of positions, or of orientations alone; where a
-// robust loss has rejected observations, which means would be of, medians.
+// Mean errors before and after, of positions, or of orientations alone, without
+// rejected observations.
 struct Improvement {
   explicit Improvement(const CalibrationResult& result) {
-    const EvaluatedSet& set = JudgedSet(result);
-    if (set.after.n == 0 && set.rotation_after.n > 0) {
+    const KeptErrors errors = JudgedSet(result).Judged();
+    num_rejected = errors.num_rejected;
+    if (errors.after.n == 0 && errors.rotation_after.n > 0) {
       dimension = Dimension::kAngle;
     }
     const bool is_length = dimension == Dimension::kLength;
-    before = is_length ? set.before : set.rotation_before;
-    after = is_length ? set.after : set.rotation_after;
-    if (is_length) change_t = set.change_t;
-    is_robust = std::any_of(
-        result.outliers.begin(), result.outliers.end(),
-        [](const Outlier& outlier) { return outlier.weight < kRejected; });
+    before = is_length ? errors.before : errors.rotation_before;
+    after = is_length ? errors.after : errors.rotation_after;
+    if (is_length) change_t = errors.change_t;
   }
 
-  const char* statistic() const { return is_robust ? "median" : "mean"; }
-  double error_before() const {
-    return is_robust ? before.median : before.mean;
-  }
-  double error_after() const { return is_robust ? after.median : after.mean; }
-
-  double ratio() const { return error_after() / error_before(); }
+  double ratio() const { return after.mean / before.mean; }
   // By more than chance, where it is known what chance would do.
   bool is_worse() const {
-    return ratio() > 1.0 && (is_robust || !(change_t <= kBeyondChance));
+    return ratio() > 1.0 && !(change_t <= kBeyondChance);
   }
   bool is_hardly_better() const { return ratio() > kHardlyBetter; }
 
@@ -100,8 +88,27 @@ struct Improvement {
   Accuracy before;
   Accuracy after;
   double change_t = kNone;
-  bool is_robust = false;
+  std::int64_t num_rejected = 0;
 };
+
+// ", without 2 rejected observations".
+std::string WithoutRejected(std::int64_t count) {
+  return count == 0 ? "" : ", without " + Count(count, "rejected observation");
+}
+
+// "file.csv:7, file.csv:9 and 3 more".
+std::string PlacesOf(const std::vector<Outlier>& outliers) {
+  constexpr std::size_t kMostNamed = 3;
+  std::vector<std::string> places;
+  for (const Outlier& outlier : outliers) {
+    if (outlier.label.where.empty() || places.size() == kMostNamed) break;
+    places.push_back(outlier.label.where);
+  }
+  if (places.empty()) return "";
+  const std::size_t more = outliers.size() - places.size();
+  return " (" + Join(places, ", ") +
+         (more > 0 ? " and " + std::to_string(more) + " more" : "") + ")";
+}
 
 class Judge {
  public:
@@ -111,17 +118,19 @@ class Judge {
   Verdict Decide() {
     if (result_.runs.empty()) return NotCalibrated();
     if (!JudgeSolver()) return NotUsable();
+    if (result_.IsRejected()) {
+      Add("rejected", kNone, kNone, result_.message, FindingLevel::kFailed);
+    }
     JudgeImprovement();
     JudgeAcceptance();
     ListWarnings();
     JudgeRank();
     JudgeOutliers();
+    JudgeValidationOutliers();
     JudgeNoise();
     JudgeResiduals();
     JudgePrediction();
-    for (const Finding& finding : verdict_.findings) {
-      verdict_.level = std::max(verdict_.level, finding.level);
-    }
+    Sort();
     if (verdict_.level == FindingLevel::kNote) {
       verdict_.level = FindingLevel::kPassed;
     }
@@ -132,7 +141,19 @@ class Judge {
  private:
   void Add(const std::string& key, double statistic, double threshold,
            const std::string& sentence, FindingLevel level) {
-    verdict_.findings.push_back({key, statistic, threshold, sentence, level});
+    Add({key, statistic, threshold, sentence, level});
+  }
+
+  void Add(Finding finding) {
+    verdict_.level = std::max(verdict_.level, finding.level);
+    verdict_.findings.push_back(WithAdvice(std::move(finding)));
+  }
+
+  // In the order of their weight; of one level, as they were judged.
+  void Sort() {
+    std::stable_sort(
+        verdict_.findings.begin(), verdict_.findings.end(),
+        [](const Finding& a, const Finding& b) { return a.level > b.level; });
   }
 
   // A note where `is_noted`.
@@ -178,11 +199,12 @@ class Judge {
     const bool is_worse = by.is_worse();
     const std::string what =
         by.dimension == Dimension::kLength ? "position" : "orientation";
-    std::string text = std::string("The ") + by.statistic() + " " + what +
-                       " error at " + Count(by.after.n, Poses()) +
-                       (by.ratio() > 1.0 ? " grows" : " falls") + " from " +
-                       FormatQuantity(by.error_before(), by.dimension) +
-                       " to " + FormatQuantity(by.error_after(), by.dimension);
+    std::string text =
+        "The mean " + what + " error at " + Count(by.after.n, Poses()) +
+        WithoutRejected(by.num_rejected) + (by.num_rejected > 0 ? "," : "") +
+        (by.ratio() > 1.0 ? " grows" : " falls") + " from " +
+        FormatQuantity(by.before.mean, by.dimension) + " to " +
+        FormatQuantity(by.after.mean, by.dimension);
     const double floor = result_.runs.front().summary.precision_limit;
     if (by.after.max < kRoundingErrors * floor) {
       text += ", the numerical precision limit";
@@ -208,7 +230,8 @@ class Judge {
       Add("acceptance." + check.quantity, check.obtained, check.limit,
           AsSentence(QuantityTitle(check.quantity) + ": " +
                      FormatQuantity(check.obtained, check.dimension) +
-                     ", limit " + LimitText(check.limit / unit) + " " +
+                     WithoutRejected(check.num_rejected) + ", limit " +
+                     LimitText(check.limit / unit) + " " +
                      UnitForPeople(check.dimension)),
           check.met() ? FindingLevel::kPassed : FindingLevel::kFailed);
       if (!check.met()) ++missed;
@@ -238,14 +261,13 @@ class Judge {
     std::set<std::string> listed;
     for (const Finding& finding : result_.plausibility) {
       listed.insert(finding.sentence);
-      verdict_.findings.push_back(finding);
-      verdict_.findings.back().sentence = AsSentence(finding.sentence);
+      Add(finding);
     }
     const auto list = [&](const std::vector<std::string>& warnings,
                           FindingLevel level) {
       for (const std::string& warning : warnings) {
         if (!listed.insert(warning).second) continue;
-        Add("warning", kNone, kNone, AsSentence(warning), level);
+        Add("warning", kNone, kNone, warning, level);
       }
     };
     list(result_.warnings, FindingLevel::kAttention);
@@ -294,6 +316,33 @@ class Judge {
             ".");
   }
 
+  void JudgeValidationOutliers() {
+    const std::vector<Outlier>& outliers = result_.validation_outliers;
+    if (outliers.empty()) return;
+    const auto count = static_cast<std::int64_t>(outliers.size());
+    std::string text = Count(count, "outlier") + " among the validation poses" +
+                       PlacesOf(outliers) + ", the largest " +
+                       FormatSignificant(outliers.front().standardised, 3) +
+                       " predicted standard deviations off";
+    const bool is_left_out = result_.uncertainty &&
+                             result_.uncertainty->validation &&
+                             result_.uncertainty->validation->num_outliers > 0;
+    if (!is_left_out) {
+      text +=
+          ": too many for mistakes of measurement, so that none is left out. "
+          "The fit does not describe these poses";
+    } else if (!result_.validation->kept) {
+      text += ". The errors contain them";
+    }
+    // Those near the limit are there by chance at times.
+    constexpr double kFarBeyond = 1.5;
+    const double largest = outliers.front().standardised;
+    Add("validation_outliers", largest, result_.outlier_limit, text,
+        is_left_out && largest < kFarBeyond * result_.outlier_limit
+            ? FindingLevel::kNote
+            : FindingLevel::kAttention);
+  }
+
   // How much of the error the instrument alone would show. A sigma that comes
   // from the residuals says nothing of it, and one that they are far from is
   // wrong. Of positions measured whole the mean length of noise with standard
@@ -331,16 +380,22 @@ class Judge {
       JudgeTests(result_.uncertainty->residuals);
     } else if (result_.reduced_chi_square > 0.0) {
       AddNote("chi_square", result_.reduced_chi_square, 1.0,
-              "The reduced chi-square is " +
+              "The reduced chi-square" + AmongKept() + " is " +
                   FormatSignificant(result_.reduced_chi_square, 3) +
                   "; 1 where the residuals are as large as the sigmas say.",
               false);
     }
   }
 
+  std::string AmongKept() const {
+    const std::string text =
+        WithoutRejected(result_.train.Judged().num_rejected);
+    return text.empty() ? "" : text + ",";
+  }
+
   void JudgeTests(const ResidualDiagnostics& found) {
     const bool is_noise_free = found.reduced_chi_square < kMuchSmaller;
-    std::string text = "Chi-square is " +
+    std::string text = "Chi-square" + AmongKept() + " is " +
                        FormatSignificant(found.chi_square, 4) + " for " +
                        FormatSignificant(found.degrees_of_freedom, 4) +
                        " degrees of freedom, reduced " +
@@ -387,6 +442,7 @@ class Judge {
 
   std::string Title() const {
     if (improvement_.is_worse()) return "Worse than before";
+    if (result_.IsRejected()) return "Rejected";
     if (verdict_.level == FindingLevel::kFailed) return "Not accepted";
     const std::string title =
         result_.acceptance.empty() ? "Usable" : "Accepted";
@@ -401,65 +457,11 @@ class Judge {
   Verdict verdict_{FindingLevel::kPassed, "", "", {}};
 };
 
-// The uncertainty of a parameter; null where it has none.
-const ParameterUncertainty* UncertaintyOf(const CalibrationResult& result,
-                                          const std::string& name) {
-  if (!result.uncertainty) return nullptr;
-  for (const ParameterUncertainty& one : result.uncertainty->parameters) {
-    if (one.name == name) return &one;
-  }
-  return nullptr;
-}
-
-ParameterAssessment Assess(const CalibrationResult& result,
-                           const ParameterResult& parameter) {
-  const ParameterDecision& decision = parameter.decision;
-  if (decision.state == ParameterState::kGiven) {
-    return ParameterAssessment::kKnown;
-  }
-  if (decision.state == ParameterState::kFixed) {
-    return ParameterAssessment::kFixed;
-  }
-  const ParameterUncertainty* const known =
-      UncertaintyOf(result, parameter.name);
-  const double std = KnownStd(result, parameter);
-  double prior_share = 0.0;
-  if (known != nullptr) {
-    prior_share = known->prior_share;
-  } else if (!std::isfinite(parameter.std)) {
-    prior_share = std * std / (decision.prior_std * decision.prior_std);
-  }
-  if (prior_share > kDominantPrior) return ParameterAssessment::kPriorDominated;
-  // result.json has no infinity: of a result that was read back, none where
-  // other parameters have one.
-  const bool others_have_one =
-      std::any_of(result.parameters.begin(), result.parameters.end(),
-                  [](const ParameterResult& other) {
-                    return std::isfinite(other.decision.predicted_std);
-                  });
-  const std::vector<std::string>& weak = result.identifiability.weak;
-  const bool is_weak =
-      std::isinf(std) || (std::isnan(std) && others_have_one) ||
-      std::find(weak.begin(), weak.end(), parameter.name) != weak.end();
-  return is_weak ? ParameterAssessment::kWeak : ParameterAssessment::kEstimated;
-}
-
 }  // namespace
 
 void JudgeResult(CalibrationResult* result) {
-  for (ParameterResult& parameter : result->parameters) {
-    parameter.assessment = Assess(*result, parameter);
-  }
+  AssessParameters(result);
   result->verdict = Judge(*result).Decide();
-}
-
-double KnownStd(const CalibrationResult& result,
-                const ParameterResult& parameter) {
-  const ParameterUncertainty* const known =
-      UncertaintyOf(result, parameter.name);
-  if (known != nullptr) return known->std;
-  return std::isfinite(parameter.std) ? parameter.std
-                                      : parameter.decision.predicted_std;
 }
 
 std::string DescribePrediction(const std::string& where,
@@ -468,11 +470,15 @@ std::string DescribePrediction(const std::string& where,
   const auto percent = [](double rate) {
     return FixedNumber(100.0 * rate, 1) + " %";
   };
-  std::string text = where + ": " + percent(check.axes.rate()) + " of " +
-                     Count(check.axes.n, "coordinate") + " lie within their " +
-                     percent(check.confidence) + " intervals (" +
-                     percent(check.axes.lower) + " to " +
-                     percent(check.axes.upper) + " by chance)";
+  std::string text = where + ": ";
+  if (check.num_outliers > 0) {
+    text += "without " + Count(check.num_outliers, "outlier") + ", ";
+  }
+  text += percent(check.axes.rate()) + " of " +
+          Count(check.axes.n, "coordinate") + " lie within their " +
+          percent(check.confidence) + " intervals (" +
+          percent(check.axes.lower) + " to " + percent(check.axes.upper) +
+          " by chance)";
   if (check.ellipsoids.n > 0) {
     text += ", " + percent(check.ellipsoids.rate()) +
             " of positions within their ellipsoids";

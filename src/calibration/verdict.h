@@ -20,11 +20,6 @@ void JudgeResult(CalibrationResult* result);
 std::string DescribePrediction(const std::string& where,
                                const PredictionCheck& check);
 
-/// The standard deviation of a parameter: computed, else predicted; NaN where
-/// nothing is known of it.
-double KnownStd(const CalibrationResult& result,
-                const ParameterResult& parameter);
-
 /// The set that a result is judged by: the validation poses, where there are
 /// any, else those of the fit.
 const EvaluatedSet& JudgedSet(const CalibrationResult& result);

@@ -69,10 +69,9 @@ ExitStatus Calibrate(const CommandLine& line, Communicator* communicator) {
   progress.Clear();
   if (!is_root) return kExitDone;
   LogJob(result);
-  if (!result.IsUsable()) {
-    PrintError(path + ": " + result.message);
-    return kExitNumerical;
-  }
+  const bool is_kept = line.keep_rejected && result.IsRejected();
+  if (!result.IsUsable()) PrintError(path + ": " + result.message);
+  if (!result.IsUsable() && !is_kept) return kExitNumerical;
   progress.Show("writing " + directory);
   std::vector<ReportFile> files = RenderResult(result, outputs);
   if (line.report) {
@@ -82,6 +81,7 @@ ExitStatus Calibrate(const CommandLine& line, Communicator* communicator) {
   const std::vector<std::string> paths = WriteResultDirectory(directory, files);
   progress.Clear();
   PrintSummary(result, paths);
+  if (is_kept) return kExitNumerical;
   if (result.status == CalibrationStatus::kMissedLimits) {
     PrintError(path + ": " + result.message + "; " + directory +
                "/report.txt says which");

@@ -94,10 +94,13 @@ std::vector<Command> JobCommands() {
        "--out=DIR (default: results/ and the job's name): arm.yaml,\n"
        "result.json, report.txt, CSV files and SVG figures, and with --report\n"
        "report.html, a page that holds all of it.\n"
-       "Exit status 1: an acceptance limit of the job is missed.\n"
+       "Exit status 1: an acceptance limit of the job is missed; 3: there is\n"
+       "no solution, or one that must not be used. Of the latter nothing is\n"
+       "written, but with --keep-rejected all, its arm as\n"
+       "arm.rejected.yaml.\n"
        "Under 'mpirun -n K' every process reads some of the data's files, and\n"
        "the result has the same bits (docs/cluster.md).",
-       {"out", "seed", "report"},
+       {"out", "seed", "report", "keep-rejected"},
        1,
        1,
        RunCalibrate,

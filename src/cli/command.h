@@ -19,12 +19,13 @@ enum ExitStatus {
 /// What the user wrote after the command's name.
 struct CommandLine {
   std::vector<std::string> files;
-  std::string out;      ///< --out; empty = not given
-  std::string arm;      ///< --arm; empty = not given
-  std::string read_as;  ///< --read-as; empty = not given
-  bool report = false;  ///< --report
-  std::string list;     ///< --list; empty = not given
-  std::string outputs;  ///< --outputs; empty = not given
+  std::string out;             ///< --out; empty = not given
+  std::string arm;             ///< --arm; empty = not given
+  std::string read_as;         ///< --read-as; empty = not given
+  bool report = false;         ///< --report
+  bool keep_rejected = false;  ///< --keep-rejected
+  std::string list;            ///< --list; empty = not given
+  std::string outputs;         ///< --outputs; empty = not given
   bool dry_run = false;
   bool fail_fast = false;
   int threads = 1;

@@ -21,6 +21,9 @@
 DEFINE_string(arm, "", "ARM.yaml the arm that the data are of");
 DEFINE_bool(dry_run, false, "print what would run, a line a job");
 DEFINE_bool(fail_fast, false, "start no more jobs once one is not done");
+DEFINE_bool(keep_rejected, false,
+            "write a result that must not be used, its arm as "
+            "arm.rejected.yaml");
 DEFINE_bool(keep_going, false,
             "run all jobs whatever becomes of one, the default");
 DEFINE_string(list, "",
@@ -245,6 +248,7 @@ ExitStatus RunCommand(const std::string& name,
   line.arm = FLAGS_arm;
   line.read_as = FLAGS_read_as;
   line.report = FLAGS_report;
+  line.keep_rejected = FLAGS_keep_rejected;
   line.list = FLAGS_list;
   line.outputs = FLAGS_outputs;
   line.dry_run = FLAGS_dry_run;

@@ -40,11 +40,13 @@ void Describe(const CalibrationResult& result, BatchEntry* entry) {
   entry->title = result.title;
   entry->arm = result.arm_name;
   entry->data = result.train.name;
-  entry->train_before = result.train.before;
-  entry->train_after = result.train.after;
+  const KeptErrors train = result.train.Judged();
+  entry->train_before = train.before;
+  entry->train_after = train.after;
   if (result.validation) {
-    entry->validation_before = result.validation->before;
-    entry->validation_after = result.validation->after;
+    const KeptErrors validation = result.validation->Judged();
+    entry->validation_before = validation.before;
+    entry->validation_after = validation.after;
   }
   entry->num_free = result.identifiability.num_free;
   if (!result.runs.empty()) {

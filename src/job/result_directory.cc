@@ -28,6 +28,7 @@ std::set<std::string> NamesOf(OutputKind kind) {
   switch (kind) {
     case OutputKind::kCalibration:
       return {"arm.yaml",
+              "arm.rejected.yaml",
               "report.txt",
               "residuals.csv",
               "validation.csv",
@@ -96,7 +97,12 @@ std::string DirectoryOf(const std::filesystem::path& file) {
 }
 
 ReportFile RenderArm(const CalibrationResult& result) {
-  return {"arm.yaml", FormatArm(result.arm, ArmComment(result))};
+  const bool is_rejected = result.IsRejected();
+  return {is_rejected ? "arm.rejected.yaml" : "arm.yaml",
+          FormatArm(result.arm, (is_rejected ? "Rejected, not to be used: " +
+                                                   result.message + ". "
+                                             : "") +
+                                    ArmComment(result))};
 }
 
 }  // namespace

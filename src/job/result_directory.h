@@ -10,10 +10,11 @@
 
 namespace alidade::internal {
 
-/// The files of a result directory (docs/files.md): arm.yaml, result.json,
+/// The files of a result directory (docs/files.md): arm.yaml (of a rejected
+/// result arm.rejected.yaml), result.json,
 /// report.txt, the CSV files and the figures. Tables with a row for each
 /// observation are made of `result` when they are written: ReportFile.
-/// `further`: FormatReport. @pre a usable solution.
+/// `further`: FormatReport. @pre a solution that may be used or is rejected.
 std::vector<ReportFile> RenderResult(const CalibrationResult& result,
                                      const std::string& further = "");
 std::vector<ReportFile> RenderResult(const CalibrationResult&& result,

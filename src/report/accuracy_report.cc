@@ -150,6 +150,16 @@ Table AccuracyTable(const CalibrationResult& result, Dimension dimension) {
                 dimension, &table);
     AddAccuracy(poses, "after", is_length ? set.after : set.rotation_after,
                 dimension, &table);
+    if (!set.kept) return;
+    const KeptErrors& kept = *set.kept;
+    const std::string without =
+        ", without " + std::to_string(kept.num_rejected) + " rejected";
+    AddAccuracy(poses, "before" + without,
+                is_length ? kept.before : kept.rotation_before, dimension,
+                &table);
+    AddAccuracy(poses, "after" + without,
+                is_length ? kept.after : kept.rotation_after, dimension,
+                &table);
   };
   add_set("training poses", result.train);
   if (result.validation) add_set("validation poses", *result.validation);
@@ -157,6 +167,13 @@ Table AccuracyTable(const CalibrationResult& result, Dimension dimension) {
     const CrossValidation& folds = *result.cross_validation;
     AddAccuracy("held out once", std::to_string(folds.folds) + " folds",
                 is_length ? folds.position : folds.rotation, dimension, &table);
+    if (folds.kept) {
+      AddAccuracy(
+          "held out once",
+          "without " + std::to_string(folds.kept->num_rejected) + " rejected",
+          is_length ? folds.kept->position : folds.kept->rotation, dimension,
+          &table);
+    }
   }
   return table;
 }
@@ -185,21 +202,26 @@ Table StagesTable(const CalibrationResult& result, Dimension dimension) {
 }
 
 Table OutlierTable(const CalibrationResult& result) {
-  Table table("outliers",
-              "Outliers (" + std::to_string(result.outliers.size()) + ")",
+  const std::size_t count =
+      result.outliers.size() + result.validation_outliers.size();
+  Table table("outliers", "Outliers (" + std::to_string(count) + ")",
               {Table::TextOnly(">observation"), Table::PageOnly(">pose"),
-               "kind", "target", "read from", ">error [mm]",
+               "poses", "kind", "target", "read from", ">error [mm]",
                ">standardised|the error over its standard deviation",
                ">weight in the fit|what the robust loss left it"});
-  for (const Outlier& outlier : result.outliers) {
+  const auto add = [&table](const std::string& poses, const Outlier& outlier) {
     const int pose = outlier.label.pose + 1;
     table.AddRow({CountCell(outlier.observation + 1),
-                  pose > 0 ? CountCell(pose) : TableCell("-"),
+                  pose > 0 ? CountCell(pose) : TableCell("-"), poses,
                   outlier.label.kind, outlier.label.target, outlier.label.where,
                   QuantityCell(outlier.error, Dimension::kLength, 4),
                   NumberCell(outlier.standardised, 3),
                   NumberCell(outlier.weight, 2)});
+  };
+  for (const Outlier& outlier : result.validation_outliers) {
+    add("validation", outlier);
   }
+  for (const Outlier& outlier : result.outliers) add("training", outlier);
   return table;
 }
 
@@ -218,14 +240,17 @@ std::string AccuracySection(const CalibrationResult& result) {
 }
 
 std::string OutlierSection(const CalibrationResult& result) {
-  if (result.outliers.empty()) return "";
-  return Paragraph(FindingSentences(result, {"outliers"}) +
-                   " The limits of other kinds than positions are equally "
-                   "improbable. No outlier was left out of the accuracy; the "
-                   "weight is what the loss left it in the fit. Worst first; "
-                   "residuals.csv has all of them.") +
-         FirstRows(result.outliers.size()) +
-         OutlierTable(result).ToText(kMostRows);
+  const std::size_t count =
+      result.outliers.size() + result.validation_outliers.size();
+  if (count == 0) return "";
+  return Paragraph(
+             FindingSentences(result, {"validation_outliers", "outliers"}) +
+             " The limits of other kinds than positions are equally "
+             "improbable. The weight is what the loss leaves; of less "
+             "than a half, the observation is rejected, and the accuracy "
+             "is stated with and without it. Worst first; residuals.csv "
+             "and validation.csv have all of them.") +
+         FirstRows(count) + OutlierTable(result).ToText(kMostRows);
 }
 
 std::string RejectedRowSection(const CalibrationResult& result) {

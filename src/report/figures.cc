@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <limits>
 #include <string>
@@ -193,6 +194,11 @@ std::string ConvergenceHeadline(const std::vector<SolverRun>& runs) {
     parts.push_back(ShortSolverTitle(run.summary.solver) + ": " +
                     LengthInWords(iterations.back().max_error) + " after " +
                     Count(iterations.back().iteration, "iteration"));
+  }
+  const std::int64_t rejected =
+      runs.empty() ? 0 : runs.front().summary.num_rejected;
+  if (rejected > 0) {
+    parts.push_back("without " + Count(rejected, "rejected observation"));
   }
   return Join(parts, "; ");
 }

@@ -76,6 +76,10 @@ std::vector<ReportFile> MakeIdentifiabilityFigures(
 /// The sentences of the findings of these keys, in the order of the keys.
 std::string FindingSentences(const CalibrationResult& result,
                              const std::vector<std::string>& keys);
+/// What people should read before they use the result.
+bool IsReason(const Finding& finding);
+/// Its sentence, and what to do about it.
+std::string WithNext(const Finding& finding);
 /// The whole report.txt, `further` sections before its last. The result has
 /// been judged (calibration/verdict.h).
 std::string FormatReport(const CalibrationResult& result,

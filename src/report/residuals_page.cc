@@ -220,7 +220,8 @@ PageSection ResidualsSection(const CalibrationResult& result) {
                   HtmlFigure("validation-after",
                              ValidationFigure(*result.validation, kAfter))});
   }
-  html += HtmlParagraph(FindingSentences(result, {"outliers"})) +
+  html += HtmlParagraph(
+              FindingSentences(result, {"validation_outliers", "outliers"})) +
           OutlierTable(result).ToHtml(kMostOutliers);
   if (result.uncertainty) {
     html += HtmlParagraph(DescribeLackOfFit(*result.uncertainty)) +

@@ -54,7 +54,8 @@ std::string HeadlinePair(const std::string& title, double before, double after,
 // Of validation poses where there are any.
 std::string Headline(const CalibrationResult& result) {
   const bool is_validated = result.validation && result.validation->after.n > 0;
-  const EvaluatedSet& set = is_validated ? *result.validation : result.train;
+  const KeptErrors set =
+      (is_validated ? *result.validation : result.train).Judged();
   std::string html;
   if (set.after.n > 0) {
     html += HeadlinePair("mean position error", set.before.mean, set.after.mean,
@@ -76,7 +77,7 @@ std::string Acceptance(const CalibrationResult& result) {
     checks.push_back(
         HtmlBadge(finding.level,
                   finding.level == FindingLevel::kPassed ? "met" : "missed") +
-        " " + Words(finding.sentence));
+        " " + Words(WithNext(finding)));
   }
   return checks.empty()
              ? HtmlParagraph(FindingSentences(result, {"acceptance"}))
@@ -86,8 +87,8 @@ std::string Acceptance(const CalibrationResult& result) {
 std::string Warnings(const CalibrationResult& result) {
   std::vector<std::string> warnings;
   for (const Finding& finding : result.verdict.findings) {
-    if (finding.key == "warning" || StartsWith(finding.key, "plausibility.")) {
-      warnings.push_back(Words(finding.sentence));
+    if (IsReason(finding) && !StartsWith(finding.key, "acceptance.")) {
+      warnings.push_back(Words(WithNext(finding)));
     }
   }
   if (warnings.empty()) return "";

@@ -73,7 +73,6 @@ TextTable ParameterTable(const ParameterColumns& columns) {
   return TextTable(std::move(titles));
 }
 
-// What people should read before they use the result.
 bool IsWarning(const Finding& finding) {
   return finding.key == "warning" || finding.key.rfind("plausibility.", 0) == 0;
 }
@@ -146,6 +145,14 @@ std::string FormatParameters(const CalibrationResult& result) {
   return text;
 }
 
+bool IsReason(const Finding& finding) {
+  return IsWarning(finding) || finding.level >= FindingLevel::kAttention;
+}
+
+std::string WithNext(const Finding& finding) {
+  return finding.sentence + (finding.next.empty() ? "" : " " + finding.next);
+}
+
 std::string FindingSentences(const CalibrationResult& result,
                              const std::vector<std::string>& keys) {
   std::vector<std::string> sentences;
@@ -188,7 +195,9 @@ std::string FormatReport(const CalibrationResult& result,
   }
   text += Paragraph(result.verdict.title + ". " + result.verdict.sentence);
   for (const Finding& finding : result.verdict.findings) {
-    if (IsWarning(finding)) text += Paragraph("Warning: " + finding.sentence);
+    if (!IsReason(finding)) continue;
+    text += Paragraph((IsWarning(finding) ? "Warning: " : "Reason: ") +
+                      WithNext(finding));
   }
   text += Section("Accuracy", AccuracySection(result));
   text += Section("Outliers", OutlierSection(result));

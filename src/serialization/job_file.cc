@@ -287,6 +287,12 @@ void VisitMeasurements(Visitor& v, JobReading* reading) {
       [&](auto& section) {
         VisitIdentifiability(section, LayoutOf(job->arm, job->data.references),
                              &job->options.identifiability);
+        section.Field(
+            Key("prior_scale"), job->options.prior_scale,
+            "`estimated`: the priors of the joints are multiplied by a factor "
+            "of the angles and one of the lengths under which the "
+            "measurements are most likely (empirical Bayes); `given`: they "
+            "are as stated");
         section.Check([&](const YamlMap& map) { CheckMethod(map, *job); });
       });
   v.Custom(

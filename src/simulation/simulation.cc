@@ -27,10 +27,12 @@ double ValueAt(const Range& range, int i) {
   return range.from + (range.to - range.from) * i / (range.count - 1);
 }
 
-// Joint values as a data set with so many decimals states them, to the bits
-// that its reader makes of them: the arm is measured exactly where the file
-// says.
-void RoundJointValues(const Arm& arm, int decimals, MatrixBuilder::Map q) {
+// Motors' values as a data set with so many decimals states them, to the bits
+// that its reader makes of them; the joints follow: the arm is measured exactly
+// where the file says.
+Eigen::MatrixXd RoundedJointValues(const Arm& arm, int decimals,
+                                   const Eigen::MatrixXd& joint_values) {
+  Eigen::MatrixXd q = MotorsFromJoints(arm, joint_values);
   const double scale = std::pow(10.0, decimals);
   for (Eigen::Index i = 0; i < q.cols(); ++i) {
     for (int j = 0; j < arm.num_joints(); ++j) {
@@ -42,6 +44,7 @@ void RoundJointValues(const Arm& arm, int decimals, MatrixBuilder::Map q) {
       }
     }
   }
+  return JointsFromMotors(arm, q);
 }
 
 class CylinderPlanner {
@@ -146,9 +149,10 @@ void AddNoise(const SimulationConfig& config, MatrixBuilder::Map positions) {
 Dataset Simulate(const SimulationConfig& config) {
   Dataset data;
   data.name = config.output;
-  MatrixBuilder joint_values(PlanPoses(config));
-  RoundJointValues(config.arm, config.joint_decimals, joint_values.map());
-  data.joint_values = joint_values.Freeze();
+  data.joint_values =
+      MatrixBuilder(RoundedJointValues(config.arm, config.joint_decimals,
+                                       PlanPoses(config)))
+          .Freeze();
   MatrixBuilder positions = TruePositions(config, data.joint_values);
   if (config.noise_sigma > 0.0) AddNoise(config, positions.map());
   data.positions() = positions.Freeze();

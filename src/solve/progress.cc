@@ -128,6 +128,7 @@ IterationRecord Progress::Evaluate(const Eigen::VectorXd& values) {
   record.max_error = residuals.max_error;
   record.rms_error = residuals.rms_error;
   record.time_s = stopwatch_.Seconds();
+  record.values = values;
   return record;
 }
 

@@ -90,12 +90,14 @@ void Prepend(const SolverSummary& earlier, SolverSummary* summary) {
 }  // namespace
 
 SolverSummary SolveRobust(const CalibrationProblem& problem, LossKind loss,
-                          const SolverOptions& options,
-                          Eigen::VectorXd* values) {
-  Eigen::VectorXd current = *values;
+                          const SolverOptions& options, Eigen::VectorXd* values,
+                          const Eigen::VectorXd& start) {
+  const bool is_near = start.size() > 0 && loss != LossKind::kNone;
+  Eigen::VectorXd current = is_near ? start : *values;
   SolverSummary summary;
   CalibrationProblem stage = problem;
-  for (const LossKind kind : StagesTo(loss)) {
+  for (const LossKind kind :
+       is_near ? std::vector<LossKind>{loss} : StagesTo(loss)) {
     stage.losses = TunedLosses(kind);
     SolverSummary next = SolveLevenbergMarquardt(stage, options, &current);
     Prepend(summary, &next);

@@ -78,12 +78,15 @@ SolverSummary SolveLevenbergMarquardt(const CalibrationProblem& problem,
 /// 95 % efficiency and from the solution of the one before. A redescending loss
 /// alone would stop at whatever local minimum is next to the start.
 ///
+/// With a `start` near the solution, one that has its outliers far off, the
+/// last of these begins there, at once.
+///
 /// `problem.losses` are not used. The summary is that of the last solve, its
 /// iterations those of all of them; a stage that is not usable ends it. A
 /// solution that gives nearly all observations up is kFailed.
 SolverSummary SolveRobust(const CalibrationProblem& problem, LossKind loss,
-                          const SolverOptions& options,
-                          Eigen::VectorXd* values);
+                          const SolverOptions& options, Eigen::VectorXd* values,
+                          const Eigen::VectorXd& start = {});
 
 /// The baseline, the study's own algorithm: the whitened Jacobian W of all
 /// poses, its Moore-Penrose inverse W+ by singular value decomposition, and

@@ -83,6 +83,7 @@ void VisitFields(Visitor& v, Subject<Visitor, SolverSummary>& summary) {
   v.Field("final_cost", summary.final_cost);
   v.Field("num_poses", summary.num_poses);
   v.Field("num_residuals", summary.num_residuals);
+  v.Later("num_rejected", summary.num_rejected);
   v.Field("num_parameters", summary.num_parameters);
   v.Field("num_free", summary.num_free);
   v.Field("threads_given", summary.threads_given);

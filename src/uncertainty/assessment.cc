@@ -54,7 +54,8 @@ class Assessment {
     ListParameters();
     ListPairs();
     result_.residuals =
-        DiagnoseResiduals(fit_, covariance_, !input_.sigma_estimated);
+        DiagnoseResiduals(fit_, covariance_, !input_.sigma_estimated,
+                          input_.kept != nullptr ? *input_.kept : fit_.data);
     Predict();
     WarnOfResiduals(lack.warnings.empty());
     result_.warnings.insert(result_.warnings.end(), lack.warnings.begin(),

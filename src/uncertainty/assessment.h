@@ -28,6 +28,9 @@ struct AssessmentInput {
   Resolve resolve = {};
   /// Validation poses; null where there are none.
   const Dataset* validation = nullptr;
+  /// The data of the fit without those that it has rejected; null where there
+  /// are none.
+  const Dataset* kept = nullptr;
   /// Values of the real arm, where it is known; else empty.
   Eigen::VectorXd true_values = {};
 };

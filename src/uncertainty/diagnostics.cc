@@ -56,14 +56,14 @@ class Diagnosis {
         first_(FirstObservations(data_)),
         observed_(data_.num_observations()) {}
 
-  ResidualDiagnostics Run(bool sigma_given) {
+  ResidualDiagnostics Run(bool sigma_given, const Dataset& kept) {
     ForEachObservation(fit_.model, fit_.values, data_, covariance_.columns,
                        [this](int, Eigen::Index i,
                               const Eigen::Ref<const Eigen::MatrixXd>& rows) {
                          Visit(i, rows);
                        });
     ResidualDiagnostics out;
-    SumUp(sigma_given, &out);
+    SumUp(sigma_given, kept, &out);
     ListPoses(&out);
     ListStudentised(&out);
     out.histogram = CountStandardised(out.studentised);
@@ -117,13 +117,13 @@ class Diagnosis {
     }
   }
 
-  void SumUp(bool sigma_given, ResidualDiagnostics* out) const {
-    out->chi_square = SumInOrder(
-        fit_.model.communicator(), fit_.data,
-        SquaredNorms(fit_.model.Errors(fit_.values, fit_.data), fit_.data));
+  void SumUp(bool sigma_given, const Dataset& kept,
+             ResidualDiagnostics* out) const {
+    out->chi_square =
+        SumInOrder(fit_.model.communicator(), kept,
+                   SquaredNorms(fit_.model.Errors(fit_.values, kept), kept));
     out->degrees_of_freedom =
-        static_cast<double>(
-            GlobalEquations(fit_.model.communicator(), fit_.data)) -
+        static_cast<double>(GlobalEquations(fit_.model.communicator(), kept)) -
         EffectiveParameters(covariance_, FreePriors(fit_));
     if (out->degrees_of_freedom < 1.0) return;
     out->reduced_chi_square = out->chi_square / out->degrees_of_freedom;
@@ -262,8 +262,8 @@ TestResult TestNormality(Eigen::VectorXd values) {
 
 ResidualDiagnostics DiagnoseResiduals(const FittedProblem& fit,
                                       const ParameterCovariance& covariance,
-                                      bool sigma_given) {
-  return Diagnosis(fit, covariance).Run(sigma_given);
+                                      bool sigma_given, const Dataset& kept) {
+  return Diagnosis(fit, covariance).Run(sigma_given, kept);
 }
 
 }  // namespace alidade::internal

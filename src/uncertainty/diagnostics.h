@@ -29,10 +29,11 @@ namespace alidade::internal {
 /// find what nobody needs to know. Whiteness: Ljung and Box's Q (1978) over the
 /// first lags of each axis in the order of measurement, chi-square of lags
 /// times axes. The p-value of chi-square itself is two-sided, for `sigma_given`
-/// only. O(N p^2).
+/// only. `kept`: the data without rejected observations, which chi-square
+/// leaves out. O(N p^2).
 ResidualDiagnostics DiagnoseResiduals(const FittedProblem& fit,
                                       const ParameterCovariance& covariance,
-                                      bool sigma_given);
+                                      bool sigma_given, const Dataset& kept);
 
 /// P(A^2 >= statistic) under normality, `statistic` after Stephens' correction
 /// for unknown mean and variance.

@@ -151,6 +151,7 @@ void VisitFields(Visitor& v, Subject<Visitor, PredictionCheck>& check) {
   v.Field("confidence", check.confidence);
   v.Field("axes", check.axes);
   v.Field("ellipsoids", check.ellipsoids);
+  v.Later("outliers", check.num_outliers);
   v.Field("rms_z", check.rms_z);
   v.Field("verdict", check.verdict);
   v.Later("parts", check.parts);

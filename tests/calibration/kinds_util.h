@@ -153,11 +153,17 @@ class Bench {
   Dataset data_;
 };
 
-inline JobConfig JobOf(const Dataset& data) {
+// All of the data are fitted.
+inline JobConfig WholeJobOf(const Dataset& data) {
   JobConfig job;
   job.arm = NominalArm();
   job.data.training = data;
   job.options.identifiability.candidates = {true, true, true};
+  return job;
+}
+
+inline JobConfig JobOf(const Dataset& data) {
+  JobConfig job = WholeJobOf(data);
   HoldOut split = HoldOutFraction(job.data.training, 0.3, 1);
   job.data.training = split.train;
   job.data.validation = split.validation;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "alidade/error.h"
+#include "alidade/rotation.h"
 #include "alidade/units.h"
 #include "src/job/run_job.h"
 #include "src/model/joint_draw.h"
@@ -136,6 +137,55 @@ INSTANTIATE_TEST_SUITE_P(
     [](const ::testing::TestParamInfo<InputMistake>& mistake) {
       return std::string(mistake.param.name);
     });
+
+std::string RefusalOf(const Dataset& data) {
+  try {
+    RunJob(WholeJobOf(data), "test");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// The instrument is moved after the first 35 of 60 poses.
+TEST(PlausibilityTest, TwoStationsAreNamedWithTheirPlace) {
+  const Arm real = RealArm();
+  Arm moved = real;
+  moved.instrument_from_base.pretranslate(Eigen::Vector3d(0.4, -0.9, 0.1));
+  moved.instrument_from_base.prerotate(
+      RotationFromVector<double>(Eigen::Vector3d(0.0, 0.1, 0.8)));
+  const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
+  Dataset data = Bench(real, q).Positions(0).data();
+  const Dataset others = Bench(moved, q).Positions(0).data();
+  for (Eigen::Index i = 35; i < 60; ++i) {
+    testing::Edit(&data.blocks[0].measured)->col(i) =
+        others.blocks[0].measured.col(i);
+  }
+  const std::string refusal = RefusalOf(data);
+  EXPECT_NE(refusal.find("fit in two parts"), std::string::npos) << refusal;
+  EXPECT_NE(refusal.find("position 36 on"), std::string::npos) << refusal;
+}
+
+// As of a camera on the tool that looks at a mark.
+TEST(PlausibilityTest, InversePosesAreNamed) {
+  const Arm real = RealArm();
+  Dataset data = Bench(real, DrawJointValues(real, 60, 5)).Poses().data();
+  EXPECT_EQ(RefusalOf(data), "");
+  for (Eigen::Index i = 0; i < 60; ++i) {
+    const Eigen::VectorXd measured = data.blocks[0].measured.col(i);
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.linear() = RotationFromVector<double>(measured.tail<3>().eval());
+    pose.translation() = measured.head<3>();
+    pose = pose.inverse();
+    testing::Edit(&data.blocks[0].measured)->col(i).head<3>() =
+        pose.translation();
+    testing::Edit(&data.blocks[0].measured)->col(i).tail<3>() =
+        VectorFromRotation<double>(pose.linear());
+  }
+  const std::string refusal = RefusalOf(data);
+  EXPECT_NE(refusal.find("if the poses are inverse"), std::string::npos)
+      << refusal;
+}
 
 TEST(PlausibilityTest, DataThatNoMistakeExplainsAreWarnedOf) {
   const Arm real = RealArm();

@@ -127,6 +127,48 @@ TEST(VerdictTest, WarningsWantALook) {
       2);
 }
 
+// What is there and what to do are distinguished where the text asks for it,
+// but not within a quotation of a file.
+TEST(VerdictTest, ReasonsSayWhatToDoNext) {
+  CalibrationResult result = MakeResult();
+  result.warnings = {
+      "data.csv:5: the residuals are large: look for wrong units",
+      "too few (`robust: {loss: huber}`). Measure more poses, or state sigma",
+      "at a bound: d3"};
+  const Verdict verdict = VerdictOf(result);
+  EXPECT_EQ(verdict.decision(), VerdictDecision::kAcceptedWithWarnings);
+  ASSERT_GE(verdict.findings.size(), 3u);
+  EXPECT_EQ(verdict.findings[0].sentence,
+            "data.csv:5: the residuals are large.");
+  EXPECT_EQ(verdict.findings[0].next, "Look for wrong units.");
+  EXPECT_EQ(verdict.findings[1].sentence, "Too few (`robust: {loss: huber}`).");
+  EXPECT_EQ(verdict.findings[1].next, "Measure more poses, or state sigma.");
+  EXPECT_EQ(verdict.findings[2].sentence, "At a bound: d3.");
+  EXPECT_FALSE(verdict.findings[2].next.empty());
+}
+
+TEST(VerdictTest, ReasonsComeInTheOrderOfTheirWeight) {
+  CalibrationResult result = MakeResultAfter(0.02);
+  result.validation->change_t = 10.0;
+  result.status = CalibrationStatus::kFailed;
+  result.message = "the mean error grows: look for what is wrong";
+  result.warnings = {"the residuals are large: look for wrong units"};
+  const Verdict verdict = VerdictOf(result);
+  EXPECT_EQ(verdict.decision(), VerdictDecision::kRejected);
+  EXPECT_EQ(verdict.title, "Worse than before");
+  EXPECT_EQ(verdict.findings[0].key, "rejected");
+  EXPECT_EQ(verdict.findings[0].next, "Look for what is wrong.");
+  for (std::size_t k = 1; k < verdict.findings.size(); ++k) {
+    EXPECT_GE(verdict.findings[k - 1].level, verdict.findings[k].level);
+  }
+  for (const Finding& finding : verdict.findings) {
+    EXPECT_EQ(finding.level < FindingLevel::kAttention || !finding.next.empty(),
+              true)
+        << finding.key;
+  }
+  EXPECT_EQ(VerdictOf(MakeResult()).decision(), VerdictDecision::kAccepted);
+}
+
 TEST(VerdictTest, AFailedSolverIsNotUsable) {
   CalibrationResult result = MakeResult();
   result.runs[0].summary.status = SolverStatus::kFailed;

@@ -23,6 +23,27 @@ SimulationConfig StudySimulation(std::uint64_t seed) {
   return config;
 }
 
+// What a file says of the motors is what the arm was measured at, to the bit.
+TEST(SimulateTest, MotorsAreRoundedAndJointsFollow) {
+  SimulationConfig config = StudySimulation(3);
+  const int n = config.arm.num_joints();
+  config.arm.motor_offsets =
+      Eigen::VectorXd::Constant(n, 12.345678912345 * kDegree);
+  config.arm.joints_from_motors = Eigen::MatrixXd::Identity(n, n);
+  config.arm.joints_from_motors(2, 1) = -1.0;
+  config.poses = RandomPoses{20};
+  for (const int decimals : {1, 4}) {
+    config.joint_decimals = decimals;
+    const Dataset data = Simulate(config);
+    const Eigen::MatrixXd motors =
+        MotorsFromJoints(config.arm, data.joint_values.map().eval());
+    const double scale = std::pow(10.0, decimals) / kDegree;
+    for (const double motor : motors.reshaped()) {
+      EXPECT_NEAR(motor * scale, std::round(motor * scale), 1e-8);
+    }
+  }
+}
+
 TEST(SimulateTest, PosesAreOnTheGridWithinLimitsAndElevation) {
   const SimulationConfig config = StudySimulation(3);
   const Dataset data = Simulate(config);

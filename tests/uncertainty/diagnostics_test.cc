@@ -40,7 +40,8 @@ class Fitted {
     return {model_, data_, columns_, no_priors_, losses_, values_};
   }
   ResidualDiagnostics Diagnose() const {
-    return DiagnoseResiduals(problem(), CovarianceOf(problem()), true);
+    return DiagnoseResiduals(problem(), CovarianceOf(problem()), true,
+                             problem().data);
   }
   const MeasurementModel& model() const { return model_; }
   const std::vector<int>& columns() const { return columns_; }
