@@ -10,7 +10,10 @@
 #include <ctime>
 #include <filesystem>
 #include <string>
+#include <string_view>
+#include <utility>
 
+#include "alidade/calibration_result.h"
 #include "alidade/units.h"
 #include "src/common/files.h"
 #include "src/common/numbers.h"
@@ -18,6 +21,7 @@
 #include "src/common/text.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/dataio/dataset_npy.h"
+#include "src/report/report.h"
 
 namespace alidade::internal {
 namespace {
@@ -114,6 +118,32 @@ void Write(benchmark::State& state, Text text) {
 BENCHMARK_CAPTURE(Write, csv, Text::kCsv)->UseRealTime();
 BENCHMARK_CAPTURE(Write, csv_all_digits, Text::kLongCsv)->UseRealTime();
 BENCHMARK_CAPTURE(Write, npy, Text::kNpy)->UseRealTime();
+
+// residuals.csv of a calibration: 17 digits each, but for numbers of poses.
+void WriteResiduals(benchmark::State& state) {
+  Random random(1);
+  const auto draw = [&](Eigen::Index rows, double size) {
+    Eigen::MatrixXd matrix(rows, kPoses);
+    for (double& x : matrix.reshaped()) x = random.Uniform(-size, size);
+    return SharedMatrix(std::move(matrix));
+  };
+  CalibrationResult result;
+  EvaluatedSet& set = result.train;
+  set.joint_dimensions.assign(6, Dimension::kAngle);
+  set.joint_values = draw(6, kPi);
+  set.positions = draw(3, 1.0);
+  set.residual_before = draw(3, 5e-3);
+  set.residual_after = draw(3, 5e-5);
+  std::size_t bytes = 0;
+  for (auto unused : state) {
+    for (const ReportFile& file : MakeCsvFiles(result)) {
+      file.content([&](std::string_view piece) { bytes += piece.size(); });
+    }
+  }
+  state.SetBytesProcessed(static_cast<std::int64_t>(bytes));
+}
+
+BENCHMARK(WriteResiduals);
 
 }  // namespace
 }  // namespace alidade::internal

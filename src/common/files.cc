@@ -118,12 +118,6 @@ std::string ReadFile(const std::string& path) {
   return content;
 }
 
-void ReadInPieces(const std::string& path, const TextSink& sink) {
-  ReadPieces(path, [&sink](const char* data, std::size_t count) {
-    sink({data, count});
-  });
-}
-
 void WriteFileAtomically(const std::string& path, const std::string& content) {
   WriteFileAtomically(path, InOnePiece(content));
 }

@@ -12,9 +12,6 @@ namespace alidade::internal {
 /// The whole file. @throws InputError naming the path and the cause.
 std::string ReadFile(const std::string& path);
 
-/// The same in pieces: memory does not grow with the file. @throws InputError.
-void ReadInPieces(const std::string& path, const TextSink& sink);
-
 /// Writes to a temporary name in the same directory, syncs it and renames it,
 /// so that no reader ever sees half a file. @throws InputError.
 void WriteFileAtomically(const std::string& path, const std::string& content);

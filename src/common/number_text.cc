@@ -21,31 +21,39 @@ constexpr std::array<double, 10> kPowersOfTen = {1e0, 1e1, 1e2, 1e3, 1e4,
 constexpr double kMaxInteger = 1e15;
 
 // w * 10^-decimals, with all of the decimals or without zeros at the end.
-// @pre 0 <= decimals <= 9.
+// @pre 0 <= decimals <= 9, |w| < 1e15.
 void AppendScaled(double w, int decimals, bool drops_zeros, std::string* text) {
-  // The longest has 15 digits, a point and a sign.
   std::array<char, 24> buffer;
-  char* const end = buffer.data() + buffer.size();
-  char* p = end;
-  auto rest = static_cast<std::uint64_t>(std::abs(w));
-  for (int i = 0; i < decimals; ++i, rest /= 10) {
-    const char digit = static_cast<char>('0' + rest % 10);
-    drops_zeros = drops_zeros && digit == '0';
-    if (!drops_zeros) *--p = digit;
-  }
-  if (p != end) *--p = '.';
-  const fmt::format_int whole(rest);
-  p = std::copy_backward(whole.data(), whole.data() + whole.size(), p);
-  if (w < 0.0) *--p = '-';
-  text->append(p, end);
+  char* p = buffer.data();
+  const auto magnitude = static_cast<std::uint64_t>(std::abs(w));
+  const auto power = static_cast<std::uint64_t>(kPowersOfTen[decimals]);
+  if (w < 0.0) *p++ = '-';
+  const fmt::format_int whole(magnitude / power);
+  p = std::copy_n(whole.data(), whole.size(), p);
+  // The decimals after a 1, which keeps their zeros.
+  const fmt::format_int part(magnitude % power + power);
+  std::size_t size = part.size();
+  while (drops_zeros && size > 1 && part.data()[size - 1] == '0') --size;
+  if (size > 1) *p++ = '.';
+  p = std::copy_n(part.data() + 1, size - 1, p);
+  text->append(buffer.data(), p);
+}
+
+// To the nearest integer, of numbers below 2^51: without SSE 4.1 the standard's
+// function is a call.
+double Round(double value) {
+  constexpr double kUlpIsOne = 0x1.8p52;
+  return (value + kUlpIsOne) - kUlpIsOne;
 }
 
 // The integer w that value is 10^-decimals times of, rounded once: then w *
 // 10^-decimals is the shortest decimal that reads back to the value, as
 // different decimals of at most 15 digits have different doubles.
 bool IsScaled(double value, int decimals, double* w) {
-  *w = std::nearbyint(value * kPowersOfTen[decimals]);
-  return std::abs(*w) < kMaxInteger && *w / kPowersOfTen[decimals] == value;
+  const double product = value * kPowersOfTen[decimals];
+  *w = Round(product);
+  return std::abs(product) < kMaxInteger &&
+         *w / kPowersOfTen[decimals] == value;
 }
 
 // digits * 10^(exponent - number of digits + 1), with an exponent where the
@@ -82,9 +90,9 @@ void AppendFixed(double value, int decimals, std::string* text) {
   // Where the product, which is off by half a unit in its last place, is not
   // halfway between integers, it rounds as the value does.
   const double product = value * kPowersOfTen[std::clamp(decimals, 0, 9)];
-  const double w = std::nearbyint(product);
+  const double w = Round(product);
   const double to_halfway = std::abs(std::abs(product - w) - 0.5);
-  if (decimals >= 0 && decimals <= 9 && std::abs(w) < kMaxInteger &&
+  if (decimals >= 0 && decimals <= 9 && std::abs(product) < kMaxInteger &&
       to_halfway > std::abs(product) * 1e-15) {
     return AppendScaled(w, decimals, false, text);
   }
@@ -140,7 +148,11 @@ std::string FormatShifted(double value, int exponent) {
 }
 
 void AppendShifted(double value, int exponent, std::string* text) {
-  if (!std::isfinite(value)) return AppendShortest(value, text);
+  const double magnitude = std::abs(value);
+  const bool has_no_exponent = magnitude >= 1e-3 && magnitude < 1e5;
+  if (!std::isfinite(value) || (exponent == 0 && has_no_exponent)) {
+    return AppendShortest(value, text);
+  }
   double w = 0.0;
   if (exponent == 3 && IsScaled(value, 9, &w) && std::abs(w) >= 10.0) {
     return AppendScaled(w, 6, true, text);

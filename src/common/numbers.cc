@@ -130,7 +130,7 @@ std::optional<double> ParseNumber(std::string_view text, int exponent) {
   }
   if (exponent == 0) return ParseFinite(text);
   constexpr std::size_t kFewCharacters = 16;
-  if (text.size() <= kFewCharacters && exponent < 0) {
+  if (text.size() <= kFewCharacters && exponent >= -6 && exponent < 0) {
     const std::optional<double> value = ParseFinite(text);
     const auto shifted = value ? ShiftShort(*value, exponent) : std::nullopt;
     if (shifted) return shifted;
@@ -154,10 +154,11 @@ std::optional<double> ParseNumber(std::string_view text, int exponent) {
 // Different decimals of at most 15 digits have different doubles, so that w *
 // 1e-6 is the decimal; w and the power of ten are doubles.
 std::optional<double> ShiftShort(double value, int exponent) {
-  constexpr double kMost = 1e15;
-  const double w = std::nearbyint(value * 1e6);
-  if (!(std::abs(w) < kMost) || w / 1e6 != value) return std::nullopt;
-  return w / kPowersOfTen[6 - exponent];
+  constexpr double kUlpIsOne = 0x1.8p52;  // rounds sums to integers
+  const double millionths = value * 1e6;
+  const double w = (millionths + kUlpIsOne) - kUlpIsOne;
+  if (!(std::abs(millionths) < 1e15) || w / 1e6 != value) return std::nullopt;
+  return std::copysign(w / kPowersOfTen[6 - exponent], value);
 }
 
 std::optional<double> ParseQuantity(std::string_view text, const Unit& unit) {

@@ -41,6 +41,9 @@ void CsvLine::Split(std::vector<std::string_view>* cells) const {
     const char* last = nullptr;
     if (p != end && *p == '"') {
       last = std::find(p + 1, end, '"');
+      // Two of them are one of the text.
+      while (end - last > 1 && last[1] == '"')
+        last = std::find(last + 2, end, '"');
       if (last == end) {
         Fail("expected a closing quote (\") in this line", first);
       }
@@ -57,6 +60,14 @@ void CsvLine::Split(std::vector<std::string_view>* cells) const {
     if (p == end) return;
     ++p;
   }
+}
+
+std::string TextOf(std::string_view cell) {
+  std::string text(cell);
+  for (std::size_t at = 0; (at = text.find("\"\"", at)) != std::string::npos;) {
+    text.erase(at++, 1);
+  }
+  return text;
 }
 
 SourceLocation CsvLine::Location(const char* cell,

@@ -16,6 +16,9 @@ std::string_view TakeLine(std::string_view* text);
 /// Whether the line is blank or begins with '#', so that it holds nothing.
 bool IsPassedOver(std::string_view line);
 
+/// What a cell says: in quotes, two of them are one of the text.
+std::string TextOf(std::string_view cell);
+
 /// A line of a CSV file. Nothing is copied: the path and the text must outlive
 /// it and its cells.
 struct CsvLine {
@@ -24,7 +27,8 @@ struct CsvLine {
   int number = 0;  ///< from 1; 0: it is in no file
 
   /// The cells of the line, without the spaces and the double quotes around
-  /// them. @throws InputError where a quote is not closed.
+  /// them, for TextOf where they are texts. @throws InputError where a quote is
+  /// not closed.
   void Split(std::vector<std::string_view>* cells) const;
 
   /// Of `cell`, a part of the line, or null. `column` is its name.

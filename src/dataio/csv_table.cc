@@ -41,15 +41,21 @@ class CsvRow : public TableRow {
   }
 
   std::string_view Text(int spec) const override {
+    const std::string_view cell = Cell(spec);
+    if (cell.find("\"\"") == std::string_view::npos) return cell;
+    return text_ = TextOf(cell);
+  }
+
+  SourceLocation Location(int spec) const override {
+    return line_.Location(Cell(spec).data(), header().NameOf(spec));
+  }
+
+ private:
+  std::string_view Cell(int spec) const {
     return header().Has(spec) ? cells_[header().ColumnOf(spec)]
                               : std::string_view();
   }
 
-  SourceLocation Location(int spec) const override {
-    return line_.Location(Text(spec).data(), header().NameOf(spec));
-  }
-
- private:
   void CheckNumCells() const {
     const std::size_t expected = header().columns().size();
     if (cells_.size() == expected) return;
@@ -64,6 +70,7 @@ class CsvRow : public TableRow {
 
   CsvLine line_;
   std::vector<std::string_view> cells_;
+  mutable std::string text_;
 };
 
 // The first line that begins at `offset` or after it.

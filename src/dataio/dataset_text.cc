@@ -69,18 +69,18 @@ class DatasetText {
     return header + "\n";
   }
 
-  std::string Row(const ObservationBlock& block, Eigen::Index i) const {
-    std::string text;
+  void AppendRow(const ObservationBlock& block, Eigen::Index i,
+                 std::string* text) const {
     for (int j = 0; j < data_.num_joints(); ++j) {
-      if (j > 0) text += ",";
-      text += JointText(j, motors_(j, block.pose(i)));
+      if (j > 0) *text += ',';
+      AppendJoint(j, motors_(j, block.pose(i)), text);
     }
-    AppendLengths(block, block.measured, i, &text);
-    if (has_orientations_) AppendAngles(block, block.measured, i, &text);
-    if (sigmas_.positions) AppendLengths(block, block.sigmas, i, &text);
-    if (sigmas_.orientations) AppendAngles(block, block.sigmas, i, &text);
-    if (has_targets_) text += "," + arm_.targets[block.target(i)].name;
-    return text + "\n";
+    AppendLengths(block, block.measured, i, text);
+    if (has_orientations_) AppendAngles(block, block.measured, i, text);
+    if (sigmas_.positions) AppendLengths(block, block.sigmas, i, text);
+    if (sigmas_.orientations) AppendAngles(block, block.sigmas, i, text);
+    if (has_targets_) (*text += ',') += arm_.targets[block.target(i)].name;
+    *text += '\n';
   }
 
  private:
@@ -101,13 +101,15 @@ class DatasetText {
     return in_radians;
   }
 
-  std::string JointText(int j, double value) const {
+  void AppendJoint(int j, double value, std::string* text) const {
     if (joint_decimals_ != kFewestDigits) {
       const double unit = IsRevolute(j) ? kDegree : kMillimetre;
-      return FixedNumber(value / unit, joint_decimals_);
+      AppendFixed(value / unit, joint_decimals_, text);
+    } else if (!IsRevolute(j)) {
+      AppendShifted(value, 3, text);
+    } else {
+      AppendShifted(in_radians_[j] ? value : *ExactDegrees(value), 0, text);
     }
-    if (!IsRevolute(j)) return FormatShifted(value, 3);
-    return FormatShifted(in_radians_[j] ? value : *ExactDegrees(value), 0);
   }
 
   static StatedSigmas SigmaColumns(const Dataset& data, bool with_sigmas) {
@@ -123,9 +125,9 @@ class DatasetText {
                             const SharedMatrix& numbers, Eigen::Index i,
                             std::string* text) {
     for (int row = 0; row < 3; ++row) {
-      *text += ",";
+      *text += ',';
       if (std::isinf(block.sigmas(row, i))) continue;
-      *text += FormatShifted(numbers(row, i), 3);
+      AppendShifted(numbers(row, i), 3, text);
     }
   }
 
@@ -133,9 +135,9 @@ class DatasetText {
                            const SharedMatrix& numbers, Eigen::Index i,
                            std::string* text) {
     for (int row = 3; row < 6; ++row) {
-      *text += ",";
+      *text += ',';
       if (row >= numbers.rows() || std::isinf(block.sigmas(row, i))) continue;
-      *text += ShortestNumber(numbers(row, i) / kDegree);
+      AppendShortest(numbers(row, i) / kDegree, text);
     }
   }
 
@@ -163,8 +165,15 @@ std::string FormatDataset(const Dataset& dataset, const Arm& arm,
   for (const ObservationBlock& block : dataset.blocks) {
     CHECK(HoldsPosition(block.kind));
   }
-  for (const ObservationRef& one : InOrderOfPoses(dataset)) {
-    text += rows.Row(*one.block, one.index);
+  const std::vector<ObservationRef> order = InOrderOfPoses(dataset);
+  const std::size_t header = text.size();
+  for (const ObservationRef& one : order) {
+    rows.AppendRow(*one.block, one.index, &text);
+    // All rows are about as long as the first; memory that is not used costs
+    // nothing.
+    if (&one == order.data()) {
+      text.reserve(header + (text.size() - header) * order.size() / 4 * 5);
+    }
   }
   return text;
 }

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "alidade/arm_file.h"
-#include "src/common/files.h"
-#include "src/common/text.h"
+#include "src/common/number_text.h"
+#include "src/dataio/csv_lines.h"
 
 namespace alidade::internal {
 namespace {
@@ -18,58 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-// Reads a CSV piece by piece and calls visit(row's cells) at the end of each
-// line, the header's first. The cells are used again.
-template <typename Visit>
-class CsvVisitor {
- public:
-  explicit CsvVisitor(const Visit& visit) : visit_(visit) {}
-
-  void Take(std::string_view piece) {
-    for (const char c : piece) Take(c);
-  }
-  // Of a last line without an end.
-  void Finish() {
-    if (count_ > 1 || !cells_.front().empty()) EndLine();
-  }
-
- private:
-  void Take(char c) {
-    std::string& cell = cells_[count_ - 1];
-    if (c == '"') {
-      // Two in a row within quotes are one of the text.
-      if (!quoted_ && closed_) cell += c;
-      closed_ = quoted_;
-      quoted_ = !quoted_;
-      return;
-    }
-    closed_ = false;
-    if (!quoted_ && c == ',') {
-      if (count_ == cells_.size()) cells_.emplace_back();
-      cells_[count_++].clear();
-    } else if (!quoted_ && c == '\n') {
-      EndLine();
-    } else if (quoted_ || c != '\r') {
-      cell += c;
-    }
-  }
-
-  void EndLine() {
-    cells_.resize(count_);
-    visit_(cells_);
-    count_ = 1;
-    cells_.front().clear();
-    quoted_ = false;
-    closed_ = false;
-  }
-
-  const Visit& visit_;
-  std::vector<std::string> cells_ = {""};
-  std::size_t count_ = 1;  // cells of this line
-  bool quoted_ = false;
-  bool closed_ = false;  // the last character ended a quotation
-};
 
 // Columns `names` of a row, in mm.
 Eigen::Vector3d VectorOf(const std::array<const double*, 3>& columns,
@@ -207,29 +155,30 @@ double ResultTable::Number(std::size_t row, const std::string& name) const {
   return column < 0 ? kNan : numbers[column][row];
 }
 
-ResultTable ReadResultTable(const TextSource& csv,
+ResultTable ReadResultTable(const MappedFile& file,
                             const std::set<std::string>& text_columns) {
   ResultTable table;
-  bool is_header = true;
-  const auto visit = [&](const std::vector<std::string>& cells) {
-    if (std::exchange(is_header, false)) {
-      table.columns = cells;
+  std::vector<std::string_view> cells;
+  CsvLine line{file.path(), {}, 0};
+  for (std::string_view rest = file.text(); !rest.empty();) {
+    line.text = TakeLine(&rest);
+    ++line.number;
+    line.Split(&cells);
+    if (line.number == 1) {
+      table.columns.assign(cells.begin(), cells.end());
       table.numbers.resize(cells.size());
       table.texts.resize(cells.size());
-      return;
+      continue;
     }
     ++table.num_rows;
-    for (std::size_t k = 0; k < table.columns.size(); ++k) {
-      const std::string& cell = k < cells.size() ? cells[k] : "";
-      table.numbers[k].push_back(NumberOrNan(cell));
+    cells.resize(table.columns.size());
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+      table.numbers[k].push_back(NumberOrNan(cells[k]));
       if (text_columns.count(table.columns[k]) > 0) {
-        table.texts[k].push_back(cell);
+        table.texts[k].push_back(TextOf(cells[k]));
       }
     }
-  };
-  CsvVisitor<decltype(visit)> visitor(visit);
-  csv([&visitor](std::string_view piece) { visitor.Take(piece); });
-  visitor.Finish();
+  }
   return table;
 }
 
@@ -247,9 +196,7 @@ void ReadResultTables(const std::string& directory, CalibrationResult* result) {
   const auto read = [&directory](const char* name, const auto& take) {
     const std::string path = (fs::path(directory) / name).string();
     if (!fs::exists(path)) return;
-    take(ReadResultTable(
-        [&path](const TextSink& sink) { ReadInPieces(path, sink); },
-        {"kind", "target", "where"}));
+    take(ReadResultTable(MappedFile(path), {"kind", "target", "where"}));
   };
   read("residuals.csv", [&](const ResultTable& table) {
     ReadObservations(table, &result->train);

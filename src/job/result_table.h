@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "alidade/calibration_result.h"
-#include "src/common/text_pieces.h"
+#include "src/common/mapped_file.h"
 
 namespace alidade::internal {
 
@@ -27,8 +27,8 @@ struct ResultTable {
 };
 
 /// Reads a CSV that Alidade wrote, the header first. Short rows are filled with
-/// empty cells, long ones cut.
-ResultTable ReadResultTable(const TextSource& csv,
+/// empty cells, long ones cut. @throws InputError where a quote is not closed.
+ResultTable ReadResultTable(const MappedFile& file,
                             const std::set<std::string>& text_columns);
 
 /// Fills in what residuals.csv or validation.csv hold of a set: joint values,

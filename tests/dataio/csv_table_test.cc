@@ -411,6 +411,19 @@ TEST(CsvTableTest, NamesTheFirstOfManyMistakesOfManyThreads) {
   }
 }
 
+TEST(CsvTableTest, TwoQuotesWithinQuotesAreOne) {
+  const TestDirectory directory;
+  const std::string path =
+      directory.Write("data.csv",
+                      "q1_deg,q2_mm,q3_deg,x_mm,y_mm,z_mm,set\n"
+                      "1,2,3,4,5,6,\"say \"\"a\"\", b\"\n");
+  const Arm arm = ThreeJoints(false);
+  const LoadedData loaded =
+      LoadDataWith({path, arm, DataFormat()}, nullptr, Options(1, 1 << 20));
+  ASSERT_EQ(loaded.sets.size(), 1u);
+  EXPECT_EQ(loaded.sets[0], "say \"a\", b");
+}
+
 TEST(CsvTableTest, LeavesOutRowsAndAxesThatAreNotMeasured) {
   const TestDirectory directory;
   const std::string path =

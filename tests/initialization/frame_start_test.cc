@@ -46,6 +46,25 @@ TEST(FitRigidTest, RecoversFramesAndScale) {
   }
 }
 
+// Noise makes the fit a compromise, flat points leave a reflection open.
+TEST(FitRigidTest, AgreesWithUmeyama) {
+  for (int seed = 0; seed < 20; ++seed) {
+    Random random(13, seed);
+    const Eigen::Isometry3d truth = RandomFrame(5.0, &random);
+    Eigen::Matrix3Xd points(3, 4 + seed);
+    for (auto point : points.colwise()) point = RandomVector(0.5, &random);
+    if (seed % 2 == 0) points.row(2).setZero();
+    Eigen::Matrix3Xd measured = truth * points;
+    for (auto point : measured.colwise()) point += RandomVector(0.02, &random);
+    const auto fit = FitRigid(points, measured);
+    ASSERT_TRUE(fit);
+    ASSERT_TRUE(fit->is_unique);
+    Eigen::Isometry3d expected;
+    expected.matrix() = Eigen::umeyama(points, measured, false);
+    ExpectSameFrame(fit->b_from_a, expected, 1e-12, 1e-12);
+  }
+}
+
 TEST(FitRigidTest, NeverReflects) {
   Random random(12);
   Eigen::Matrix3Xd points(3, 10);
