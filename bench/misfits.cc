@@ -269,7 +269,7 @@ void Run(const Bench& bench, const Study& study, Sigma sigma, int trials,
 }
 
 bool RunAll(const std::vector<std::string>& arguments) {
-  if (arguments.size() != 3) return false;
+  if (arguments.size() < 3 || arguments.size() > 4) return false;
   const int trials = std::stoi(arguments[1]);
   const double times = std::stod(arguments[2]);
   std::printf(
@@ -278,6 +278,7 @@ bool RunAll(const std::vector<std::string>& arguments) {
       "|---|---|---|---|---|---|---|---|---|---|\n");
   for (const Bench& bench : Arms(arguments[0])) {
     for (const Study& study : Studies()) {
+      if (arguments.size() > 3 && arguments[3] != study.name) continue;
       for (const Sigma sigma :
            {Sigma::kGiven, Sigma::kInstrument, Sigma::kUnknown}) {
         Run(bench, study, sigma, trials, times);
@@ -292,6 +293,6 @@ bool RunAll(const std::vector<std::string>& arguments) {
 
 int main(int argc, char** argv) {
   return alidade::internal::bench::StudyMain(
-      argc, argv, "misfits SOURCE_DIRECTORY TRIALS TIMES_THE_NOISE",
+      argc, argv, "misfits SOURCE_DIRECTORY TRIALS TIMES_THE_NOISE [ERROR]",
       alidade::internal::RunAll);
 }

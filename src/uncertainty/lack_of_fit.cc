@@ -20,7 +20,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // What a prediction takes in, and what is worth a warning.
 constexpr double kTakenIn = 0.05;
-constexpr double kWarned = 0.01;
+constexpr double kWarned = 0.005;
 constexpr double kLeastRatio = 1.05;
 // Repeats of fewer degrees of freedom do not tell the noise; those of less
 // spread, in sigmas squared, are copies.

@@ -10,10 +10,12 @@
 namespace alidade::internal {
 namespace {
 
-constexpr double kSignificant = 0.01;
+constexpr double kSignificant = 0.005;
 constexpr double kWorthAWord = 0.02;
 constexpr double kFewestLeft = 10.0;
 constexpr int kMostFound = 8;
+// Of squared norms: what is left of a column beside others is rounding.
+constexpr double kDependent = 1e-6;
 
 // The pseudo-inverse of a symmetric matrix that is not negative, scaled to a
 // unit diagonal; eigenvalues below `least` count as none.
@@ -34,7 +36,7 @@ Eigen::MatrixXd InverseOf(const Eigen::MatrixXd& matrix, double least,
   return vectors * inverse.asDiagonal() * vectors.transpose();
 }
 
-// P^-1 and P^-1 (value - nominal), of the free columns.
+// P^-1 of the free columns.
 Eigen::VectorXd PriorPrecisions(const FittedProblem& fit) {
   return FreePriors(fit).array().square().inverse();
 }
@@ -80,7 +82,7 @@ double StructureFit::Squares(int which) const {
                                   jz.transpose() * inverse_ * jz;
     const Eigen::VectorXd right = all_.col(p_ + m).segment(p_, m)(added_) -
                                   jz.transpose() * (inverse_ * b_);
-    const Eigen::VectorXd found = InverseOf(whole, 1e-6, &rank) * right;
+    const Eigen::VectorXd found = InverseOf(whole, kDependent, &rank) * right;
     b -= jz * found;
     moved.segment(p_, m)(added_) = -found;
   }
@@ -97,12 +99,22 @@ double StructureFit::Freedom(int which) const {
          rank_added_ * gram_.rows[which] / rows;
 }
 
-StructureFit::Gain StructureFit::GainOf(const std::vector<int>& columns) const {
-  constexpr double kDependent = 1e-6;
+std::vector<int> StructureFit::Independent(
+    const std::vector<int>& columns) const {
+  // Of a joint that moves no target there is rounding alone.
+  constexpr double kNothing = 1e-16;
+  const double nothing = kNothing * norms_.maxCoeff();
   std::vector<int> kept;
   for (const int c : columns) {
-    if (schur_(c, c) > kDependent * norms_[c]) kept.push_back(c);
+    if (norms_[c] > nothing && schur_(c, c) > kDependent * norms_[c]) {
+      kept.push_back(c);
+    }
   }
+  return kept;
+}
+
+StructureFit::Gain StructureFit::GainOf(const std::vector<int>& columns) const {
+  const std::vector<int> kept = Independent(columns);
   Gain gain;
   const Eigen::VectorXd right = right_(kept);
   const Eigen::MatrixXd inverse =
@@ -112,11 +124,7 @@ StructureFit::Gain StructureFit::GainOf(const std::vector<int>& columns) const {
 }
 
 void StructureFit::AddColumns(const std::vector<int>& columns) {
-  constexpr double kDependent = 1e-6;
-  std::vector<int> kept;
-  for (const int c : columns) {
-    if (schur_(c, c) > kDependent * norms_[c]) kept.push_back(c);
-  }
+  const std::vector<int> kept = Independent(columns);
   if (kept.empty()) return;
   int rank = 0;
   const Eigen::MatrixXd inverse =

@@ -40,6 +40,9 @@ class StructureFit {
   void AddColumns(const std::vector<int>& columns);
 
  private:
+  // Those of some columns that something is left of.
+  std::vector<int> Independent(const std::vector<int>& columns) const;
+
   const ResidualGram& gram_;
   Eigen::Index p_ = 0;
   Eigen::MatrixXd inverse_;  // of A
@@ -60,7 +63,7 @@ class StructureFit {
 /// explains less than 2 % of the squares is not found, however certain. Nothing
 /// where fewer than 10 degrees of freedom would be left.
 ///
-/// Where nothing is there, one is found in at most 1 % of calibrations.
+/// Where nothing is there, one is found in at most 0.5 % of calibrations.
 std::vector<StructureTest> FindStructure(
     const std::vector<StructureFamily>& families, StructureFit* fit);
 
