@@ -6,8 +6,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "src/calibration/improvement.h"
 #include "src/calibration/parameter_assessment.h"
-#include "src/calibration/verdict.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
 

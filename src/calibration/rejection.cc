@@ -2,18 +2,13 @@
 
 #include <cmath>
 
+#include "src/calibration/improvement.h"
 #include "src/calibration/preparation.h"
-#include "src/calibration/verdict.h"
 #include "src/common/format.h"
 #include "src/kernel/partition.h"
 
 namespace alidade::internal {
 namespace {
-
-bool IsWorse(const KeptErrors& judged) {
-  return judged.after.mean > judged.before.mean &&
-         judged.change_t > kBeyondChance;
-}
 
 // Standardised residuals; of a robust fit those of a typical observation.
 double ResidualRatio(const CalibrationSolution& fit,
@@ -75,8 +70,8 @@ std::string ReasonToReject(const CalibrationSolution& fit, bool frames_fitted,
            "what is wrong with the data, or allow more iterations";
   }
   const KeptErrors train = result.train.Judged();
-  if (IsWorse(train)) return GrowsAt("training", train);
-  if (result.validation && IsWorse(result.validation->Judged())) {
+  if (IsWorse(train, result)) return GrowsAt("training", train);
+  if (result.validation && IsWorse(result.validation->Judged(), result)) {
     return GrowsAt("validation", result.validation->Judged());
   }
   if (frames_fitted && IsUseless(fit, result)) {

@@ -11,6 +11,7 @@
 
 #include "alidade/units.h"
 #include "src/calibration/advice.h"
+#include "src/calibration/improvement.h"
 #include "src/calibration/parameter_assessment.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
@@ -62,35 +63,6 @@ std::string QuantityTitle(const std::string& key) {
          (has("train") ? "training" : "validation") + " poses";
 }
 
-// Mean errors before and after, of positions, or of orientations alone, without
-// rejected observations.
-struct Improvement {
-  explicit Improvement(const CalibrationResult& result) {
-    const KeptErrors errors = JudgedSet(result).Judged();
-    num_rejected = errors.num_rejected;
-    if (errors.after.n == 0 && errors.rotation_after.n > 0) {
-      dimension = Dimension::kAngle;
-    }
-    const bool is_length = dimension == Dimension::kLength;
-    before = is_length ? errors.before : errors.rotation_before;
-    after = is_length ? errors.after : errors.rotation_after;
-    if (is_length) change_t = errors.change_t;
-  }
-
-  double ratio() const { return after.mean / before.mean; }
-  // By more than chance, where it is known what chance would do.
-  bool is_worse() const {
-    return ratio() > 1.0 && !(change_t <= kBeyondChance);
-  }
-  bool is_hardly_better() const { return ratio() > kHardlyBetter; }
-
-  Dimension dimension = Dimension::kLength;
-  Accuracy before;
-  Accuracy after;
-  double change_t = kNone;
-  std::int64_t num_rejected = 0;
-};
-
 // ", without 2 rejected observations".
 std::string WithoutRejected(std::int64_t count) {
   return count == 0 ? "" : ", without " + Count(count, "rejected observation");
@@ -130,6 +102,7 @@ class Judge {
     JudgeNoise();
     JudgeResiduals();
     JudgePrediction();
+    JudgeCrossValidation();
     Sort();
     if (verdict_.level == FindingLevel::kNote) {
       verdict_.level = FindingLevel::kPassed;
@@ -196,7 +169,7 @@ class Judge {
   void JudgeImprovement() {
     const Improvement& by = improvement_;
     if (by.after.n == 0) return;
-    const bool is_worse = by.is_worse();
+    const bool is_worse = by.is_worse;
     const std::string what =
         by.dimension == Dimension::kLength ? "position" : "orientation";
     std::string text =
@@ -212,9 +185,9 @@ class Judge {
     verdict_.sentence = text + ".";
     Add("improvement", by.ratio(), is_worse ? 1.0 : kHardlyBetter,
         verdict_.sentence,
-        is_worse                ? FindingLevel::kFailed
-        : by.is_hardly_better() ? FindingLevel::kAttention
-                                : FindingLevel::kPassed);
+        is_worse                     ? FindingLevel::kFailed
+        : by.ratio() > kHardlyBetter ? FindingLevel::kAttention
+                                     : FindingLevel::kPassed);
   }
 
   std::string Poses() const {
@@ -275,6 +248,25 @@ class Judge {
     if (result_.uncertainty) {
       list(result_.uncertainty->warnings, FindingLevel::kNote);
     }
+  }
+
+  // A fit of nearly as many parameters as equations leaves next to nothing.
+  void JudgeCrossValidation() {
+    constexpr double kOverfitted = 3.0;
+    if (!result_.cross_validation) return;
+    const double fitted = result_.train.Judged().after.rms;
+    const double validated = result_.cross_validation->position.rms;
+    const double ratio = validated / fitted;
+    if (!(ratio > 0.0)) return;
+    const bool is_overfitted = ratio > kOverfitted;
+    Add("cross_validation", ratio, kOverfitted,
+        "Cross-validation finds an RMS error of " + FormatLength(validated, 3) +
+            ", the fit leaves " + FormatLength(fitted, 3) +
+            (is_overfitted
+                 ? ": the parameters follow the noise of too few poses. The "
+                   "former is what to expect at other poses."
+                 : "."),
+        is_overfitted ? FindingLevel::kAttention : FindingLevel::kPassed);
   }
 
   void JudgeRank() {
@@ -441,7 +433,7 @@ class Judge {
   }
 
   std::string Title() const {
-    if (improvement_.is_worse()) return "Worse than before";
+    if (improvement_.is_worse) return "Worse than before";
     if (result_.IsRejected()) return "Rejected";
     if (verdict_.level == FindingLevel::kFailed) return "Not accepted";
     const std::string title =
@@ -488,12 +480,6 @@ std::string DescribePrediction(const std::string& where,
          (check.verdict == "agree"
               ? "predicted and observed agree."
               : "observed errors are " + check.verdict + " than predicted.");
-}
-
-const EvaluatedSet& JudgedSet(const CalibrationResult& result) {
-  return result.validation && result.validation->after.n > 0
-             ? *result.validation
-             : result.train;
 }
 
 }  // namespace alidade::internal

@@ -1,0 +1,50 @@
+#include "src/calibration/improvement.h"
+
+namespace alidade::internal {
+namespace {
+
+// What the uncertainty of the parameters lets errors grow by where the arm was
+// right before: of a single weak direction, in 1 % of calibrations.
+bool IsWithinUncertainty(const KeptErrors& judged,
+                         const CalibrationResult& result) {
+  constexpr double kChiSquare = 6.6;
+  if (!result.uncertainty) return false;
+  const UncertaintyResult& found = *result.uncertainty;
+  double predicted = 0.0;
+  if (found.validation) {
+    predicted = found.validation->parts.from_parameters;
+  } else if (found.workspace) {
+    predicted = found.workspace->parts.from_parameters;
+  }
+  const double before = judged.before.rms;
+  const double after = judged.after.rms;
+  return after * after - before * before <= kChiSquare * predicted * predicted;
+}
+
+}  // namespace
+
+const EvaluatedSet& JudgedSet(const CalibrationResult& result) {
+  return result.validation && result.validation->after.n > 0
+             ? *result.validation
+             : result.train;
+}
+
+bool IsWorse(const KeptErrors& judged, const CalibrationResult& result) {
+  return judged.after.mean > judged.before.mean &&
+         judged.change_t > kBeyondChance &&
+         !IsWithinUncertainty(judged, result);
+}
+
+Improvement::Improvement(const CalibrationResult& result) {
+  const KeptErrors errors = JudgedSet(result).Judged();
+  num_rejected = errors.num_rejected;
+  if (errors.after.n == 0 && errors.rotation_after.n > 0) {
+    dimension = Dimension::kAngle;
+  }
+  const bool is_length = dimension == Dimension::kLength;
+  before = is_length ? errors.before : errors.rotation_before;
+  after = is_length ? errors.after : errors.rotation_after;
+  is_worse = is_length ? IsWorse(errors, result) : ratio() > 1.0;
+}
+
+}  // namespace alidade::internal
