@@ -44,7 +44,7 @@ std::size_t FindRequest(const std::string& text) {
 }
 
 std::string AdviceOn(const Finding& finding) {
-  const std::array<std::pair<std::string_view, std::string_view>, 7> advices = {
+  const std::array<std::pair<std::string_view, std::string_view>, 8> advices = {
       {
           {"solver",
            "Look for what is wrong with the data or the arm file, identify "
@@ -63,6 +63,8 @@ std::string AdviceOn(const Finding& finding) {
           {"prediction",
            "Do not rely on the predicted accuracy: state sigma better, or look "
            "for errors that the parameters do not describe."},
+          {"cross_validation",
+           "Measure more poses, or identify fewer parameters."},
           {"rank", "Measure poses that move the joints of these parameters."},
           {"warning", "Decide whether this matters where the arm is used."},
       }};

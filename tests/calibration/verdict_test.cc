@@ -48,6 +48,36 @@ CalibrationResult MakeResultAfter(double mean) {
   return result;
 }
 
+// Where the arm was right before, errors grow by what the parameters are
+// uncertain by, and with enough poses that is no chance.
+TEST(VerdictTest, GrowthWithinTheUncertaintyOfTheParametersIsNoFailure) {
+  CalibrationResult result = MakeResultAfter(0.0105);
+  result.validation->change_t = 20.0;
+  result.validation->before.rms = 0.011;
+  result.validation->after.rms = 0.0115;
+  ASSERT_TRUE(result.uncertainty && result.uncertainty->validation);
+  // sqrt(0.0115^2 - 0.011^2) = 0.00335, over sqrt(6.6): 0.00131.
+  result.uncertainty->validation->parts.from_parameters = 0.00132;
+  EXPECT_EQ(FindingOf(result, "improvement").level, FindingLevel::kAttention);
+  result.uncertainty->validation->parts.from_parameters = 0.00129;
+  EXPECT_EQ(FindingOf(result, "improvement").level, FindingLevel::kFailed);
+}
+
+TEST(VerdictTest, CrossValidationFarAboveTheFitIsNoted) {
+  CalibrationResult result = MakeResult();
+  result.train.after.rms = 1e-5;
+  CrossValidation folds;
+  folds.folds = 4;
+  folds.position.n = 20;
+  folds.position.rms = 2.9e-5;
+  result.cross_validation = folds;
+  EXPECT_EQ(FindingOf(result, "cross_validation").level, FindingLevel::kPassed);
+  result.cross_validation->position.rms = 3.1e-5;
+  const Finding found = FindingOf(result, "cross_validation");
+  EXPECT_EQ(found.level, FindingLevel::kAttention);
+  EXPECT_EQ(found.next, "Measure more poses, or identify fewer parameters.");
+}
+
 TEST(VerdictTest, AcceptedWhereAllLimitsAreMet) {
   const Verdict verdict = VerdictOf(MakeResult());
   EXPECT_EQ(verdict.level, FindingLevel::kPassed);
