@@ -439,7 +439,7 @@ class Judge {
     const std::string title =
         result_.acceptance.empty() ? "Usable" : "Accepted";
     if (verdict_.level == FindingLevel::kPassed) return title;
-    return title + (improvement_.is_hardly_better()
+    return title + (improvement_.ratio() > kHardlyBetter
                         ? ", hardly better than before"
                         : ", with warnings");
   }
