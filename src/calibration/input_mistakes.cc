@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "alidade/units.h"
+#include "src/common/text.h"
 
 namespace alidade::internal {
 namespace {
@@ -123,6 +124,53 @@ void AddMistakesOf(const Arm& arm, int j, std::vector<InputMistake>* list) {
                    }});
 }
 
+// One column in another unit than the rest.
+void AddColumnUnits(const Arm& arm, std::vector<InputMistake>* list) {
+  for (int j = 0; j < arm.num_joints(); ++j) {
+    if (arm.joints[j].type != JointType::kRevolute) continue;
+    for (const bool is_degree : {true, false}) {
+      const double factor = is_degree ? kDegree : 1.0 / kDegree;
+      InputMistake mistake = JointMistake(
+          "column " + JointName(j) + " alone is in " +
+              (is_degree ? "degrees but read as radians"
+                         : "radians but read as degrees") +
+              ": state its unit",
+          [j, factor](Eigen::MatrixXd* q) { q->row(j) *= factor; });
+      mistake.kind = Kind::kColumn;
+      list->push_back(std::move(mistake));
+    }
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double factor : {kMillimetre, 1.0 / kMillimetre}) {
+      list->push_back(
+          {Kind::kColumn,
+           std::string("column ") + "xyz"[axis] + " alone is in " +
+               (factor < 1.0 ? "mm but read as m" : "m but read as mm") +
+               ": state its unit",
+           [axis, factor](PositionSample* sample) {
+             sample->points.row(axis) *= factor;
+           }});
+    }
+  }
+}
+
+// "give row 3 of `motors` a 1 in column 2"; where there is a matrix already,
+// what the row is to be.
+std::string MotorRow(const Arm& arm, int j, double sign) {
+  const std::string row = "row " + std::to_string(j + 1) + " of `motors`";
+  if (arm.joints_from_motors.size() == 0) {
+    return "give " + row + " a " + (sign > 0.0 ? "1" : "-1") + " in column " +
+           std::to_string(j);
+  }
+  const Eigen::RowVectorXd mended =
+      arm.joints_from_motors.row(j) + sign * arm.joints_from_motors.row(j - 1);
+  std::string numbers;
+  for (const double entry : mended) {
+    numbers += (numbers.empty() ? "" : ", ") + ShortestNumber(entry);
+  }
+  return "make " + row + " [" + numbers + "]";
+}
+
 // A pendant that shows the angle of a link to the ground, as of arms with a
 // parallelogram.
 void AddCouplings(const Arm& arm, std::vector<InputMistake>* list) {
@@ -136,8 +184,7 @@ void AddCouplings(const Arm& arm, std::vector<InputMistake>* list) {
       list->push_back(JointMistake(
           "joint " + number + " is coupled to joint " + std::to_string(j) +
               ": its motor counts q" + number + (sign > 0.0 ? " - " : " + ") +
-              JointName(j - 1) + "; give row " + number + " of `motors` a " +
-              (sign > 0.0 ? "1" : "-1") + " in column " + std::to_string(j),
+              JointName(j - 1) + "; " + MotorRow(arm, j, sign),
           [j, sign](Eigen::MatrixXd* q) {
             q->row(j) += sign * q->row(j - 1);
           }));
@@ -151,6 +198,7 @@ std::vector<InputMistake> SingleMistakes(const Arm& arm) {
   std::vector<InputMistake> mistakes = UnitMistakes(arm);
   for (int j = 0; j < arm.num_joints(); ++j) AddMistakesOf(arm, j, &mistakes);
   AddCouplings(arm, &mistakes);
+  AddColumnUnits(arm, &mistakes);
   mistakes.push_back(JointMistake(
       "the columns of the joints are in reversed order",
       [](Eigen::MatrixXd* q) { *q = q->colwise().reverse().eval(); }));
@@ -169,6 +217,10 @@ std::vector<InputMistake> DoubleMistakes(
   std::vector<InputMistake> doubles;
   for (std::size_t a = 0; a < singles.size(); ++a) {
     for (std::size_t b = a + 1; b < singles.size(); ++b) {
+      if (singles[a].kind == Kind::kColumn ||
+          singles[b].kind == Kind::kColumn) {
+        continue;
+      }
       const bool go_together =
           singles[a].kind != singles[b].kind || singles[a].kind == Kind::kJoint;
       if (!go_together) continue;

@@ -9,9 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "alidade/forward_kinematics.h"
 #include "src/calibration/input_mistakes.h"
 #include "src/calibration/position_fit.h"
 #include "src/calibration/position_sample.h"
+#include "src/calibration/sigma_estimation.h"
 #include "src/calibration/stations.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
@@ -68,11 +70,14 @@ class Diagnosis {
   /// `inverse`: the same of the inverse poses, where poses were measured.
   Diagnosis(const Arm& arm, const PositionSample& sample,
             const std::optional<PositionSample>& inverse,
-            const CandidateGroups& candidates)
+            const CandidateGroups& candidates, double sigma)
       : arm_(arm), sample_(sample), inverse_(inverse), candidates_(candidates) {
+    constexpr double kNoise = 4.0;       // sigmas
+    constexpr double kMostNoise = 2e-3;  // of the reach
     Arm at_origin = arm;
     at_origin.instrument_from_base.setIdentity();
     reach_ = Reach(at_origin);
+    noise_ = std::min(kNoise * sigma, kMostNoise * reach_);
   }
 
   InputDiagnosis Run() {
@@ -126,9 +131,11 @@ class Diagnosis {
   }
 
  private:
+  // Noise is no mistake, however little the positions lie apart.
   double Tolerated(const PositionSample& sample, double of_reach,
                    double of_extent) const {
-    return std::min(of_reach * reach_, of_extent * ExtentOf(sample.points));
+    return std::max(noise_, std::min(of_reach * reach_,
+                                     of_extent * ExtentOf(sample.points)));
   }
 
   bool IsExplained(const PositionSample& sample, double solved) const {
@@ -238,6 +245,7 @@ class Diagnosis {
   const std::optional<PositionSample>& inverse_;
   const CandidateGroups& candidates_;
   double reach_ = 0.0;
+  double noise_ = 0.0;         // residuals (m) that sigma explains
   double solved_ = kInfinity;  // as read
 };
 
@@ -301,6 +309,23 @@ std::optional<Finding> DiagnoseFar(const Arm& arm, const Dataset& data,
                  FindingLevel::kFailed};
 }
 
+// Positions that stay where they are while the joints move.
+std::optional<Finding> DiagnoseStill(const Arm& arm,
+                                     const PositionSample& sample) {
+  constexpr double kStill = 1e-3;  // of what the nominal arm moves its target
+  const double measured = ExtentOf(sample.points);
+  const double expected = ExtentOf(TargetPositions(arm, sample.joint_values));
+  if (measured >= kStill * expected) return std::nullopt;
+  return Finding{"plausibility.still_positions", measured, kStill * expected,
+                 "the measured positions lie within " +
+                     FormatLength(measured, 2) +
+                     " where these joint values move the target by " +
+                     FormatLength(expected, 2) +
+                     ": the instrument had stopped, or one row was copied. "
+                     "Look at the position columns",
+                 FindingLevel::kFailed};
+}
+
 // Where the second station begins, if this rank knows it.
 void AddStations(const Dataset& data, InputDiagnosis* diagnosis) {
   const Eigen::Index number = diagnosis->first_of_second_station;
@@ -323,11 +348,14 @@ InputDiagnosis DiagnoseInput(const Arm& arm, const Dataset& data,
   if (auto far = DiagnoseFar(arm, data, *sample, communicator)) {
     return {std::move(far), true};
   }
+  if (auto still = DiagnoseStill(arm, *sample)) return {std::move(still), true};
   const std::optional<PositionSample> inverse =
       data.Has(MeasurementKind::kPose)
           ? SamplePositions(WithInversePoses(data), communicator)
           : std::nullopt;
-  InputDiagnosis diagnosis = Diagnosis(arm, *sample, inverse, candidates).Run();
+  InputDiagnosis diagnosis = Diagnosis(arm, *sample, inverse, candidates,
+                                       MedianLengthSigma(data, communicator))
+                                 .Run();
   if (diagnosis.first_of_second_station > 0) {
     AddStations(data, &diagnosis);
   }

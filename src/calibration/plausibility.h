@@ -27,6 +27,7 @@ struct InputDiagnosis {
 ///
 ///   - a few positions at a distance from the others that no arm of this size
 ///     reaches;
+///   - positions that do not move while the joints do;
 ///   - positions that fit the nominal arm with no base and tool to within 2 %
 ///     of its reach (median), or to within a fifth of how far they lie apart,
 ///     and that a calibration of all parameters does not explain either.

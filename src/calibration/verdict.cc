@@ -31,7 +31,7 @@ constexpr double kRoundingErrors = 1e4;
 
 // The part of the error that measurement noise must explain to be worth a word,
 // and the part beyond which the stated sigma cannot be right.
-constexpr double kSmallPart = 0.1;
+constexpr double kSmallPart = 0.5;
 constexpr double kImpossiblePart = 1.5;
 
 std::string FormatAngle(double radians, int digits) {
@@ -340,10 +340,13 @@ class Judge {
   // wrong. Of positions measured whole the mean length of noise with standard
   // deviation 1 is sqrt(8 / pi).
   void JudgeNoise() {
+    constexpr int kRowsEach =
+        3;  // of a parameter: fewer say nothing of the arm
     const SolverSummary& summary = result_.runs.front().summary;
     if (!result_.train.labels.empty() || result_.train.rotation_after.n > 0 ||
         summary.num_residuals != 3 * result_.train.after.n ||
-        !(result_.sigma > 0.0) || result_.estimated_sigma > 0.0) {
+        !(result_.sigma > 0.0) || result_.estimated_sigma > 0.0 ||
+        kRowsEach * summary.num_free > summary.num_residuals) {
       return;
     }
     const double noise = std::sqrt(8.0 / kPi) * result_.sigma;

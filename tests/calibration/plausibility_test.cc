@@ -105,6 +105,19 @@ INSTANTIATE_TEST_SUITE_P(
                        auto q = testing::Edit(&data->joint_values);
                        *q = q->colwise().reverse().eval();
                      }},
+        InputMistake{"one_angle", "column q2 alone is in degrees",
+                     [](Dataset* data) {
+                       testing::Edit(&data->joint_values)->row(1) /= kDegree;
+                     }},
+        InputMistake{"one_length", "column z alone is in m but read as mm",
+                     [](Dataset* data) {
+                       testing::Edit(&data->positions())->row(2) /= 1e3;
+                     }},
+        InputMistake{"still", "the instrument had stopped",
+                     [](Dataset* data) {
+                       auto p = testing::Edit(&data->positions());
+                       *p = p->col(0).replicate(1, 60).eval();
+                     }},
         InputMistake{"column", "column q2 is one row late",
                      [](Dataset* data) {
                        auto q = testing::Edit(&data->joint_values);
@@ -145,6 +158,41 @@ std::string RefusalOf(const Dataset& data) {
     return error.what();
   }
   return "";
+}
+
+// A file that couples joints which are not: its own matrix is mended.
+TEST(PlausibilityTest, CouplingsOfTheFileAreMended) {
+  const Arm real = RealArm();
+  JobConfig job;
+  job.arm = NominalArm();
+  job.arm.joints_from_motors = Eigen::MatrixXd::Identity(6, 6);
+  job.arm.joints_from_motors(2, 1) = -1.0;
+  job.arm.motor_offsets = Eigen::VectorXd::Zero(6);
+  const Eigen::MatrixXd motors = DrawJointValues(real, 60, 5);
+  job.data.training = Bench(real, motors).Positions(0).data();
+  // As a reader of the file would have it.
+  job.data.training.joint_values = JointsFromMotors(job.arm, motors);
+  job.options.identifiability.candidates = {true, true, true};
+  try {
+    RunJob(job, "test");
+    FAIL() << "expected an error";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what())
+                  .find("make row 3 of `motors` [0, 0, 1, 0, 0, 0]"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+// Repeats of one pose lie as far apart as the noise: no mistake of input.
+TEST(PlausibilityTest, NoiseOfOnePoseIsNoMistake) {
+  const Arm real = RealArm();
+  const Eigen::MatrixXd q = DrawJointValues(real, 1, 5).replicate(1, 30).eval();
+  JobConfig job;
+  job.arm = NominalArm();
+  job.data.training = Bench(real, q).Positions(0).data();
+  job.options.identifiability.candidates = {true, true, true};
+  EXPECT_TRUE(RunJob(job, "test").plausibility.empty());
 }
 
 // The instrument is moved after the first 35 of 60 poses.
