@@ -71,7 +71,10 @@ ExitStatus Calibrate(const CommandLine& line, Communicator* communicator) {
   LogJob(result);
   const bool is_kept = line.keep_rejected && result.IsRejected();
   if (!result.IsUsable()) PrintError(path + ": " + result.message);
-  if (!result.IsUsable() && !is_kept) return kExitNumerical;
+  if (!result.IsUsable() && !is_kept) {
+    RemoveResult(directory);
+    return kExitNumerical;
+  }
   progress.Show("writing " + directory);
   std::vector<ReportFile> files = RenderResult(result, outputs);
   if (line.report) {

@@ -172,6 +172,10 @@ std::vector<std::string> WriteResultDirectory(
   return paths;
 }
 
+void RemoveResult(const std::string& directory) {
+  if (!ReadWrittenFiles(directory).empty()) WriteResultDirectory(directory, {});
+}
+
 void CheckReportPage(const std::string& path) {
   const std::filesystem::path page = path;
   const std::string directory = DirectoryOf(page);

@@ -59,6 +59,10 @@ void CheckResultDirectory(const std::string& directory, OutputKind kind,
 std::vector<std::string> WriteResultDirectory(
     const std::string& directory, const std::vector<ReportFile>& files);
 
+/// Removes what an earlier result has written there, where a run has none to
+/// put in its place: nobody takes the old one for the new. @throws InputError.
+void RemoveResult(const std::string& directory);
+
 /// That nothing but a page of `report`, unchanged where a result's directory
 /// lists it, is at the path of a new one. @throws InputError.
 void CheckReportPage(const std::string& path);

@@ -63,6 +63,23 @@ TEST(RejectedResultTest, IsKeptUnderAnotherNameWhereAskedFor) {
   EXPECT_EQ(CalibrateIn(directory, "--keep-rejected").status, 3);
 }
 
+// Nobody takes the result of an earlier run for that of this one.
+TEST(RejectedResultTest, AnEarlierResultIsRemoved) {
+  const TemporaryDirectory directory;
+  std::string job = kJob;
+  job.erase(job.find("solver:"));
+  WriteWhole(directory / "good.yaml", job);
+  ASSERT_EQ(testing::RunIn(directory.path(), std::string(ALIDADE_BINARY) +
+                                                 " calibrate good.yaml --out=r")
+                .status,
+            0);
+  WriteWhole(directory / "r/notes.txt", "mine");
+  EXPECT_EQ(CalibrateIn(directory, "").status, 3);
+  EXPECT_FALSE(Exists(directory, "arm.yaml"));
+  EXPECT_FALSE(Exists(directory, "result.json"));
+  EXPECT_TRUE(Exists(directory, "notes.txt"));
+}
+
 TEST(RejectedResultTest, TheFlagDoesNothingToOthers) {
   const TemporaryDirectory directory;
   std::string job = kJob;
