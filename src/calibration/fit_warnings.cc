@@ -98,7 +98,7 @@ bool IsSigmaFarTooLarge(const CalibrationSolution& fit, double ratio,
     return false;
   }
   const double freedom = DegreesOfFreedom(fit.problem, fit.values);
-  return freedom > 0.0 &&
+  return freedom >= 1.0 && ratio > 0.0 &&
          ChiSquareCdf(ratio * ratio * freedom, freedom) < kUnlikely;
 }
 

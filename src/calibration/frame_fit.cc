@@ -87,8 +87,13 @@ bool FitFrames(CalibrationTask* task) {
   // From here on frames are known better than before: the nominal geometry
   // misplaces them by a multiple of its own error, not by metres.
   PriorTolerances& priors = options.priors;
-  priors.frame_length = std::min(priors.frame_length, kMisplacedLength);
-  priors.frame_angle = std::min(priors.frame_angle, kMisplacedAngle);
+  const PriorTolerances unknown;
+  if (priors.frame_length == unknown.frame_length) {
+    priors.frame_length = kMisplacedLength;
+  }
+  if (priors.frame_angle == unknown.frame_angle) {
+    priors.frame_angle = kMisplacedAngle;
+  }
   return true;
 }
 

@@ -31,9 +31,10 @@ void VisitFields(Visitor& v, Subject<Visitor, PriorTolerances>& priors) {
   v.Field(LengthKey("r").Above(0), priors.r, "of joints");
   v.Field(LengthKey("frame_length").Above(0), priors.frame_length,
           "of base and targets, and of references that are not known: points "
-          "and offsets of planes");
+          "and offsets of planes. By default 50 mm once they are fitted at the "
+          "nominal geometry");
   v.Field(AngleKey("frame_angle").Above(0), priors.frame_angle,
-          "likewise, and of tilts of planes");
+          "likewise (50 mrad), and of tilts of planes");
 }
 
 /// All but the names of parameters, which depend on the arm and on what was
