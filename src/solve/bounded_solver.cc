@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "src/kernel/reduction.h"
+#include "src/solve/progress.h"
 
 namespace alidade::internal {
 namespace {
@@ -62,18 +63,8 @@ class BoundedSolver {
   void Append(SolverSummary more) {
     more.num_free = static_cast<int>(problem_.free_columns.size());
     if (!summary_.iterations.empty()) {
+      PrependIterations(summary_, &more);
       more.initial_cost = summary_.initial_cost;
-      more.accepted_steps += summary_.accepted_steps;
-      more.rejected_steps += summary_.rejected_steps;
-      more.setup_time_s += summary_.setup_time_s;
-      more.time_s += summary_.time_s;
-      // The start of a round is the end of the one before.
-      std::vector<IterationRecord> all = std::move(summary_.iterations);
-      for (std::size_t k = 1; k < more.iterations.size(); ++k) {
-        all.push_back(more.iterations[k]);
-        all.back().iteration = static_cast<int>(all.size()) - 1;
-      }
-      more.iterations = std::move(all);
     }
     summary_ = std::move(more);
   }

@@ -221,4 +221,19 @@ void Progress::Finish() {
   summary_.solve_time_s = stopwatch_.Seconds() - summary_.setup_time_s;
 }
 
+void PrependIterations(const SolverSummary& earlier, SolverSummary* summary) {
+  std::vector<IterationRecord> all = earlier.iterations;
+  const double time = all.empty() ? 0.0 : all.back().time_s;
+  for (IterationRecord record : summary->iterations) {
+    record.iteration = static_cast<int>(all.size());
+    record.time_s += time;
+    all.push_back(record);
+  }
+  summary->iterations = std::move(all);
+  summary->accepted_steps += earlier.accepted_steps;
+  summary->rejected_steps += earlier.rejected_steps;
+  summary->setup_time_s += earlier.setup_time_s;
+  summary->solve_time_s += earlier.solve_time_s;
+}
+
 }  // namespace alidade::internal

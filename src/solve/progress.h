@@ -87,6 +87,11 @@ class Progress {
   std::optional<Reducer> reducer_;
 };
 
+/// The iterations of `earlier`, with their steps and times, come before those
+/// of `summary`, whose entry 0 repeats the state that the earlier solve ended
+/// in, but for its cost.
+void PrependIterations(const SolverSummary& earlier, SolverSummary* summary);
+
 }  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_SOLVE_PROGRESS_H_

@@ -5,6 +5,7 @@
 
 #include "alidade/robust_loss.h"
 #include "src/kernel/partition.h"
+#include "src/solve/progress.h"
 #include "src/solve/solve.h"
 
 namespace alidade::internal {
@@ -69,24 +70,6 @@ void CheckWeights(const CalibrationProblem& problem,
       "what they are taken for";
 }
 
-// The iterations of `earlier` come before those of `summary`.
-void Prepend(const SolverSummary& earlier, SolverSummary* summary) {
-  std::vector<IterationRecord> all = earlier.iterations;
-  const double time = all.empty() ? 0.0 : all.back().time_s;
-  // Entry 0 of the next stage repeats the state that the last one ended in,
-  // but for its cost.
-  for (IterationRecord record : summary->iterations) {
-    record.iteration = static_cast<int>(all.size());
-    record.time_s += time;
-    all.push_back(record);
-  }
-  summary->iterations = std::move(all);
-  summary->accepted_steps += earlier.accepted_steps;
-  summary->rejected_steps += earlier.rejected_steps;
-  summary->setup_time_s += earlier.setup_time_s;
-  summary->solve_time_s += earlier.solve_time_s;
-}
-
 }  // namespace
 
 SolverSummary SolveRobust(const CalibrationProblem& problem, LossKind loss,
@@ -100,7 +83,7 @@ SolverSummary SolveRobust(const CalibrationProblem& problem, LossKind loss,
        is_near ? std::vector<LossKind>{loss} : StagesTo(loss)) {
     stage.losses = TunedLosses(kind);
     SolverSummary next = SolveLevenbergMarquardt(stage, options, &current);
-    Prepend(summary, &next);
+    PrependIterations(summary, &next);
     summary = std::move(next);
     if (!summary.IsSolutionUsable()) return summary;
   }
