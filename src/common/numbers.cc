@@ -6,6 +6,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <system_error>
 
 #include "src/common/names.h"
@@ -22,6 +23,7 @@ constexpr std::array<Unit, 6> kUnits = {{
     {"mrad", Dimension::kAngle, -3, 1.0},
 }};
 
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 // Longer than any number that a program prints with all its digits.
 constexpr std::size_t kMaxNumberSize = 400;
 
@@ -88,20 +90,51 @@ bool IsZero(std::string_view text) {
   return true;
 }
 
-std::optional<double> ParseFinite(std::string_view text) {
+// NaN where the text is none.
+double ParseFinite(std::string_view text) {
   double value = 0.0;
   const char* const end = text.data() + text.size();
   const auto [last, error] = fast_float::from_chars(text.data(), end, value);
-  if (error != std::errc() || last != end || !std::isfinite(value) ||
-      (value == 0.0 && !IsZero(text))) {
-    return std::nullopt;
-  }
-  return value;
+  const bool is_finite = error == std::errc() && last == end &&
+                         std::isfinite(value) && (value != 0.0 || IsZero(text));
+  return is_finite ? value : kNan;
 }
 
 // These powers of ten are doubles.
 constexpr std::array<double, 13> kPowersOfTen = {
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12};
+
+// NaN where ParseNumber gives nothing.
+double ShiftedNumber(std::string_view text, int exponent) {
+  if (!StartsLikeNumber(text) || text.size() > kMaxNumberSize) {
+    return kNan;
+  }
+  if (exponent == 0) return ParseFinite(text);
+  constexpr std::size_t kFewCharacters = 16;
+  if (text.size() <= kFewCharacters && exponent >= -6 && exponent < 0) {
+    const double shifted = ShiftShort(ParseFinite(text), exponent);
+    if (!std::isnan(shifted)) return shifted;
+  }
+  const auto* const e = std::find_if(text.begin(), text.end(),
+                                     [](char c) { return (c | 0x20) == 'e'; });
+  if (e != text.end()) {
+    const auto own = ParseExponent(text.substr(e - text.begin() + 1));
+    if (!own) return kNan;
+    exponent += *own;
+  }
+  // The text with another exponent.
+  std::array<char, kMaxNumberSize + 16> buffer;
+  char* end = std::copy(text.begin(), e, buffer.data());
+  *end++ = 'e';
+  end = std::to_chars(end, buffer.data() + buffer.size(), exponent).ptr;
+  return ParseFinite(
+      {buffer.data(), static_cast<std::size_t>(end - buffer.data())});
+}
+
+std::optional<double> UnlessNan(double value) {
+  if (std::isnan(value)) return std::nullopt;
+  return value;
+}
 
 }  // namespace
 
@@ -125,46 +158,25 @@ const char* DimensionName(Dimension dimension) {
 }
 
 std::optional<double> ParseNumber(std::string_view text, int exponent) {
-  if (!StartsLikeNumber(text) || text.size() > kMaxNumberSize) {
-    return std::nullopt;
-  }
-  if (exponent == 0) return ParseFinite(text);
-  constexpr std::size_t kFewCharacters = 16;
-  if (text.size() <= kFewCharacters && exponent >= -6 && exponent < 0) {
-    const std::optional<double> value = ParseFinite(text);
-    const auto shifted = value ? ShiftShort(*value, exponent) : std::nullopt;
-    if (shifted) return shifted;
-  }
-  const auto* const e = std::find_if(text.begin(), text.end(),
-                                     [](char c) { return (c | 0x20) == 'e'; });
-  if (e != text.end()) {
-    const auto own = ParseExponent(text.substr(e - text.begin() + 1));
-    if (!own) return std::nullopt;
-    exponent += *own;
-  }
-  // The text with another exponent.
-  std::array<char, kMaxNumberSize + 16> buffer;
-  char* end = std::copy(text.begin(), e, buffer.data());
-  *end++ = 'e';
-  end = std::to_chars(end, buffer.data() + buffer.size(), exponent).ptr;
-  return ParseFinite(
-      {buffer.data(), static_cast<std::size_t>(end - buffer.data())});
+  return UnlessNan(ShiftedNumber(text, exponent));
 }
 
 // Different decimals of at most 15 digits have different doubles, so that w *
 // 1e-6 is the decimal; w and the power of ten are doubles.
-std::optional<double> ShiftShort(double value, int exponent) {
+double ShiftShort(double value, int exponent) {
   constexpr double kUlpIsOne = 0x1.8p52;  // rounds sums to integers
   const double millionths = value * 1e6;
   const double w = (millionths + kUlpIsOne) - kUlpIsOne;
-  if (!(std::abs(millionths) < 1e15) || w / 1e6 != value) return std::nullopt;
+  if (!(std::abs(millionths) < 1e15) || w / 1e6 != value) return kNan;
   return std::copysign(w / kPowersOfTen[6 - exponent], value);
 }
 
 std::optional<double> ParseQuantity(std::string_view text, const Unit& unit) {
-  const std::optional<double> value = ParseNumber(text, unit.exponent);
-  if (!value) return std::nullopt;
-  return *value * unit.factor;
+  return UnlessNan(QuantityOrNan(text, unit));
+}
+
+double QuantityOrNan(std::string_view text, const Unit& unit) {
+  return ShiftedNumber(text, unit.exponent) * unit.factor;
 }
 
 std::string DescribeBadNumber(std::string_view text,

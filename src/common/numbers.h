@@ -51,12 +51,15 @@ std::optional<Integer> ParseWhole(std::string_view text) {
 std::optional<double> ParseNumber(std::string_view text, int exponent = 0);
 
 /// value * 10^exponent, rounded once, of the decimal of at most 15 digits, six
-/// of them after the point, that `value` is the nearest double to; nothing
-/// where it is none. @pre -6 <= exponent <= 0.
-std::optional<double> ShiftShort(double value, int exponent);
+/// of them after the point, that `value` is the nearest double to; NaN where it
+/// is none. @pre -6 <= exponent <= 0.
+double ShiftShort(double value, int exponent);
 
 /// The SI value of `text` in `unit`; nothing where ParseNumber gives nothing.
 std::optional<double> ParseQuantity(std::string_view text, const Unit& unit);
+/// The same, but NaN for nothing: an optional on its way through memory takes
+/// as long as half of the reading.
+double QuantityOrNan(std::string_view text, const Unit& unit);
 
 /// Why ParseNumber refused `text`, and what to write instead. `unit_hint` says
 /// where a unit belongs: "state the unit in \"units\"".

@@ -1,6 +1,7 @@
 #include "src/dataio/csv_table.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "src/common/names.h"
@@ -28,14 +29,12 @@ class CsvRow : public TableRow {
     if (!header().Keeps(cells_)) return false;
     for (const NumberColumn& column : number_columns()) {
       const std::string_view cell = cells_[column.column];
-      const std::optional<double> value = ParseQuantity(cell, column.unit);
-      if (value) {
-        SetNumber(column, *value);
-      } else if (column.rule != CellRule::kRequired && IsNotMeasured(cell)) {
-        SetNumber(column, std::numeric_limits<double>::quiet_NaN());
-      } else {
-        FailNumber(column);
-      }
+      const double value = QuantityOrNan(cell, column.unit);
+      const bool is_allowed =
+          !std::isnan(value) ||
+          (column.rule != CellRule::kRequired && IsNotMeasured(cell));
+      if (!is_allowed) FailNumber(column);
+      SetNumber(column, value);
     }
     return true;
   }

@@ -70,15 +70,14 @@ class DatasetText {
   }
 
   void AppendRow(const ObservationBlock& block, Eigen::Index i,
-                 std::string* text) const {
+                 std::string* text) {
     for (int j = 0; j < data_.num_joints(); ++j) {
       if (j > 0) *text += ',';
       AppendJoint(j, motors_(j, block.pose(i)), text);
     }
     AppendLengths(block, block.measured, i, text);
     if (has_orientations_) AppendAngles(block, block.measured, i, text);
-    if (sigmas_.positions) AppendLengths(block, block.sigmas, i, text);
-    if (sigmas_.orientations) AppendAngles(block, block.sigmas, i, text);
+    *text += SigmaText(block, i);
     if (has_targets_) (*text += ',') += arm_.targets[block.target(i)].name;
     *text += '\n';
   }
@@ -110,6 +109,21 @@ class DatasetText {
     } else {
       AppendShifted(in_radians_[j] ? value : *ExactDegrees(value), 0, text);
     }
+  }
+
+  // Nearly all rows have the same.
+  const std::string& SigmaText(const ObservationBlock& block, Eigen::Index i) {
+    const bool is_last = sigma_block_ == &block &&
+                         block.sigmas.col(i) == block.sigmas.col(sigma_index_);
+    if (is_last) return sigma_text_;
+    sigma_text_.clear();
+    if (sigmas_.positions) AppendLengths(block, block.sigmas, i, &sigma_text_);
+    if (sigmas_.orientations) {
+      AppendAngles(block, block.sigmas, i, &sigma_text_);
+    }
+    sigma_block_ = &block;
+    sigma_index_ = i;
+    return sigma_text_;
   }
 
   static StatedSigmas SigmaColumns(const Dataset& data, bool with_sigmas) {
@@ -149,6 +163,10 @@ class DatasetText {
   const StatedSigmas sigmas_;
   const bool has_targets_;
   const std::vector<bool> in_radians_;  // by joint
+  // What SigmaText made last, and of which observation.
+  std::string sigma_text_;
+  const ObservationBlock* sigma_block_ = nullptr;
+  Eigen::Index sigma_index_ = 0;
 };
 
 }  // namespace
@@ -160,7 +178,7 @@ std::string FormatDataset(const Dataset& dataset, const Arm& arm,
   for (const std::string& comment : comments) {
     text += "# " + OneLine(comment) + "\n";
   }
-  const DatasetText rows(dataset, arm, joint_decimals, with_sigmas);
+  DatasetText rows(dataset, arm, joint_decimals, with_sigmas);
   text += rows.Header();
   for (const ObservationBlock& block : dataset.blocks) {
     CHECK(HoldsPosition(block.kind));

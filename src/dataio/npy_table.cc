@@ -30,9 +30,9 @@ double LoadDouble(const char* bytes) {
 // The shortest decimal text of `number` times 10^exponent.
 double Shifted(double number, int exponent) {
   if (exponent == 0) return number;
-  const std::optional<double> shifted = ShiftShort(number, exponent);
-  return shifted ? *shifted
-                 : ParseNumber(ShortestNumber(number), exponent).value_or(kNan);
+  const double shifted = ShiftShort(number, exponent);
+  if (!std::isnan(shifted)) return shifted;
+  return ParseNumber(ShortestNumber(number), exponent).value_or(kNan);
 }
 
 class NpyRow : public TableRow {
