@@ -18,6 +18,9 @@ namespace {
 // Beyond this two parameters can only be told together.
 constexpr double kStrongCorrelation = 0.9;
 constexpr std::size_t kMostPairs = 20;
+// Validation errors that are larger by less are a note: of 60 poses one in
+// twenty calibrations has such.
+constexpr double kWorthAWarning = 1.15;
 
 class Assessment {
  public:
@@ -152,7 +155,8 @@ class Assessment {
     if (input_.heldout == nullptr) return;
     result_.heldout = CheckPrediction(fit_.model, fit_.values, prediction_,
                                       *input_.heldout, result_.confidence);
-    if (result_.heldout->verdict == "larger") {
+    if (result_.heldout->verdict == "larger" &&
+        result_.heldout->rms_z > kWorthAWarning) {
       result_.warnings.push_back(
           "held-out errors are larger than predicted: sigma is stated too "
           "small, or the arm has errors that its parameters do not describe");
