@@ -248,10 +248,12 @@ class Assessor {
   }
 
   void WarnOfStructure() {
+    constexpr std::size_t kMostNamed = 4;
     std::vector<std::string> others;
     const std::vector<StructureTest>& tests = result_.lack.structure;
     if (!HasStructure()) return;
-    for (std::size_t k = 1; k < tests.size() && tests[k].is_found; ++k) {
+    for (std::size_t k = 1;
+         k < std::min(kMostNamed, tests.size()) && tests[k].is_found; ++k) {
       others.push_back(NameOf(tests[k]));
     }
     std::string text =

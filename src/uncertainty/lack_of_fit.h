@@ -48,7 +48,7 @@ struct LackAssessment {
 ///
 /// Robust standard deviations are those of C (sum_configurations g g^T + P^-1)
 /// C, g = J^T r of all that was observed at a configuration (Liang and Zeger
-/// 1986). O(N (p + m)^2), m structure columns, N at most 10 000. Collective.
+/// 1986). O(N (p + m)^2), m structure columns, N at most 5000. Collective.
 LackAssessment AssessLackOfFit(const FittedProblem& fit,
                                const ParameterCovariance& covariance,
                                const StatedNoise& stated);

@@ -12,7 +12,7 @@
 namespace alidade::internal {
 namespace {
 
-constexpr Eigen::Index kMostPoses = 10000;
+constexpr Eigen::Index kMostPoses = 5000;
 
 // Whitened, stacked.
 Eigen::VectorXd WhitenedResiduals(const FittedProblem& fit,

@@ -16,7 +16,7 @@ inline constexpr int kRotations = 1;
 
 /// A data set with what was observed more than once, at the same joint values,
 /// of the same target and reference, brought to one observation, a look at the
-/// arm. Of more than 10 000 poses an even sample; never a part (partition.h).
+/// arm. Of more than 5000 poses an even sample; never a part (partition.h).
 struct Looks {
   Dataset data;  ///< the first observation of each look
   bool is_sample = false;

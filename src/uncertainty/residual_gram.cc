@@ -10,6 +10,29 @@
 namespace alidade::internal {
 namespace {
 
+// Sums of a part, and rows that are not in its products yet: products of many
+// rows at once stay in the cache.
+struct Part {
+  static constexpr Eigen::Index kMost = 192;
+
+  void Push(int which, const Eigen::MatrixXd& rows) {
+    if (pending[which].size() == 0) pending[which].resize(rows.cols(), kMost);
+    if (count[which] + rows.rows() > kMost) Flush(which);
+    pending[which].middleCols(count[which], rows.rows()) = rows.transpose();
+    count[which] += rows.rows();
+  }
+  void Flush(int which) {
+    if (count[which] == 0) return;
+    sums.products[which].selfadjointView<Eigen::Lower>().rankUpdate(
+        pending[which].leftCols(count[which]));
+    count[which] = 0;
+  }
+
+  ResidualGram sums;
+  std::array<Eigen::MatrixXd, 2> pending;  // transposed
+  std::array<Eigen::Index, 2> count{};
+};
+
 // The free columns, then those directions that are not free.
 struct Columns {
   Columns(const std::vector<int>& free, const std::vector<int>& directions)
@@ -61,9 +84,11 @@ class Sums {
                                &parts_[static_cast<std::size_t>(part)]);
                        });
     ResidualGram total = Empty();
-    for (const ResidualGram& part : parts_) {
+    for (Part& each : parts_) {
+      const ResidualGram& part = each.sums;
       if (part.information.size() == 0) continue;
       for (const int which : {kLengths, kRotations}) {
+        each.Flush(which);
         if (total.products[which].size() == 0) break;
         total.products[which] += part.products[which];
         total.common[which] += part.common[which];
@@ -97,7 +122,8 @@ class Sums {
   }
 
   void Visit(Eigen::Index i, const Eigen::Ref<const Eigen::MatrixXd>& rows,
-             ResidualGram* sums) {
+             Part* part) {
+    ResidualGram* const sums = &part->sums;
     const auto b = static_cast<std::size_t>(
         std::upper_bound(first_.begin(), first_.end(), i) - first_.begin() - 1);
     const ObservationBlock& block = looks_.data.blocks[b];
@@ -122,7 +148,7 @@ class Sums {
       sums->precision[which] += weight / (sigma * sigma);
       sums->inverse_counts[which] += weight / count;
     }
-    Add(block, in_block, count, all, sums);
+    Add(block, in_block, count, all, part);
     AddScore(i, count, all);
   }
 
@@ -141,15 +167,15 @@ class Sums {
   }
 
   void Add(const ObservationBlock& block, Eigen::Index in_block, double count,
-           const Eigen::MatrixXd& all, ResidualGram* sums) const {
+           const Eigen::MatrixXd& all, Part* part) const {
+    ResidualGram* const sums = &part->sums;
     const Eigen::Index lengths = std::min<Eigen::Index>(3, all.rows());
     for (const int which : {kLengths, kRotations}) {
       const Eigen::MatrixXd rows = which == kLengths
                                        ? all.topRows(lengths)
                                        : all.bottomRows(all.rows() - lengths);
       if (rows.rows() == 0) continue;
-      sums->products[which].selfadjointView<Eigen::Lower>().rankUpdate(
-          rows.transpose());
+      part->Push(which, rows);
       const Eigen::MatrixXd free = rows.leftCols(p());
       sums->information.noalias() += count * free.transpose() * free;
       const Eigen::VectorXd precision =
@@ -195,7 +221,7 @@ class Sums {
   const Columns columns_;
   const std::vector<Eigen::Index> first_;
   std::vector<Eigen::Index> first_row_;  // of each block
-  std::vector<ResidualGram> parts_;
+  std::vector<Part> parts_;
   Eigen::MatrixXd scores_;  // of each look
 };
 
