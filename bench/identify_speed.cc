@@ -12,7 +12,7 @@
 #include "bench/study_main.h"
 #include "src/identifiability/analysis.h"
 #include "src/model/joint_draw.h"
-#include "src/serialization/job_file.h"
+#include "src/serialization/job_config.h"
 
 namespace alidade::internal {
 namespace {

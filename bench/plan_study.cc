@@ -27,7 +27,6 @@
 #include "src/dataio/dataset_csv.h"
 #include "src/identifiability/analysis.h"
 #include "src/identifiability/rules.h"
-#include "src/job/plan_files.h"
 #include "src/job/run_job.h"
 #include "src/kernel/holdout.h"
 #include "src/planning/candidates.h"
@@ -35,8 +34,7 @@
 #include "src/planning/exchange.h"
 #include "src/planning/plan_fields.h"
 #include "src/report/svg_chart.h"
-#include "src/serialization/job_file.h"
-#include "src/serialization/plan_config.h"
+#include "src/serialization/job_config.h"
 #include "src/serialization/plan_file.h"
 
 namespace alidade::internal {

@@ -27,7 +27,7 @@
 #include "src/job/run_job.h"
 #include "src/kernel/holdout.h"
 #include "src/report/svg_chart.h"
-#include "src/serialization/job_file.h"
+#include "src/serialization/job_config.h"
 
 namespace alidade::internal {
 namespace {

@@ -2,13 +2,14 @@
 
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <iostream>
 
 #include "alidade/error.h"
-#include "src/cli/batch_progress.h"
 #include "src/cli/command.h"
-#include "src/cli/launched_processes.h"
-#include "src/fleet/batch_csv.h"
+#include "src/cli/launch.h"
+#include "src/cli/progress.h"
+#include "src/common/text.h"
 
 namespace alidade::internal {
 namespace {
@@ -32,10 +33,12 @@ std::vector<std::string> PathsOf(const CommandLine& line) {
 
 std::optional<JobOutputs> OutputsOf(const CommandLine& line) {
   if (line.outputs.empty()) return std::nullopt;
-  if (line.outputs == "full") return JobOutputs::kFull;
-  if (line.outputs == "minimal") return JobOutputs::kMinimal;
-  throw InputError({}, "batch: --outputs = \"" + line.outputs +
-                           "\", expected full or minimal");
+  const std::vector<std::string> words = WordsOf<JobOutputs>();
+  if (std::find(words.begin(), words.end(), line.outputs) == words.end()) {
+    throw InputError({}, "batch: --outputs = \"" + line.outputs +
+                             "\", expected " + Join(words, " or "));
+  }
+  return ValueOf<JobOutputs>(line.outputs);
 }
 
 ExitStatus StatusOf(BatchStatus worst) {
@@ -83,10 +86,9 @@ void PrintSummary(const BatchSummary& summary, const BatchOptions& options) {
   }
   std::cout << "\n";
   if (!summary.comparison.empty()) std::cout << summary.comparison << "\n";
-  std::cout << "\nResults\n"
-            << "  " << options.directory << "/summary.csv\n"
-            << "  " << options.directory << "/summary.json\n"
-            << "  " << options.directory << "/comparison.html\n";
+  PrintResults({options.directory + "/summary.csv",
+                options.directory + "/summary.json",
+                options.directory + "/comparison.html"});
 }
 
 // What is printed is so by the root.

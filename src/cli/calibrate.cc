@@ -1,6 +1,5 @@
 #include <glog/logging.h>
 
-#include <filesystem>
 #include <iostream>
 #include <set>
 #include <string>
@@ -9,29 +8,23 @@
 
 #include "alidade/error.h"
 #include "src/cli/command.h"
-#include "src/cli/launched_processes.h"
-#include "src/cli/progress_line.h"
-#include "src/cli/steps.h"
+#include "src/cli/launch.h"
+#include "src/cli/progress.h"
 #include "src/job/report_page.h"
 #include "src/job/result_directory.h"
 #include "src/job/run_job.h"
 #include "src/report/report.h"
-#include "src/serialization/job_file.h"
+#include "src/serialization/job_config.h"
 
 namespace alidade::internal {
 namespace {
-
-std::string DefaultDirectory(const std::string& job) {
-  return "results/" + std::filesystem::path(job).stem().string();
-}
 
 void PrintSummary(const CalibrationResult& result,
                   const std::vector<std::string>& paths) {
   std::cout << result.title << "\n\n"
             << FormatAccuracyTable(result) << "\n"
             << FormatPublished(result);
-  std::cout << "\nResults\n";
-  for (const std::string& path : paths) std::cout << "  " << path << "\n";
+  PrintResults(paths);
 }
 
 // More processes than files are no error: those without one go along.
@@ -58,8 +51,7 @@ ExitStatus Calibrate(const CommandLine& line, Communicator* communicator) {
   if (line.seed) config.options.identifiability.seed = *line.seed;
   progress.Clear();
   LogReading(config.data, config.input_files, config.rejected.size());
-  const std::string directory =
-      line.out.empty() ? DefaultDirectory(path) : line.out;
+  const std::string directory = OutputDirectory(line);
   if (is_root) {
     CheckResultDirectory(directory, OutputKind::kCalibration,
                          config.input_files);

@@ -7,11 +7,9 @@
 #include "src/cli/command.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/serialization/config_file.h"
-#include "src/serialization/job_file.h"
-#include "src/serialization/plan_config.h"
+#include "src/serialization/job_config.h"
 #include "src/serialization/plan_file.h"
 #include "src/serialization/simulation_file.h"
-#include "src/simulation/simulation.h"
 
 namespace alidade::internal {
 namespace {

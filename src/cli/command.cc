@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
 #include <iostream>
 #include <limits>
-#include <utility>
 
 #include "src/dataio/dataset_npy.h"
 
@@ -13,185 +13,138 @@ namespace {
 
 constexpr int kAnyNumber = std::numeric_limits<int>::max();
 
-std::vector<Command> FileCommands() {
-  return {
-      {"show",
-       "ARM.yaml [DATA.csv] | JOB.yaml | RESULT.json",
-       "print an arm, a data set, a job or a result as a table",
-       "Prints what a file says, in mm and deg. A data set is read with the\n"
-       "arm named before it. RESULT.json may also be a result directory.",
-       {},
-       1,
-       2,
-       RunShow},
-      {"check",
-       "FILE...",
-       "validate YAML and data files without running anything",
-       "Reads every file, and the files that jobs and simulations name, and\n"
-       "prints one line each. Data are read with the arm named before it. All\n"
-       "files are looked at; the exit status is 2 where one is wrong.",
-       {},
-       1,
-       kAnyNumber,
-       RunCheck},
-      {"convert",
-       "IN OUT --arm=ARM.yaml",
-       "turn a data set from CSV into a NumPy array, or back",
-       "The names' endings, .csv and .npy, say which way. Arrays are read\n"
-       "several times faster. Numbers are kept to the last bit, orientations,\n"
-       "as rotation vectors, to rounding. Several targets, sets and other\n"
-       "kinds of measurement than positions and orientations are refused.",
-       {"arm"},
-       2,
-       2,
-       RunConvert},
-      {"simulate",
-       "SIMULATION.yaml",
-       "write a data set from an arm, its deviations, poses and noise",
-       "Plans the poses with the nominal arm, measures them with the real one\n"
-       "and writes them to the simulation's output, or to --out=FILE: a NumPy\n"
-       "array where the name ends in .npy, else a CSV. The same seed gives "
-       "the\n"
-       "same bytes.",
-       {"out", "seed"},
-       1,
-       1,
-       RunSimulate},
-  };
-}
-
-std::vector<Command> JobCommands() {
-  return {
-      {"plan",
-       "PLAN.yaml",
-       "choose the poses to measure next",
-       "Chooses the poses with most information, of candidates drawn within "
-       "joint\n"
-       "limits and the plan's constraints or read from a file, beside those\n"
-       "measured already. Prints the accuracy to expect by the number of "
-       "poses\n"
-       "and writes to --out=DIR (default: results/ and the plan's name):\n"
-       "poses.csv for the robot, `simulate` and what will be measured,\n"
-       "plan.txt, accuracy.svg, curve.csv, plan.json.",
-       {"out", "seed"},
-       1,
-       1,
-       RunPlanCommand},
-      {"identify",
-       "JOB.yaml | ARM.yaml DATA.csv",
-       "show which parameters these poses can identify, and why",
-       "Prints the decision for each parameter, the ranks it rests on and "
-       "what\n"
-       "to look out for. Nothing is solved or written.",
-       {"seed"},
-       1,
-       2,
-       RunIdentify},
-      {"calibrate",
-       "JOB.yaml",
-       "run a whole calibration job and write its results",
-       "Identifies, solves, validates, and writes the result directory\n"
-       "--out=DIR (default: results/ and the job's name): arm.yaml,\n"
-       "result.json, report.txt, CSV files and SVG figures, and with --report\n"
-       "report.html, a page that holds all of it.\n"
-       "Exit status 1: an acceptance limit of the job is missed; 3: there is\n"
-       "no solution, or one that must not be used. Of the latter nothing is\n"
-       "written, but with --keep-rejected all, its arm as\n"
-       "arm.rejected.yaml.\n"
-       "Under 'mpirun -n K' every process reads some of the data's files, and\n"
-       "the result has the same bits (docs/cluster.md).",
-       {"out", "seed", "report", "keep-rejected"},
-       1,
-       1,
-       RunCalibrate,
-       true},
-      {"compare",
-       "JOB.yaml",
-       "run the same job by every solver, side by side",
-       "Prints cost and error per iteration, times and where the solutions\n"
-       "differ. With --out=DIR the curves are written as CSV and figures. A\n"
-       "job with a `noise_study` is also calibrated many times with fresh\n"
-       "noise, by the published procedure and by Alidade's own.",
-       {"out", "seed"},
-       1,
-       1,
-       RunCompare},
-      {"montecarlo",
-       "JOB.yaml",
-       "calibrate simulated measurements many times: bias, spread, coverage",
-       "Simulates the job's poses with its sigmas, as the job's `montecarlo`\n"
-       "says, and calibrates each time: by default 1000 times, the real arm\n"
-       "being the job's `truth` or, without one, the arm that the job\n"
-       "identifies (a parametric bootstrap). Prints how far estimates stray,\n"
-       "how often their intervals hold the truth, and how accurate the arm\n"
-       "becomes over its workspace. With --out=DIR also as CSV and figures.",
-       {"out", "seed"},
-       1,
-       1,
-       RunMonteCarlo},
-      {"validate",
-       "ARM.yaml | RESULT  DATA.csv... | REFERENCE.yaml",
-       "accuracy of an arm on data, or against another arm",
-       "With data sets: errors of the arm's predictions at their poses.\n"
-       "With a second arm: distance between the two over 10 000 joint\n"
-       "values drawn within the limits of the first (--seed).\n"
-       "With a result directory of `calibrate` instead of an arm: also "
-       "whether\n"
-       "errors are as large as predicted, by the share that lies within its\n"
-       "intervals, and the predicted accuracy over the workspace; --out=DIR\n"
-       "writes the map and a histogram of errors over their predictions.",
-       {"seed", "out"},
-       2,
-       kAnyNumber,
-       RunValidate},
-      {"report",
-       "RESULT...",
-       "make an HTML page of a result, or one that compares several",
-       "RESULT is a result directory or its result.json. One makes its\n"
-       "report.html, several make comparison.html, or what --out names: a\n"
-       "page (.html) or a folder. A page needs no network and no server. It\n"
-       "prints its path.",
-       {"out", "read-as"},
-       1,
-       kAnyNumber,
-       RunReport},
-  };
-}
-
-std::vector<Command> FleetCommands() {
-  return {
-      {"batch",
-       "JOB.yaml... | DIR | --list=FILE",
-       "run many jobs, a matrix of each, resumable",
-       "Runs every job named, every job of a folder, and every combination of\n"
-       "a job's `matrix`, --threads of them at a time, and writes each result\n"
-       "directory below --out=DIR (default: results/batch), and summary.csv,\n"
-       "summary.json and comparison.html, a page of all results. The same\n"
-       "command again runs only what is missing or changed. Under mpirun, "
-       "which\n"
-       "starts several processes, the first hands out jobs as others become\n"
-       "free. Exit status: the highest of all jobs.",
-       {"out", "list", "dry-run", "keep-going", "fail-fast", "outputs"},
-       0,
-       kAnyNumber,
-       RunBatchCommand,
-       true},
-  };
-}
-
 }  // namespace
 
+// Summaries are one line; help is wrapped where it is printed.
 const std::vector<Command>& Commands() {
-  static const std::vector<Command> kCommands = [] {
-    std::vector<Command> commands = FileCommands();
-    for (std::vector<Command> more : {JobCommands(), FleetCommands()}) {
-      for (Command& command : more) {
-        commands.push_back(std::move(command));
-      }
-    }
-    return commands;
-  }();
+  static const std::vector<Command> kCommands = {
+      Command(
+          {"show", "ARM.yaml [DATA.csv] | JOB.yaml | RESULT.json",
+           "print an arm, a data set, a job or a result as a table",
+           "Prints what a file says, in mm and deg. A data set is read with "
+           "the "
+           "arm named before it. RESULT.json may also be a result directory."},
+          {}, 1, 2, RunShow),
+      Command({"check", "FILE...",
+               "validate YAML and data files without running anything",
+               "Reads every file, and the files that jobs and simulations "
+               "name, and prints one line each. Data are read with the arm "
+               "named before it. All files are looked at; the exit status is 2 "
+               "where one is wrong."},
+              {}, 1, kAnyNumber, RunCheck),
+      Command(
+          {"convert", "IN OUT --arm=ARM.yaml",
+           "turn a data set from CSV into a NumPy array, or back",
+           "The names' endings, .csv and .npy, say which way. Arrays are read "
+           "several times faster. Numbers are kept to the last bit, "
+           "orientations, "
+           "as rotation vectors, to rounding. Several targets, sets and other "
+           "kinds of measurement than positions and orientations are refused."},
+          {"arm"}, 2, 2, RunConvert),
+      Command(
+          {"simulate", "SIMULATION.yaml",
+           "write a data set from an arm, its deviations, poses and noise",
+           "Plans the poses with the nominal arm, measures them with the real "
+           "one and writes them to the simulation's output, or to --out=FILE: "
+           "a NumPy array where the name ends in .npy, else a CSV. The same "
+           "seed gives the same bytes."},
+          {"out", "seed"}, 1, 1, RunSimulate),
+      Command(
+          {"plan", "PLAN.yaml", "choose the poses to measure next",
+           "Chooses the poses with most information, of candidates drawn "
+           "within joint "
+           "limits and the plan's constraints or read from a file, beside "
+           "those measured already. Prints the accuracy to expect by the "
+           "number of poses and writes to --out=DIR (default: results/ and the "
+           "plan's name): poses.csv for the robot, `simulate` and what will be "
+           "measured, plan.txt, accuracy.svg, curve.csv, plan.json."},
+          {"out", "seed"}, 1, 1, RunPlanCommand),
+      Command(
+          {"identify", "JOB.yaml | ARM.yaml DATA.csv",
+           "show which parameters these poses can identify, and why",
+           "Prints the decision for each parameter, the ranks it rests on and "
+           "what to look out for. Nothing is solved or written."},
+          {"seed"}, 1, 2, RunIdentify),
+      Command(
+          {"calibrate", "JOB.yaml",
+           "run a whole calibration job and write its results",
+           "Identifies, solves, validates, and writes the result directory "
+           "--out=DIR (default: results/ and the job's name): arm.yaml, "
+           "result.json, report.txt, CSV files and SVG figures, and with "
+           "--report report.html, a page that holds all of it.\n"
+           "Exit status 1: an acceptance limit of the job is missed; 3: there "
+           "is no solution, or one that must not be used. Of the latter "
+           "nothing is written, but with --keep-rejected all, its arm as "
+           "arm.rejected.yaml.\n"
+           "Under 'mpirun -n K' every process reads some of the data's files, "
+           "and the result has the same bits (docs/cluster.md)."},
+          {"out", "seed", "report", "keep-rejected"}, 1, 1, RunCalibrate, true),
+      Command(
+          {"compare", "JOB.yaml",
+           "run the same job by every solver, side by side",
+           "Prints cost and error per iteration, times and where the solutions "
+           "differ. With --out=DIR the curves are written as CSV and figures. "
+           "A job with a `noise_study` is also calibrated many times with "
+           "fresh noise, by the published procedure and by Alidade's own."},
+          {"out", "seed"}, 1, 1, RunCompare),
+      Command(
+          {"montecarlo", "JOB.yaml",
+           "calibrate simulated measurements many times: bias, spread, "
+           "coverage",
+           "Simulates the job's poses with its sigmas, as the job's "
+           "`montecarlo` says, and calibrates each time: by default 1000 "
+           "times, the real arm being the job's `truth` or, without one, the "
+           "arm that the job identifies (a parametric bootstrap). Prints how "
+           "far estimates stray, how often their intervals hold the truth, and "
+           "how accurate the arm becomes over its workspace. With --out=DIR "
+           "also as CSV and figures."},
+          {"out", "seed"}, 1, 1, RunMonteCarlo),
+      Command(
+          {"validate", "ARM.yaml | RESULT  DATA.csv... | REFERENCE.yaml",
+           "accuracy of an arm on data, or against another arm",
+           "With data sets: errors of the arm's predictions at their poses. "
+           "With a second arm: distance between the two over 10 000 joint "
+           "values drawn within the limits of the first (--seed). With a "
+           "result directory of `calibrate` instead of an arm: also whether "
+           "errors are as large as predicted, by the share that lies within "
+           "its intervals, and the predicted accuracy over the workspace; "
+           "--out=DIR writes the map and a histogram of errors over their "
+           "predictions."},
+          {"seed", "out"}, 2, kAnyNumber, RunValidate),
+      Command(
+          {"report", "RESULT...",
+           "make an HTML page of a result, or one that compares several",
+           "RESULT is a result directory or its result.json. One makes its "
+           "report.html, several make comparison.html, or what --out names: a "
+           "page (.html) or a folder. A page needs no network and no server. "
+           "It prints its path."},
+          {"out", "read-as"}, 1, kAnyNumber, RunReport),
+      Command(
+          {"batch", "JOB.yaml... | DIR | --list=FILE",
+           "run many jobs, a matrix of each, resumable",
+           "Runs every job named, every job of a folder, and every combination "
+           "of a job's `matrix`, --threads of them at a time, and writes each "
+           "result directory below --out=DIR (default: results/batch), and "
+           "summary.csv, summary.json and comparison.html, a page of all "
+           "results. The same command again runs only what is missing or "
+           "changed. Under mpirun, which starts several processes, the first "
+           "hands out jobs as others become free. Exit status: the highest of "
+           "all jobs."},
+          {"out", "list", "dry-run", "keep-going", "fail-fast", "outputs"}, 0,
+          kAnyNumber, RunBatchCommand, true),
+  };
   return kCommands;
+}
+
+void PrintResults(const std::vector<std::string>& paths) {
+  std::cout << "\nResults\n";
+  for (const std::string& path : paths) std::cout << "  " << path << "\n";
+}
+
+std::string OutputDirectory(const CommandLine& line) {
+  if (!line.out.empty()) return line.out;
+  const std::filesystem::path file = line.files.front();
+  return "results/" + file.stem().string();
 }
 
 void PrintError(const std::string& message) {

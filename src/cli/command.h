@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace alidade::internal {
@@ -33,19 +34,34 @@ struct CommandLine {
   std::string text;  ///< the whole command line, for the result
 };
 
-/// One command of the program: a row of the table in command.cc.
-struct Command {
+/// What people are told of a command.
+struct CommandText {
   const char* name;
   const char* arguments;  ///< "JOB.yaml"
   const char* summary;    ///< one line
-  const char* help;       ///< what it reads, does and prints
+  const char* help;       ///< what it reads, does and prints: paragraphs
+};
+
+/// One command of the program: a row of the table in command.cc.
+struct Command : CommandText {
+  using Run = ExitStatus (*)(const CommandLine& line);
+
+  Command(const CommandText& text, std::vector<std::string> own_flags,
+          int least_files, int most_files, Run function, bool several = false)
+      : CommandText(text),
+        flags(std::move(own_flags)),
+        min_files(least_files),
+        max_files(most_files),
+        run(function),
+        runs_on_several(several) {}
+
   /// Flags it takes, besides --help, --threads and --verbosity.
   std::vector<std::string> flags;
   int min_files;
   int max_files;
-  ExitStatus (*run)(const CommandLine& line);
+  Run run;
   /// Whether mpirun may start several processes of it.
-  bool runs_on_several = false;
+  bool runs_on_several;
 };
 
 const std::vector<Command>& Commands();
@@ -63,6 +79,12 @@ ExitStatus RunMonteCarlo(const CommandLine& line);
 ExitStatus RunValidate(const CommandLine& line);
 ExitStatus RunReport(const CommandLine& line);
 ExitStatus RunBatchCommand(const CommandLine& line);
+
+/// Prints what has been written, a path a line.
+void PrintResults(const std::vector<std::string>& paths);
+
+/// Where a command writes its results: --out, or results/ and the file's name.
+std::string OutputDirectory(const CommandLine& line);
 
 /// Prints "alidade: MESSAGE" on standard error.
 void PrintError(const std::string& message);

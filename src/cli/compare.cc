@@ -1,11 +1,11 @@
 #include <iostream>
 
 #include "src/cli/command.h"
-#include "src/cli/steps.h"
+#include "src/cli/progress.h"
 #include "src/job/result_directory.h"
 #include "src/job/run_job.h"
 #include "src/report/report.h"
-#include "src/serialization/job_file.h"
+#include "src/serialization/job_config.h"
 #include "src/simulation/noise_study.h"
 
 namespace alidade::internal {
@@ -47,10 +47,7 @@ ExitStatus RunCompare(const CommandLine& line) {
   std::cout << text;
   if (line.out.empty()) return kExitDone;
   files.emplace_back("comparison.txt", text);
-  std::cout << "\nResults\n";
-  for (const std::string& written : WriteResultDirectory(line.out, files)) {
-    std::cout << "  " << written << "\n";
-  }
+  PrintResults(WriteResultDirectory(line.out, files));
   return kExitDone;
 }
 

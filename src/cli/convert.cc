@@ -17,9 +17,8 @@ void CheckNames(const CommandLine& line) {
   if (line.arm.empty()) {
     throw InputError(
         {},
-        "convert: --arm=ARM.yaml is missing: how many joints there "
-        "are, and which slide, is the arm's; 'alidade convert "
-        "--help' says more");
+        "convert: --arm=ARM.yaml is missing: how many joints there are, and "
+        "which slide, is the arm's; 'alidade convert --help' says more");
   }
   const std::string& from = line.files[0];
   const std::string& to = line.files[1];

@@ -6,10 +6,10 @@
 #include "alidade/units.h"
 #include "src/calibration/calibration_task.h"
 #include "src/cli/command.h"
-#include "src/cli/steps.h"
+#include "src/cli/progress.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/report/report.h"
-#include "src/serialization/job_file.h"
+#include "src/serialization/job_config.h"
 
 namespace alidade::internal {
 namespace {

@@ -6,6 +6,7 @@
 #include <exception>
 #include <iostream>
 #include <new>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "src/cli/launch.h"
 #include "src/common/memory.h"
 #include "src/common/text.h"
+#include "src/serialization/job_config.h"
 
 // The help of a command shows these texts; the first word of one in capitals
 // stands for the flag's value.
@@ -33,8 +35,7 @@ DEFINE_string(read_as, "",
               "WHAT fleet (arms), time (one arm, in order) or methods (of one "
               "calibration); chosen by the data otherwise");
 DEFINE_bool(report, false, "also write report.html");
-DEFINE_string(outputs, "",
-              "WHAT full, or minimal: arm.yaml and result.json alone");
+DEFINE_string(outputs, "", "WHAT ");  // as a job's `outputs`
 DEFINE_uint64(seed, 0, "N seed of all that is drawn, instead of the file's");
 DEFINE_int32(threads, 1,
              "N threads to work with, 1 by default; results do not depend on "
@@ -72,6 +73,17 @@ bool Accepts(const Command& command, const std::string& flag) {
   return std::find(flags.begin(), flags.end(), flag) != flags.end();
 }
 
+// What a flag does. One that repeats a field of jobs has its words.
+std::string DescriptionOf(const std::string& flag) {
+  std::string text = FlagNamed(flag).description;
+  if (text.back() != ' ') return text;
+  for (const FieldRecord& field : JobFields()) {
+    if (field.key.name == flag) text += field.text;
+  }
+  text.erase(std::remove(text.begin(), text.end(), '`'), text.end());
+  return text;
+}
+
 void PrintFlag(const std::string& name, std::string text) {
   std::string left = "  --" + name;
   if (FlagNamed(name).type != "bool" && name != "help") {
@@ -85,6 +97,17 @@ void PrintFlag(const std::string& name, std::string text) {
     std::cout << indent << line << "\n";
     indent.assign(kHelpColumn, ' ');
   }
+}
+
+// Each line of the text wrapped.
+std::string Paragraphs(const std::string& text) {
+  std::string wrapped;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    wrapped +=
+        Join(WrapText(line, static_cast<int>(kHelpWidth) - 6), "\n") + "\n";
+  }
+  return wrapped;
 }
 
 void PrintUsage(std::ostream& out) {
@@ -105,9 +128,9 @@ void PrintUsage(std::ostream& out) {
 void PrintHelp(const Command& command) {
   std::cout << "usage: alidade " << command.name << " [flags] "
             << command.arguments << "\n\n"
-            << command.help << "\n\n";
+            << Paragraphs(command.help) << "\n";
   for (const std::string& flag : FlagsOf(command)) {
-    PrintFlag(flag, FlagNamed(flag).description);
+    PrintFlag(flag, DescriptionOf(flag));
   }
   PrintFlag("help", "this text");
 }
@@ -230,7 +253,7 @@ ExitStatus RunCommand(const std::string& name,
                       std::vector<std::string> arguments) {
   const Command& command = FindCommand(name);
   ArgumentParser parser(command, std::move(arguments));
-  CommandLine line = parser.Parse();
+  const CommandLine line = parser.Parse();
   if (parser.wants_help()) {
     PrintHelp(command);
     return kExitDone;
@@ -244,17 +267,10 @@ ExitStatus RunCommand(const std::string& name,
   }
   SetVerbosity();
   if (FLAGS_memory > 0) SetMemoryLimit(FLAGS_memory * 1000000);
-  line.out = FLAGS_out;
-  line.arm = FLAGS_arm;
-  line.read_as = FLAGS_read_as;
-  line.report = FLAGS_report;
-  line.keep_rejected = FLAGS_keep_rejected;
-  line.list = FLAGS_list;
-  line.outputs = FLAGS_outputs;
-  line.dry_run = FLAGS_dry_run;
-  line.fail_fast = FLAGS_fail_fast;
-  line.threads = FLAGS_threads;
-  return command.run(line);
+  return command.run({line.files, FLAGS_out, FLAGS_arm, FLAGS_read_as,
+                      FLAGS_report, FLAGS_keep_rejected, FLAGS_list,
+                      FLAGS_outputs, FLAGS_dry_run, FLAGS_fail_fast,
+                      FLAGS_threads, line.seed, line.text});
 }
 
 ExitStatus Main(const std::vector<std::string>& arguments) {

@@ -5,16 +5,14 @@
 #include <iostream>
 #include <string>
 
-#include "alidade/error.h"
 #include "alidade/monte_carlo.h"
 #include "src/cli/command.h"
-#include "src/cli/progress_line.h"
-#include "src/cli/steps.h"
+#include "src/cli/progress.h"
 #include "src/common/files.h"
 #include "src/common/format.h"
 #include "src/job/result_directory.h"
 #include "src/report/report.h"
-#include "src/serialization/job_file.h"
+#include "src/serialization/job_config.h"
 
 namespace alidade::internal {
 namespace {
@@ -68,11 +66,7 @@ ExitStatus RunMonteCarlo(const CommandLine& line) {
             << FormatSignificant(result.time_s, 3) << " s";
   std::cout << result.title << "\n\n" << FormatMonteCarlo(result);
   if (!line.out.empty()) {
-    std::cout << "\nResults\n";
-    for (const std::string& written :
-         WriteResultDirectory(line.out, MakeMonteCarloFiles(result))) {
-      std::cout << "  " << written << "\n";
-    }
+    PrintResults(WriteResultDirectory(line.out, MakeMonteCarloFiles(result)));
   }
   if (2 * result.failed > static_cast<int>(result.trials.size())) {
     PrintError(path +

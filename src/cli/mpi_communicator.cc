@@ -1,7 +1,6 @@
 // All that the project has to do with MPI; tests/fences looks after it.
-#include "src/cli/mpi_communicator.h"
-
 #include "alidade/error.h"
+#include "src/cli/launch.h"
 
 #ifdef ALIDADE_WITH_MPI
 

@@ -1,12 +1,10 @@
-#include <filesystem>
 #include <iostream>
 
 #include "src/cli/command.h"
-#include "src/cli/progress_line.h"
-#include "src/cli/steps.h"
-#include "src/job/plan_files.h"
+#include "src/cli/progress.h"
 #include "src/job/result_directory.h"
-#include "src/report/plan_report.h"
+#include "src/job/run_job.h"
+#include "src/report/report.h"
 #include "src/serialization/plan_file.h"
 
 namespace alidade::internal {
@@ -17,10 +15,7 @@ ExitStatus RunPlanCommand(const CommandLine& line) {
   progress.Show("planning " + path);
   PlanConfig config = LoadPlan(path, line.threads);
   if (line.seed) config.seed = *line.seed;
-  const std::string directory =
-      line.out.empty()
-          ? "results/" + std::filesystem::path(path).stem().string()
-          : line.out;
+  const std::string directory = OutputDirectory(line);
   CheckResultDirectory(directory, OutputKind::kPlan, config.input_files);
   progress.Clear();
   LogReading(config.job.data, config.input_files);
@@ -35,9 +30,8 @@ ExitStatus RunPlanCommand(const CommandLine& line) {
   }
   const std::vector<std::string> paths =
       WriteResultDirectory(directory, RenderPlan(result));
-  std::cout << config.title << "\n\n"
-            << FormatPlanSummary(result) << "\nResults\n";
-  for (const std::string& written : paths) std::cout << "  " << written << "\n";
+  std::cout << config.title << "\n\n" << FormatPlanSummary(result);
+  PrintResults(paths);
   return kExitDone;
 }
 

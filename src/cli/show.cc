@@ -11,101 +11,69 @@
 #include "alidade/units.h"
 #include "src/cli/command.h"
 #include "src/common/format.h"
-#include "src/common/text_table.h"
-#include "src/dataio/dataset_csv.h"
 #include "src/report/report.h"
+#include "src/report/table.h"
 #include "src/serialization/config_file.h"
-#include "src/serialization/job_file.h"
+#include "src/serialization/job_config.h"
 #include "src/serialization/result_json.h"
-#include "src/simulation/simulation.h"
 
 namespace alidade::internal {
 namespace {
 
-using Align = TextTable::Align;
-
 constexpr Eigen::Index kRowsShown = 20;
-
-double UnitOf(const Joint& joint) {
-  return joint.type == JointType::kRevolute ? kDegree : kMillimetre;
-}
 
 std::string FormatLimits(const Joint& joint) {
   if (!std::isfinite(joint.lower) && !std::isfinite(joint.upper)) return "none";
-  return FormatSignificant(joint.lower / UnitOf(joint), 6) + " .. " +
-         FormatSignificant(joint.upper / UnitOf(joint), 6);
+  return InUnit(joint.lower, joint.dimension(), 6) + " .. " +
+         InUnit(joint.upper, joint.dimension(), 6);
 }
 
 // A frame in another one: its origin, and the rotation vector of its axes.
 void AddFrame(const std::string& name, const Eigen::Isometry3d& frame,
-              TextTable* table) {
-  std::vector<std::string> row = {name};
+              Table* table) {
+  std::vector<TableCell> row = {name};
   for (const double coordinate : frame.translation()) {
-    row.push_back(FormatSignificant(coordinate / kMillimetre, 8));
+    row.push_back(QuantityCell(coordinate, Dimension::kLength, 8));
   }
   const Eigen::Vector3d turn = VectorFromRotation<double>(frame.linear());
   for (const double angle : turn) {
-    row.push_back(FormatSignificant(angle / kDegree, 8));
+    row.push_back(QuantityCell(angle, Dimension::kAngle, 8));
   }
   table->AddRow(row);
 }
 
 void ShowFrames(const Arm& arm) {
-  TextTable table({{"frame"},
-                   {"x mm", Align::kRight},
-                   {"y mm", Align::kRight},
-                   {"z mm", Align::kRight},
-                   {"wx deg", Align::kRight},
-                   {"wy deg", Align::kRight},
-                   {"wz deg", Align::kRight}});
+  Table table(
+      {"frame", ">x mm", ">y mm", ">z mm", ">wx deg", ">wy deg", ">wz deg"});
   AddFrame("base in the instrument's", arm.instrument_from_base, &table);
   for (const Target& target : arm.targets) {
     const std::string name = target.name.empty() ? "tool" : target.name;
     AddFrame(name + " in the flange's", target.last_from_target, &table);
   }
-  std::cout << table.ToString();
+  std::cout << table.ToText();
 }
 
 void ShowArm(const Arm& arm) {
-  TextTable table({{"joint"},
-                   {"type"},
-                   {"beta deg", Align::kRight},
-                   {"alpha deg", Align::kRight},
-                   {"d mm", Align::kRight},
-                   {"theta deg", Align::kRight},
-                   {"r mm", Align::kRight},
-                   {"limits"}});
-  for (int j = 0; j < arm.num_joints(); ++j) {
-    const Joint& joint = arm.joints[j];
-    const bool revolute = joint.type == JointType::kRevolute;
-    table.AddRow({std::to_string(j + 1), revolute ? "revolute" : "prismatic",
-                  FormatSignificant(joint.beta / kDegree, 8),
-                  FormatSignificant(joint.alpha / kDegree, 8),
-                  FormatSignificant(joint.d / kMillimetre, 8),
-                  FormatSignificant(joint.theta / kDegree, 8),
-                  FormatSignificant(joint.r / kMillimetre, 8),
-                  FormatLimits(joint)});
+  constexpr Dimension kLength = Dimension::kLength;
+  constexpr Dimension kAngle = Dimension::kAngle;
+  Table table({"joint", "type", ">beta deg", ">alpha deg", ">d mm",
+               ">theta deg", ">r mm", "limits"});
+  int number = 0;
+  for (const Joint& joint : arm.joints) {
+    table.AddRow({CountCell(++number),
+                  joint.type == JointType::kRevolute ? "revolute" : "prismatic",
+                  QuantityCell(joint.beta, kAngle, 8),
+                  QuantityCell(joint.alpha, kAngle, 8),
+                  QuantityCell(joint.d, kLength, 8),
+                  QuantityCell(joint.theta, kAngle, 8),
+                  QuantityCell(joint.r, kLength, 8), FormatLimits(joint)});
   }
-  std::cout << arm.name << "\n" << table.ToString() << "\n";
+  std::cout << arm.name << "\n" << table.ToText() << "\n";
   ShowFrames(arm);
   if (HasMotorMap(arm)) {
     std::cout << "data state the motors' values, which the arm file's "
                  "`motors` turn into joint values\n";
   }
-}
-
-TextTable DatasetTable(const Arm& arm) {
-  std::vector<TextTable::Column> columns = {{"pose", Align::kRight}};
-  for (int j = 0; j < arm.num_joints(); ++j) {
-    const bool revolute = arm.joints[j].type == JointType::kRevolute;
-    columns.push_back(
-        {"q" + std::to_string(j + 1) + (revolute ? " deg" : " mm"),
-         Align::kRight});
-  }
-  for (const char* axis : {"x mm", "y mm", "z mm"}) {
-    columns.push_back({axis, Align::kRight});
-  }
-  return TextTable(columns);
 }
 
 // Coordinates of the first target, 3 x poses (m); NaN where not measured.
@@ -128,24 +96,31 @@ Eigen::Matrix3Xd Positions(const Dataset& data) {
 
 void ShowDataset(const Arm& arm, const Dataset& data) {
   const Eigen::Matrix3Xd positions = Positions(data);
-  TextTable table = DatasetTable(arm);
+  const std::vector<Dimension> joints = arm.JointDimensions();
+  std::vector<Table::Column> columns = {">pose"};
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    columns.emplace_back(">q" + std::to_string(j + 1) + " " +
+                         UnitForPeople(joints[j]));
+  }
+  columns.insert(columns.end(), {">x mm", ">y mm", ">z mm"});
+  Table table(columns);
   const Eigen::Index shown = std::min(kRowsShown, data.num_poses());
   for (Eigen::Index i = 0; i < shown; ++i) {
-    std::vector<std::string> row = {std::to_string(i + 1)};
-    for (int j = 0; j < arm.num_joints(); ++j) {
-      row.push_back(FormatSignificant(
-          data.joint_values(j, i) / UnitOf(arm.joints[j]), 7));
+    std::vector<TableCell> row = {CountCell(i + 1)};
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      row.push_back(QuantityCell(
+          data.joint_values(static_cast<Eigen::Index>(j), i), joints[j], 7));
     }
-    for (int axis = 0; axis < 3; ++axis) {
-      const double coordinate = positions(axis, i) / kMillimetre;
-      row.push_back(std::isnan(coordinate) ? "-"
-                                           : FormatSignificant(coordinate, 7));
+    for (const double coordinate : positions.col(i)) {
+      row.push_back(std::isnan(coordinate)
+                        ? "-"
+                        : QuantityCell(coordinate, Dimension::kLength, 7));
     }
     table.AddRow(row);
   }
   std::cout << data.name << ": " << data.num_poses() << " poses of " << arm.name
             << "\n"
-            << table.ToString();
+            << table.ToText();
   if (shown < data.num_poses()) {
     std::cout << "... and " << data.num_poses() - shown << " more\n";
   }

@@ -13,13 +13,11 @@
 #include "src/calibration/evaluate.h"
 #include "src/cli/command.h"
 #include "src/common/files.h"
-#include "src/common/format.h"
-#include "src/common/text_table.h"
-#include "src/dataio/dataset_csv.h"
 #include "src/job/calibrated_arm.h"
 #include "src/job/result_directory.h"
 #include "src/kernel/measurement_model.h"
 #include "src/report/report.h"
+#include "src/report/table.h"
 
 namespace alidade::internal {
 namespace {
@@ -56,7 +54,7 @@ class Validation {
     for (std::size_t i = 1; i < line_.files.size(); ++i) {
       Compare(line_.files[i], &checks);
     }
-    std::cout << "Position error of " << arm_.name << "\n" << table_.ToString();
+    std::cout << "Position error of " << arm_.name << "\n" << table_.ToText();
     for (const std::string& check : checks) std::cout << "\n" << check;
     if (calibrated_ && !map_) map_ = MapOf(*calibrated_, kMapPoses, seed_);
     if (map_) std::cout << "\n" << FormatPredictedMap(*map_);
@@ -115,10 +113,10 @@ class Validation {
   }
 
   void AddRow(const std::string& file, const Accuracy& accuracy) {
-    std::vector<std::string> row = {file, std::to_string(accuracy.n)};
+    std::vector<TableCell> row = {file, CountCell(accuracy.n)};
     for (const double value :
          {accuracy.mean, accuracy.rms, accuracy.p95, accuracy.max}) {
-      row.push_back(FormatSignificant(value / kMillimetre, 4));
+      row.push_back(QuantityCell(value, Dimension::kLength, 4));
     }
     table_.AddRow(row);
   }
@@ -129,15 +127,9 @@ class Validation {
                        "--out writes predictions, which need a result "
                        "directory of `calibrate` instead of an arm file");
     }
-    std::cout << "\nResults\n";
-    for (const std::string& path : WriteResultDirectory(
-             line_.out,
-             MakePredictionFiles(arm_.JointDimensions(), *map_, check_))) {
-      std::cout << "  " << path << "\n";
-    }
+    PrintResults(WriteResultDirectory(
+        line_.out, MakePredictionFiles(arm_.JointDimensions(), *map_, check_)));
   }
-
-  using Align = TextTable::Align;
 
   const CommandLine& line_;
   const std::uint64_t seed_;
@@ -145,12 +137,8 @@ class Validation {
   std::optional<CalibratedArm> calibrated_;
   std::optional<PredictedMap> map_;
   std::optional<PredictionCheck> check_;
-  TextTable table_{{{"against"},
-                    {"poses", Align::kRight},
-                    {"mean mm", Align::kRight},
-                    {"rms mm", Align::kRight},
-                    {"p95 mm", Align::kRight},
-                    {"max mm", Align::kRight}}};
+  Table table_{
+      {"against", ">poses", ">mean mm", ">rms mm", ">p95 mm", ">max mm"}};
 };
 
 }  // namespace

@@ -3,8 +3,10 @@
 #include <glog/logging.h>
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <filesystem>
+#include <limits>
 #include <mutex>
 #include <random>
 #include <thread>
@@ -12,20 +14,22 @@
 
 #include "alidade/communicator.h"
 #include "alidade/error.h"
+#include "alidade/units.h"
 #include "alidade/version.h"
+#include "src/calibration/batch_summary_fields.h"
 #include "src/common/files.h"
-#include "src/fleet/batch_csv.h"
-#include "src/fleet/batch_places.h"
+#include "src/fleet/batch_plan.h"
 #include "src/fleet/job_computer.h"
-#include "src/fleet/journal.h"
 #include "src/fleet/remote_jobs.h"
 #include "src/fleet/result_store.h"
 #include "src/fleet/scheduler.h"
 #include "src/job/report_page.h"
 #include "src/report/comparison_page.h"
+#include "src/report/rows.h"
 #include "src/serialization/result_json.h"
 
 namespace alidade::internal {
+
 namespace {
 
 // As many as the page shows in full; what it needs of others is read again.
@@ -38,6 +42,18 @@ int ThreadsEach(const BatchPlan& plan, const BatchOptions& options,
   const std::int64_t jobs_each = (num_jobs + num_ranks - 1) / num_ranks;
   return static_cast<int>(std::max<std::int64_t>(
       1, options.num_threads / std::max<std::int64_t>(jobs_each, 1)));
+}
+
+// What an earlier run has recorded of a job that is still the same, or null.
+const BatchRecord* CurrentRecord(const BatchPlan& plan, const PlannedJob& job,
+                                 const BatchOptions& options,
+                                 const JournalRecords& records,
+                                 FileHashes* hashes) {
+  const auto found = records.find(job.name);
+  if (job.matrix < 0 || found == records.end()) return nullptr;
+  const bool is_current = IsCurrent(found->second, options.directory,
+                                    FingerprintOf(plan, job, options), hashes);
+  return is_current ? &found->second : nullptr;
 }
 
 // The first error of several threads.
@@ -218,21 +234,12 @@ class BatchRun {
 
   // True where an earlier run has done the job.
   bool FinishIfDone(std::int64_t number) {
-    const BatchRecord* const done = FindDone(plan_.jobs[number]);
+    const BatchRecord* const done = CurrentRecord(
+        plan_, plan_.jobs[number], options_, store_.records(), &hashes_);
     if (done == nullptr) return false;
     StopWhereAsked(done->entry);
     Finish(number, done->entry, true);
     return true;
-  }
-
-  const BatchRecord* FindDone(const PlannedJob& job) {
-    if (job.matrix < 0) return nullptr;
-    const auto found = store_.records().find(job.name);
-    if (found == store_.records().end()) return nullptr;
-    const bool is_current =
-        IsCurrent(found->second, options_.directory,
-                  FingerprintOf(plan_, job, options_), &hashes_);
-    return is_current ? &found->second : nullptr;
   }
 
   // Each job has a place of its own.
@@ -332,10 +339,8 @@ std::vector<bool> FindDone(const BatchPlan& plan, const BatchOptions& options) {
   FileHashes hashes;
   std::vector<bool> done;
   for (const PlannedJob& job : plan.jobs) {
-    const auto found = records.find(job.name);
-    done.push_back(job.matrix >= 0 && found != records.end() &&
-                   IsCurrent(found->second, options.directory,
-                             FingerprintOf(plan, job, options), &hashes));
+    done.push_back(CurrentRecord(plan, job, options, records, &hashes) !=
+                   nullptr);
   }
   return done;
 }
@@ -349,6 +354,49 @@ BatchSummary RunBatch(const BatchPlan& plan, const BatchOptions& options,
   if (communicator->is_root()) return RunAsRoot(plan, options, communicator);
   RunAsOther(plan, options, communicator);
   return {};
+}
+
+std::string ToString(BatchStatus status) {
+  std::string words = WordOf(status);
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
+}
+
+std::string FormatBatchCsv(const BatchSummary& summary) {
+  std::string text =
+      "name,job,arm,data,status,message,"
+      "train_rms_before_mm,train_rms_after_mm,train_max_before_mm,"
+      "train_max_after_mm,validation_rms_before_mm,validation_rms_after_mm,"
+      "validation_max_before_mm,validation_max_after_mm,"
+      "free,iterations,sigma_mm,reduced_chi_square,outliers,warnings,"
+      "directory\n";
+  const auto finite = [](double value) {
+    return std::isfinite(value) ? value
+                                : std::numeric_limits<double>::quiet_NaN();
+  };
+  for (const BatchEntry& entry : summary.entries) {
+    const auto accuracy = [&](const Accuracy& before, const Accuracy& after) {
+      for (const double value :
+           {before.rms, after.rms, before.max, after.max}) {
+        AppendCsvCells(
+            &text, after.n > 0 ? finite(value / kMillimetre) : std::nan(""));
+      }
+    };
+    AppendCsvCells(&text, entry.name, entry.job_file, entry.arm, entry.data,
+                   ToString(entry.status), entry.message);
+    accuracy(entry.train_before, entry.train_after);
+    accuracy(entry.validation_before, entry.validation_after);
+    if (entry.train_after.n > 0) {
+      AppendCsvCells(&text, entry.num_free, entry.iterations,
+                     finite(entry.sigma / kMillimetre),
+                     finite(entry.reduced_chi_square), entry.num_outliers,
+                     entry.warnings.size());
+    } else {
+      text += ",,,,,,";
+    }
+    EndCsvRow(&text, entry.directory);
+  }
+  return text;
 }
 
 }  // namespace alidade::internal

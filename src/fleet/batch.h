@@ -1,6 +1,7 @@
 #ifndef ALIDADE_SRC_FLEET_BATCH_H_
 #define ALIDADE_SRC_FLEET_BATCH_H_
 
+#include <string>
 #include <vector>
 
 #include "alidade/communicator.h"
@@ -36,6 +37,14 @@ std::vector<bool> FindDone(const BatchPlan& plan, const BatchOptions& options);
 /// works in it. What was finished before stays.
 BatchSummary RunBatch(const BatchPlan& plan, const BatchOptions& options,
                       Communicator* communicator = SingleProcess());
+
+/// summary.csv of a batch (docs/batch.md): a row per job, in the order of the
+/// jobs; lengths in mm with the digits that read back to the same bits; empty
+/// cells for what a job does not have.
+std::string FormatBatchCsv(const BatchSummary& summary);
+
+/// "done", "missed limits" ...
+std::string ToString(BatchStatus status);
 
 }  // namespace alidade::internal
 

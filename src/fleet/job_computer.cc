@@ -10,7 +10,6 @@
 #include "src/common/files.h"
 #include "src/common/format.h"
 #include "src/job/result_directory.h"
-#include "src/simulation/simulation.h"
 
 namespace alidade::internal {
 namespace {
@@ -73,7 +72,7 @@ std::string FingerprintOf(const BatchPlan& plan, const PlannedJob& job,
                           const BatchOptions& options) {
   std::string fingerprint = plan.matrices[job.matrix].FingerprintOf(job.number);
   if (options.outputs) {
-    fingerprint += *options.outputs == JobOutputs::kFull ? "+full" : "+minimal";
+    fingerprint += std::string("+") + WordOf(*options.outputs);
   }
   return fingerprint;
 }

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "src/calibration/identifiability_cache.h"
-#include "src/fleet/batch_places.h"
 #include "src/fleet/batch_plan.h"
 #include "src/job/run_job.h"
 #include "src/report/comparison_page.h"

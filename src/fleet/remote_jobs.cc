@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "src/common/bytes.h"
+#include "src/common/fields.h"
 #include "src/fleet/scheduler.h"
 #include "src/serialization/result_json.h"
 
@@ -62,80 +63,77 @@ std::string AskMessage() {
   return writer.Take();
 }
 
-void PutCompared(const ComparedResult& result, ByteWriter* writer) {
-  writer->PutText(result.label);
-  writer->Put(result.before);
-  writer->Put(result.after);
-  writer->Put(result.is_validated);
-  writer->Put(static_cast<std::int64_t>(result.parameters.size()));
-  for (const ComparedParameter& parameter : result.parameters) {
-    writer->PutText(parameter.name);
-    writer->Put(parameter.dimension);
-    writer->Put(parameter.value);
-    writer->Put(parameter.deviation);
-    writer->Put(parameter.std);
-    writer->Put(parameter.is_free);
+// What both ends of a message name once: `Pass` writes to it or reads from it.
+class WrittenBytes {
+ public:
+  static constexpr bool kReads = false;
+
+  explicit WrittenBytes(ByteWriter* writer) : writer_(*writer) {}
+
+  template <typename... Values>
+  void operator()(const Values&... values) {
+    (Put(values), ...);
   }
+
+ private:
+  void Put(const std::string& text) { writer_.PutText(text); }
+  template <typename T>
+  void Put(const T& value) {
+    writer_.Put(value);
+  }
+  template <typename T>
+  void Put(const std::vector<T>& list) {
+    writer_.Put(static_cast<std::int64_t>(list.size()));
+    for (const T& item : list) Pass(*this, item);
+  }
+
+  ByteWriter& writer_;
+};
+
+class ReadBytes {
+ public:
+  static constexpr bool kReads = true;
+
+  explicit ReadBytes(ByteReader* reader) : reader_(*reader) {}
+
+  template <typename... Values>
+  void operator()(Values&... values) {
+    (Get(&values), ...);
+  }
+
+ private:
+  void Get(std::string* text) { *text = reader_.GetText(); }
+  template <typename T>
+  void Get(T* value) {
+    *value = reader_.Get<T>();
+  }
+  template <typename T>
+  void Get(std::vector<T>* list) {
+    list->resize(static_cast<std::size_t>(reader_.Get<std::int64_t>()));
+    for (T& item : *list) Pass(*this, item);
+  }
+
+  ByteReader& reader_;
+};
+
+template <typename Bytes>
+void Pass(Bytes& bytes, Subject<Bytes, ComparedParameter>& parameter) {
+  bytes(parameter.name, parameter.dimension, parameter.value,
+        parameter.deviation, parameter.std, parameter.is_free);
 }
 
-ComparedResult GetCompared(ByteReader* reader) {
-  ComparedResult result;
-  result.label = reader->GetText();
-  result.before = reader->Get<Accuracy>();
-  result.after = reader->Get<Accuracy>();
-  result.is_validated = reader->Get<bool>();
-  result.parameters.resize(
-      static_cast<std::size_t>(reader->Get<std::int64_t>()));
-  for (ComparedParameter& parameter : result.parameters) {
-    parameter.name = reader->GetText();
-    parameter.dimension = reader->Get<Dimension>();
-    parameter.value = reader->Get<double>();
-    parameter.deviation = reader->Get<double>();
-    parameter.std = reader->Get<double>();
-    parameter.is_free = reader->Get<bool>();
-  }
-  return result;
+template <typename Bytes>
+void Pass(Bytes& bytes, Subject<Bytes, ComparedRun>& run) {
+  bytes(run.solver, run.status, run.iterations, run.cost, run.train_mean,
+        run.time_s);
 }
 
-void PutItem(const ComparisonItem& item, ByteWriter* writer) {
-  writer->PutTexts({item.version, item.data, item.link});
-  for (const std::int64_t count :
-       {item.num_free, item.num_limits, item.num_missed, item.num_warnings}) {
-    writer->Put(count);
-  }
-  writer->Put(static_cast<std::int64_t>(item.runs.size()));
-  for (const ComparedRun& run : item.runs) {
-    writer->PutText(run.solver);
-    writer->Put(run.status);
-    writer->Put(run.iterations);
-    for (const double value : {run.cost, run.train_mean, run.time_s}) {
-      writer->Put(value);
-    }
-  }
-  PutCompared(item.values, writer);
-}
-
-ComparisonItem GetItem(ByteReader* reader) {
-  ComparisonItem item;
-  std::vector<std::string> texts = reader->GetTexts();
-  item.version = std::move(texts.at(0));
-  item.data = std::move(texts.at(1));
-  item.link = std::move(texts.at(2));
-  for (std::int64_t* count : {&item.num_free, &item.num_limits,
-                              &item.num_missed, &item.num_warnings}) {
-    *count = reader->Get<std::int64_t>();
-  }
-  item.runs.resize(static_cast<std::size_t>(reader->Get<std::int64_t>()));
-  for (ComparedRun& run : item.runs) {
-    run.solver = reader->GetText();
-    run.status = reader->Get<SolverStatus>();
-    run.iterations = reader->Get<std::int64_t>();
-    for (double* value : {&run.cost, &run.train_mean, &run.time_s}) {
-      *value = reader->Get<double>();
-    }
-  }
-  item.values = GetCompared(reader);
-  return item;
+template <typename Bytes>
+void Pass(Bytes& bytes, Subject<Bytes, ComparisonItem>& item) {
+  bytes(item.version, item.data, item.link, item.num_free, item.num_limits,
+        item.num_missed, item.num_warnings, item.runs, item.values.label,
+        item.values.before, item.values.after, item.values.is_validated,
+        item.values.parameters);
 }
 
 std::string OutcomeMessage(std::int64_t number, const Computed& computed,
@@ -146,9 +144,8 @@ std::string OutcomeMessage(std::int64_t number, const Computed& computed,
   writer.PutText(FormatBatchRecord(computed.record));
   writer.PutText(staged);
   writer.Put(computed.item.has_value());
-  if (computed.item) {
-    PutItem(*computed.item, &writer);
-  }
+  WrittenBytes bytes(&writer);
+  if (computed.item) Pass(bytes, *computed.item);
   return writer.Take();
 }
 
@@ -177,7 +174,8 @@ RemoteOutcome ReadOutcome(ByteReader* reader) {
   outcome.record = *std::move(record);
   outcome.staged = reader->GetText();
   if (!reader->Get<bool>()) return outcome;
-  outcome.item = GetItem(reader);
+  ReadBytes bytes(reader);
+  Pass(bytes, outcome.item.emplace());
   return outcome;
 }
 

@@ -2,7 +2,6 @@
 #define ALIDADE_SRC_FLEET_REMOTE_JOBS_H_
 
 #include <cstdint>
-#include <exception>
 #include <functional>
 #include <optional>
 #include <string>
@@ -10,7 +9,7 @@
 #include "alidade/communicator.h"
 #include "src/calibration/batch_summary.h"
 #include "src/fleet/job_computer.h"
-#include "src/fleet/staging_area.h"
+#include "src/fleet/result_store.h"
 
 namespace alidade::internal {
 

@@ -1,21 +1,85 @@
 #ifndef ALIDADE_SRC_FLEET_RESULT_STORE_H_
 #define ALIDADE_SRC_FLEET_RESULT_STORE_H_
 
+#include <atomic>
 #include <condition_variable>
 #include <exception>
+#include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "src/calibration/batch_summary.h"
 #include "src/common/file_descriptor.h"
-#include "src/fleet/journal.h"
-#include "src/fleet/staging_area.h"
 #include "src/job/written_files.h"
 #include "src/report/report.h"
 
 namespace alidade::internal {
+
+/// Where the results of a batch are written before they come to their names:
+/// DIR/.batch/staged-MARK-N. Safe to use from several threads.
+class StagingArea {
+ public:
+  /// `mark`: distinguished by it are processes that write to one directory,
+  /// those of an earlier batch included, which may still be ending on another
+  /// machine. The process that holds the directory needs none.
+  StagingArea(const std::string& directory, const std::string& mark);
+
+  const std::string& path() const { return path_; }
+  /// Removes all that is there, whoever wrote it.
+  void Clear() const;
+  /// A name that was not given before.
+  std::string NewName();
+  /// Writes files to a new staged directory and syncs them; returns its path,
+  /// and in `written` what they are and how long. @throws InputError.
+  std::string Stage(const std::vector<ReportFile>& files,
+                    std::vector<ResultFile>* written);
+
+ private:
+  const std::string path_;
+  const std::string mark_;
+  std::atomic<int> next_{0};
+};
+
+/// Takes down a directory or file that nobody reads.
+void RemoveStaged(const std::string& path);
+
+/// The last record of every job, by its name.
+using JournalRecords = std::unordered_map<std::string, BatchRecord>;
+
+/// Reads a journal: lines of JSON, the last one of a name counts. Empty where
+/// there is no file; a line that a crash tore is passed over.
+/// @throws InputError where the file is there and cannot be read.
+JournalRecords ReadJournal(const std::string& path);
+
+/// Appends to a journal. @throws InputError where it cannot be written.
+class JournalWriter {
+ public:
+  /// Ends a line that a crash tore, so that the next record is whole.
+  explicit JournalWriter(const std::string& path);
+
+  /// Writes the records and syncs them, all at once.
+  void Append(const std::vector<const BatchRecord*>& records);
+
+ private:
+  const std::string path_;
+  const FileDescriptor file_;
+};
+
+/// SHA-256 of files, each read once: jobs of a batch share their inputs. Safe
+/// to use from several threads.
+class FileHashes {
+ public:
+  /// Nothing where the file cannot be read.
+  std::optional<std::string> Of(const std::string& path);
+
+ private:
+  std::mutex mutex_;
+  std::map<std::string, std::optional<std::string>> hashes_;
+};
 
 /// The directory that a batch writes to, held by one process at a time:
 ///

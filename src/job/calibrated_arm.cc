@@ -7,8 +7,8 @@
 
 #include "alidade/arm_file.h"
 #include "alidade/error.h"
+#include "src/job/result_directory.h"
 #include "src/kernel/measurement_model.h"
-#include "src/model/joint_draw.h"
 #include "src/serialization/result_json.h"
 #include "src/uncertainty/prediction.h"
 
@@ -20,11 +20,6 @@ namespace fs = std::filesystem;
 // Positions known as exactly as they can be: no noise but that of the
 // calibration.
 constexpr double kExact = 1e-9;
-
-std::string JsonOf(const std::string& path) {
-  return fs::is_directory(path) ? (fs::path(path) / "result.json").string()
-                                : path;
-}
 
 // A file may hold anything: square, one row a parameter, no negative variance.
 void RequireCovariance(const std::string& path,
@@ -97,7 +92,7 @@ bool IsResult(const std::string& path) {
 }
 
 std::optional<CalibratedArm> LoadCalibratedArm(const std::string& path) {
-  const std::string json = JsonOf(path);
+  const std::string json = ResultJsonOf(path);
   const CalibrationResult result = LoadResultJson(json);
   if (!result.uncertainty) return std::nullopt;
   RequireCovariance(json, *result.uncertainty);

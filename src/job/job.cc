@@ -12,7 +12,7 @@
 #include "src/report/page.h"
 #include "src/report/report.h"
 #include "src/report/table.h"
-#include "src/serialization/job_file.h"
+#include "src/serialization/job_config.h"
 
 namespace alidade {
 namespace {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "src/job/result_directory.h"
 #include "src/job/result_table.h"
 #include "src/report/result_page.h"
 #include "src/serialization/result_json.h"
@@ -15,13 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string JsonPath(const std::string& path) {
-  return fs::is_directory(path) ? (fs::path(path) / "result.json").string()
-                                : path;
-}
-
 fs::path DirectoryOf(const std::string& path) {
-  return fs::absolute(fs::path(JsonPath(path)))
+  return fs::absolute(fs::path(ResultJsonOf(path)))
       .lexically_normal()
       .parent_path();
 }
@@ -44,7 +40,7 @@ ReportFile MakeResultPage(const CalibrationResult& result,
 
 std::string ResultPageOf(const std::string& path,
                          const std::vector<PageSection>& further) {
-  CalibrationResult result = LoadResultJson(JsonPath(path));
+  CalibrationResult result = LoadResultJson(ResultJsonOf(path));
   ReadResultTables(DirectoryOf(path).string(), &result);
   return RenderResultPage(result, FormatResultJson(result), further);
 }
@@ -57,7 +53,7 @@ void AddToComparison(const std::string& path, const std::string& label,
     const fs::path from = fs::absolute(page_path).lexically_normal();
     link = report.lexically_relative(from.parent_path()).generic_string();
   }
-  page->Add(label, LoadResultJson(JsonPath(path)), link);
+  page->Add(label, LoadResultJson(ResultJsonOf(path)), link);
 }
 
 std::vector<std::string> ResultLabels(const std::vector<std::string>& paths) {

@@ -107,6 +107,13 @@ ReportFile RenderArm(const CalibrationResult& result) {
 
 }  // namespace
 
+std::string ResultJsonOf(const std::string& path) {
+  const std::filesystem::path result = path;
+  return std::filesystem::is_directory(result)
+             ? (result / "result.json").string()
+             : path;
+}
+
 std::vector<ReportFile> RenderResult(const CalibrationResult& result,
                                      const std::string& further) {
   std::vector<ReportFile> files;

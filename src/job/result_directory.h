@@ -10,6 +10,9 @@
 
 namespace alidade::internal {
 
+/// The result.json of a result: itself, or that of its directory.
+std::string ResultJsonOf(const std::string& path);
+
 /// The files of a result directory (docs/files.md): arm.yaml (of a rejected
 /// result arm.rejected.yaml), result.json,
 /// report.txt, the CSV files and the figures. Tables with a row for each

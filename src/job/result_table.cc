@@ -1,7 +1,6 @@
 #include "src/job/result_table.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -35,21 +34,18 @@ const double* NumbersOf(const ResultTable& table, const std::string& name) {
   return column < 0 ? nullptr : table.numbers[column].data();
 }
 
-std::array<const double*, 3> AxesOf(const ResultTable& table,
-                                    const std::string& prefix) {
-  return {NumbersOf(table, prefix + "x_mm"), NumbersOf(table, prefix + "y_mm"),
-          NumbersOf(table, prefix + "z_mm")};
-}
-
 // A column for each row; what was not measured is `missing`.
 Eigen::MatrixXd MatrixOf(const ResultTable& table, const std::string& prefix,
                          double missing) {
-  const std::array<const double*, 3> axes = AxesOf(table, prefix);
-  Eigen::MatrixXd matrix(3, static_cast<Eigen::Index>(table.num_rows));
-  for (std::size_t row = 0; row < table.num_rows; ++row) {
-    const Eigen::Vector3d vector = VectorOf(axes, row);
-    matrix.col(static_cast<Eigen::Index>(row)) =
-        vector.array().isNaN().select(missing, vector);
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Constant(
+      3, static_cast<Eigen::Index>(table.num_rows), missing);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double* const numbers =
+        NumbersOf(table, prefix + "xyz"[axis] + "_mm");
+    for (std::size_t row = 0; numbers && row < table.num_rows; ++row) {
+      if (std::isnan(numbers[row])) continue;
+      matrix(axis, static_cast<Eigen::Index>(row)) = numbers[row] * kMillimetre;
+    }
   }
   return matrix;
 }

@@ -3,14 +3,19 @@
 #include <glog/logging.h>
 
 #include <cstddef>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "src/calibration/calibration_task.h"
-#include "src/common/bytes.h"
 #include "src/common/files.h"
+#include "src/dataio/dataset_csv.h"
+#include "src/report/report.h"
+#include "src/serialization/partitioned_data.h"
+#include "src/serialization/result_json.h"
 
 namespace alidade::internal {
+
 namespace {
 
 // Every file by a rank that has read it.
@@ -24,10 +29,7 @@ std::vector<InputFile> HashInputs(const JobConfig& job) {
     if (is_mine) files.back().sha256 = Sha256OfFile(files.back().path);
     mine.push_back(files.back().sha256);
   }
-  ByteWriter writer;
-  writer.PutTexts(mine);
-  for (const std::string& bytes : job.communicator->Gather(writer.Take())) {
-    const std::vector<std::string> hashes = ByteReader(bytes).GetTexts();
+  for (const auto& hashes : TextsOfRanks(job.communicator, mine)) {
     for (std::size_t k = 0; k < files.size(); ++k) {
       if (!hashes[k].empty()) files[k].sha256 = hashes[k];
     }
@@ -67,6 +69,41 @@ CalibrationResult RunJob(JobConfig job, const std::string& command,
   Log(result.identifiability.warnings);
   Log(result.warnings);
   return result;
+}
+
+PlanResult RunPlan(const PlanConfig& config, const std::string& command) {
+  std::vector<InputFile> inputs;
+  for (const std::string& path : config.input_files) {
+    inputs.push_back({path, Sha256OfFile(path)});
+  }
+  PlanResult result = WithFileInErrors(config.path, [&config] {
+    return PlanPoses(config.job.arm, config.job.data, config.job.options,
+                     config);
+  });
+  result.command = command;
+  result.title = config.title;
+  result.inputs = std::move(inputs);
+  Log(result.warnings);
+  return result;
+}
+
+std::vector<ReportFile> RenderPlan(const PlanResult& result) {
+  const std::vector<std::string> comments = {
+      result.title,
+      "poses planned by alidade " + result.version + " for " + result.arm +
+          ", in an order with little travel",
+      "seed: " + std::to_string(result.seed) +
+          "; fill in what is measured, or take the joint values alone"};
+  std::vector<ReportFile> files;
+  files.emplace_back("poses.csv",
+                     FormatDataset(result.sheet, result.planned_arm,
+                                   result.joint_decimals, false, comments));
+  files.emplace_back("plan.txt", FormatPlan(result));
+  for (ReportFile& file : MakePlanFiles(result)) {
+    files.push_back(std::move(file));
+  }
+  files.emplace_back("plan.json", FormatPlanJson(result));
+  return files;
 }
 
 }  // namespace alidade::internal

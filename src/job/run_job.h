@@ -2,9 +2,13 @@
 #define ALIDADE_SRC_JOB_RUN_JOB_H_
 
 #include <string>
+#include <vector>
 
 #include "alidade/calibration_result.h"
+#include "alidade/plan.h"
+#include "src/report/report.h"
 #include "src/serialization/job_config.h"
+#include "src/serialization/plan_file.h"
 
 namespace alidade::internal {
 
@@ -20,6 +24,12 @@ namespace alidade::internal {
 /// again for its hash.
 CalibrationResult RunJob(JobConfig job, const std::string& command,
                          IdentifiabilityCache* cache = nullptr);
+
+/// PlanPoses, and where the result comes from. @throws InputError.
+PlanResult RunPlan(const PlanConfig& config, const std::string& command);
+
+/// poses.csv, plan.txt, accuracy.svg, curve.csv and, last, plan.json.
+std::vector<ReportFile> RenderPlan(const PlanResult& result);
 
 }  // namespace alidade::internal
 

@@ -1,7 +1,5 @@
 #include "src/report/arm_view.h"
 
-#include <cmath>
-
 #include "alidade/units.h"
 #include "src/common/format.h"
 #include "src/model/chain_axes.h"

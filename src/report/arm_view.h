@@ -2,7 +2,6 @@
 #define ALIDADE_SRC_REPORT_ARM_VIEW_H_
 
 #include <Eigen/Core>
-#include <optional>
 #include <string>
 #include <vector>
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <string>
-#include <utility>
 
 namespace alidade::internal {
 namespace {
@@ -212,20 +211,26 @@ std::string MarkerPath(MarkerStyle style, SvgPoint centre, double radius) {
   return "";
 }
 
+std::vector<std::size_t> DrawablePoints(const ChartAxis& x, const ChartAxis& y,
+                                        const ChartSeries& series) {
+  std::vector<std::size_t> points;
+  for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i) {
+    if (IsDrawable(x, series.x[i]) && IsDrawable(y, series.y[i])) {
+      points.push_back(i);
+    }
+  }
+  return points;
+}
+
 std::vector<PixelRun> PixelRuns(const ChartAxis& x, const ChartAxis& y,
                                 const ChartSeries& series,
                                 const PlotArea& plot) {
   std::vector<PixelRun> runs;
-  bool in_run = false;
-  const std::size_t size = std::min(series.x.size(), series.y.size());
-  for (std::size_t i = 0; i < size; ++i) {
-    if (!IsDrawable(x, series.x[i]) || !IsDrawable(y, series.y[i])) {
-      in_run = false;
-      continue;
-    }
-    if (!in_run) runs.emplace_back();
-    in_run = true;
+  std::size_t next = 0;
+  for (const std::size_t i : DrawablePoints(x, y, series)) {
+    if (runs.empty() || i != next) runs.emplace_back();
     runs.back().push_back(plot.At(series.x[i], series.y[i]));
+    next = i + 1;
   }
   return runs;
 }
@@ -252,23 +257,26 @@ void DrawSeries(SvgWriter* svg, const ChartSeries& series,
 void DrawTips(SvgWriter* svg, const ChartAxis& x, const ChartAxis& y,
               const ChartSeries& series, const PlotArea& plot) {
   if (!series.tip) return;
-  std::vector<std::size_t> points;
-  for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i) {
-    if (IsDrawable(x, series.x[i]) && IsDrawable(y, series.y[i])) {
-      points.push_back(i);
-    }
+  std::vector<PointWithTip> points;
+  for (const std::size_t i : DrawablePoints(x, y, series)) {
+    points.push_back({plot.At(series.x[i], series.y[i]), series.y[i], i});
   }
-  const bool many = points.size() > kManyTips;
-  if (many) {
-    std::stable_sort(points.begin(), points.end(),
-                     [&series](std::size_t a, std::size_t b) {
-                       return series.y[a] > series.y[b];
-                     });
+  if (points.size() > kManyTips)
+    return DrawLargestTips(svg, points, series.tip);
+  for (const PointWithTip& point : points) {
+    svg->Tip(point.at, series.tip(point.index));
   }
+}
+
+void DrawLargestTips(SvgWriter* svg, std::vector<PointWithTip> points,
+                     const std::function<std::string(std::size_t)>& tip) {
+  std::stable_sort(points.begin(), points.end(),
+                   [](const PointWithTip& a, const PointWithTip& b) {
+                     return a.value > b.value;
+                   });
   Neighbourhoods taken(kTipCell);
-  for (const std::size_t i : points) {
-    const SvgPoint at = plot.At(series.x[i], series.y[i]);
-    if (!many || taken.IsNew(at)) svg->Tip(at, series.tip(i));
+  for (const PointWithTip& point : points) {
+    if (taken.IsNew(point.at)) svg->Tip(point.at, tip(point.index));
   }
 }
 

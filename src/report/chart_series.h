@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <functional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "src/report/chart_frame.h"
@@ -46,6 +45,10 @@ SeriesLook LookOf(const ChartSeries& series, std::size_t index);
 /// A path that draws one marker.
 std::string MarkerPath(MarkerStyle style, SvgPoint centre, double radius);
 
+/// Those points of a series that have a place on the axes, by their numbers.
+std::vector<std::size_t> DrawablePoints(const ChartAxis& x, const ChartAxis& y,
+                                        const ChartSeries& series);
+
 /// Points of a series in pixels, without those that have no place on the axes;
 /// a new run begins behind each of those.
 using PixelRun = std::vector<SvgPoint>;
@@ -58,6 +61,17 @@ std::vector<PixelRun> PixelRuns(const ChartAxis& x, const ChartAxis& y,
 void DrawSeries(SvgWriter* svg, const ChartSeries& series,
                 const SeriesLook& look, const PlotArea& plot,
                 const std::vector<PixelRun>& runs);
+
+/// What a tip is told of, and its place.
+struct PointWithTip {
+  SvgPoint at;
+  double value = 0.0;
+  std::size_t index = 0;
+};
+
+/// The tip of the largest value in each neighbourhood.
+void DrawLargestTips(SvgWriter* svg, std::vector<PointWithTip> points,
+                     const std::function<std::string(std::size_t)>& tip);
 
 /// The tips of a series; where points are many, that of the largest value in
 /// each neighbourhood.

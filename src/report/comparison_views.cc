@@ -1,5 +1,3 @@
-#include "src/report/comparison_views.h"
-
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -9,9 +7,9 @@
 
 #include "src/common/format.h"
 #include "src/common/text.h"
+#include "src/report/comparison_page.h"
 #include "src/report/markup.h"
 #include "src/report/page.h"
-#include "src/report/quantities.h"
 #include "src/report/svg_chart.h"
 #include "src/report/table.h"
 #include "src/solve/solver_names.h"
@@ -74,6 +72,13 @@ std::string DescribeError(const std::string& label, const std::string& when,
          ", largest " + FormatLength(accuracy.max, 3);
 }
 
+// The error after calibration, from its mean to the largest.
+RowMark MeanToLargest(const ComparedResult& result, std::size_t series) {
+  const double mean = result.after.mean / kMillimetre;
+  return {mean, mean, result.after.max / kMillimetre, series,
+          DescribeError(result.label, "after", result.after)};
+}
+
 std::string Outliers(const ComparedItems& all, const FleetSummary& fleet) {
   std::vector<std::string> items;
   for (const FleetArm& arm : fleet.arms) {
@@ -96,10 +101,8 @@ std::string RowLabel(const ComparedItems& all, const FleetArm& arm) {
 }
 
 std::string FleetFigure(const ComparedItems& all, const FleetSummary& fleet) {
-  RowChart chart;
-  chart.title = "Position error of each arm, by score";
-  chart.x.label = "mean position error [mm]";
-  chart.x.logarithmic = true;
+  RowChart chart{"Position error of each arm, by score", "",
+                 LogarithmicAxis("mean position error [mm]")};
   chart.looks = {Markers("before", MarkerStyle::kSquare, "s2"),
                  Markers("after", MarkerStyle::kDot, "s1")};
   for (const FleetArm& arm : fleet.arms) {
@@ -108,13 +111,9 @@ std::string FleetFigure(const ComparedItems& all, const FleetSummary& fleet) {
     RowMark before;
     before.at = result.before.mean / kMillimetre;
     before.tip = DescribeError(result.label, "before", result.before);
-    RowMark after;
-    after.series = 1;
-    after.at = result.after.mean / kMillimetre;
-    after.lower = after.at;
-    after.upper = result.after.max / kMillimetre;
-    after.tip = DescribeError(result.label, "after", result.after);
-    chart.rows.push_back({RowLabel(all, arm), {before, after}, arm.is_outlier});
+    chart.rows.push_back({RowLabel(all, arm),
+                          {before, MeanToLargest(result, 1)},
+                          arm.is_outlier});
   }
   std::string note =
       "▲ marks outliers. The line from the mean after calibration reaches to "
@@ -212,8 +211,7 @@ std::string ScoreFigure(const ComparedItems& all, const FleetSummary& fleet) {
       std::min(fleet.parameters.size(), kMostMatrixColumns);
   const std::size_t rows = std::min(fleet.arms.size(), kMostMatrixRows);
   if (columns == 0 || rows < 3) return "";
-  MatrixChart chart;
-  chart.title = "Where each arm differs from the median arm";
+  MatrixChart chart{"Where each arm differs from the median arm"};
   chart.cell_height = 20.0;
   chart.cell_width =
       std::clamp(kMatrixWidth / static_cast<double>(columns), 16.0, 40.0);
@@ -222,9 +220,7 @@ std::string ScoreFigure(const ComparedItems& all, const FleetSummary& fleet) {
   }
   for (std::size_t i = 0; i < rows; ++i) {
     const FleetArm& arm = fleet.arms[i];
-    MatrixRow row;
-    row.label = RowLabel(all, arm);
-    row.is_emphasised = arm.is_outlier;
+    MatrixRow row{RowLabel(all, arm), {}, "", arm.is_outlier};
     for (std::size_t k = 0; k < columns; ++k) {
       row.cells.push_back(ScoreOf(fleet.parameters[k], arm,
                                   all.values[arm.result].label,
@@ -278,9 +274,9 @@ Table ChangeTable(const ComparedItems& all, const DriftSummary& drift) {
 std::string ChangeFigure(const ComparedItems& all, const DriftSummary& drift) {
   constexpr MarkerStyle kMarkers[] = {MarkerStyle::kDot, MarkerStyle::kSquare,
                                       MarkerStyle::kTriangle};
-  RowChart chart;
-  chart.title = "Change of each parameter in units of its standard deviation";
-  chart.x.label = "change / standard deviation";
+  RowChart chart{"Change of each parameter in units of its standard deviation",
+                 "",
+                 {"change / standard deviation"}};
   chart.references = {-DriftSummary::kThreshold, 0.0, DriftSummary::kThreshold};
   for (std::size_t i = 0; i < kMostLegends; ++i) {
     std::string label;
@@ -318,12 +314,8 @@ std::string ChangeFigure(const ComparedItems& all, const DriftSummary& drift) {
 }
 
 std::string AccuracyOverTime(const ComparedItems& all) {
-  LineChart chart;
-  chart.title = "Mean position error";
-  chart.x.label = "result, in order";
-  chart.x.integer_ticks = true;
-  chart.y.label = "mean error [mm]";
-  chart.y.logarithmic = true;
+  LineChart chart{"Mean position error", "", CountAxis("result, in order"),
+                  LogarithmicAxis("mean error [mm]")};
   ChartSeries before = Markers("before", MarkerStyle::kSquare, "s2");
   ChartSeries after = Markers("after", MarkerStyle::kDot, "s1");
   const auto add = [&all](ChartSeries* series, Accuracy ComparedResult::*of) {
@@ -405,20 +397,13 @@ std::string TimeView(const ComparedItems& all, const DriftSummary& drift) {
 
 std::string MethodsView(const ComparedItems& all,
                         const MethodSummary& methods) {
-  RowChart chart;
-  chart.title = "Error after calibration by each method, mean to largest";
-  chart.x.label = "position error [mm]";
-  chart.x.logarithmic = true;
+  RowChart chart{"Error after calibration by each method, mean to largest", "",
+                 LogarithmicAxis("position error [mm]")};
   chart.looks = {Markers("", MarkerStyle::kDot, "s1")};
   for (const std::size_t place : methods.ranking) {
     if (chart.rows.size() == kMostArms) break;
     const ComparedResult& result = all.values[place];
-    RowMark mark;
-    mark.at = result.after.mean / kMillimetre;
-    mark.lower = mark.at;
-    mark.upper = result.after.max / kMillimetre;
-    mark.tip = DescribeError(result.label, "after", result.after);
-    chart.rows.push_back({result.label, {mark}, false});
+    chart.rows.push_back({result.label, {MeanToLargest(result, 0)}, false});
   }
   return HtmlFigure("methods-figure", chart) + MethodTable(all).ToHtml();
 }

@@ -25,10 +25,6 @@ std::vector<JointColumn> JointColumns(const EvaluatedSet& set) {
   return columns;
 }
 
-std::string Millimetres(double metres) {
-  return ShortestNumber(metres / kMillimetre);
-}
-
 std::string Header(const EvaluatedSet& set,
                    const std::vector<JointColumn>& joints) {
   std::string text = "pose";
@@ -143,13 +139,11 @@ std::string FormatIterations(const std::vector<SolverRun>& runs) {
       "time_s\n";
   for (const SolverRun& run : runs) {
     for (const IterationRecord& record : run.summary.iterations) {
-      text += run.summary.solver + "," + std::to_string(record.iteration) +
-              "," + ShortestNumber(record.cost) + "," +
-              Millimetres(record.max_error) + "," +
-              Millimetres(record.rms_error) + "," +
-              ShortestNumber(record.step_norm) + "," +
-              (record.accepted ? "true" : "false") + "," +
-              ShortestNumber(record.time_s) + "\n";
+      AppendCsvCells(&text, run.summary.solver, record.iteration, record.cost,
+                     record.max_error / kMillimetre,
+                     record.rms_error / kMillimetre, record.step_norm,
+                     record.accepted);
+      EndCsvRow(&text, record.time_s);
     }
   }
   return text;

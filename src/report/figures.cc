@@ -149,16 +149,13 @@ bool LiesInHorizontalPlane(const EvaluatedSet& set) {
 
 MapChart PlaneChart(const EvaluatedSet& set, CalibrationState state) {
   const ShownErrors errors(set, state);
-  MapChart chart;
-  chart.title = errors.title() + "validation poses";
-  const double height = set.positions.row(2).mean() / kMillimetre;
-  chart.subtitle = errors.Headline() + " (" +
-                   Count(errors.accuracy().n, "pose") + " at z" + kNoBreak +
-                   "=" + kNoBreak + FormatSignificant(height, 3) + kNoBreak +
-                   "mm)";
-  chart.x.label = "x [mm]";
-  chart.y.label = "y [mm]";
-  chart.colour.label = errors.label();
+  MapChart chart{errors.title() + "validation poses",
+                 errors.Headline() + " (" + Count(errors.accuracy().n, "pose") +
+                     " at z" + kNoBreak + "=" + kNoBreak +
+                     LengthInWords(set.positions.row(2).mean()) + ")",
+                 {"x [mm]"},
+                 {"y [mm]"},
+                 {errors.label()}};
   for (Eigen::Index i = 0; i < errors.size(); ++i) {
     chart.px.push_back(set.positions(0, i) / kMillimetre);
     chart.py.push_back(set.positions(1, i) / kMillimetre);
@@ -208,16 +205,13 @@ std::string ConvergenceHeadline(const std::vector<SolverRun>& runs) {
 Figure ErrorFigure(const EvaluatedSet& set, CalibrationState state,
                    const std::string& pose) {
   const ShownErrors errors(set, state);
-  LineChart chart;
-  chart.title = errors.title() + pose + "s";
-  chart.subtitle =
-      errors.Headline() + " (" + Count(errors.accuracy().n, pose) + ")";
-  chart.x.label = pose;
-  chart.x.integer_ticks = true;
-  chart.y.label = errors.label();
-  ChartSeries series;
-  series.marker = MarkerStyle::kStem;
-  series.colour = state == CalibrationState::kAfter ? "s1" : "s2";
+  LineChart chart{
+      errors.title() + pose + "s",
+      errors.Headline() + " (" + Count(errors.accuracy().n, pose) + ")",
+      CountAxis(pose),
+      {errors.label()}};
+  ChartSeries series = Markers("", MarkerStyle::kStem,
+                               state == CalibrationState::kAfter ? "s1" : "s2");
   std::vector<Eigen::Index> drawn = DrawnObservations(errors, kMostDrawn);
   for (const Eigen::Index i : drawn) {
     series.x.push_back(static_cast<double>(i + 1));
@@ -239,11 +233,11 @@ Figure JointFigure(const EvaluatedSet& set, Eigen::Index joint) {
   const bool is_angle = set.joint_dimensions[joint] == Dimension::kAngle;
   const ShownErrors before(set, CalibrationState::kBefore);
   const ShownErrors after(set, CalibrationState::kAfter);
-  LineChart chart;
-  chart.title = "Error by the value of joint " + std::to_string(joint + 1);
-  chart.x.label =
-      "joint " + std::to_string(joint + 1) + (is_angle ? " [deg]" : " [mm]");
-  chart.y.label = after.label();
+  const std::string name = "joint " + std::to_string(joint + 1);
+  LineChart chart{"Error by the value of " + name,
+                  "",
+                  {name + (is_angle ? " [deg]" : " [mm]")},
+                  {after.label()}};
   chart.y.logarithmic =
       before.accuracy().max > kLargeFall * after.accuracy().max &&
       after.accuracy().max > 0.0;
@@ -271,13 +265,9 @@ Figure JointFigure(const EvaluatedSet& set, Eigen::Index joint) {
 Figure ConvergenceFigure(const std::vector<SolverRun>& runs) {
   constexpr MarkerStyle kMarkers[] = {MarkerStyle::kDot, MarkerStyle::kSquare,
                                       MarkerStyle::kTriangle};
-  LineChart chart;
-  chart.title = "Largest position error by iteration, training poses";
-  chart.subtitle = ConvergenceHeadline(runs);
-  chart.x.label = "iteration";
-  chart.x.integer_ticks = true;
-  chart.y.label = "largest position error [mm]";
-  chart.y.logarithmic = true;
+  LineChart chart{"Largest position error by iteration, training poses",
+                  ConvergenceHeadline(runs), CountAxis("iteration"),
+                  LogarithmicAxis("largest position error [mm]")};
   double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < runs.size(); ++i) {
     chart.series.push_back(
@@ -301,10 +291,10 @@ std::vector<std::pair<std::string, Figure>> ResultFigures(
   std::vector<std::pair<std::string, Figure>> figures;
   constexpr auto kBefore = CalibrationState::kBefore;
   constexpr auto kAfter = CalibrationState::kAfter;
+  const std::string pose = "training pose";
   figures.emplace_back("error_before",
-                       ErrorFigure(result.train, kBefore, "training pose"));
-  figures.emplace_back("error_after",
-                       ErrorFigure(result.train, kAfter, "training pose"));
+                       ErrorFigure(result.train, kBefore, pose));
+  figures.emplace_back("error_after", ErrorFigure(result.train, kAfter, pose));
   figures.emplace_back("convergence", ConvergenceFigure(result.runs));
   if (result.validation) {
     figures.emplace_back("validation_before",

@@ -1,7 +1,5 @@
 #include "src/report/page.h"
 
-#include <algorithm>
-
 #include "src/common/text.h"
 #include "src/report/markup.h"
 #include "src/report/page_files.h"

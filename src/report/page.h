@@ -2,7 +2,6 @@
 #define ALIDADE_SRC_REPORT_PAGE_H_
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "alidade/calibration_result.h"

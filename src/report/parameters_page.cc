@@ -3,13 +3,10 @@
 #include <limits>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "src/common/format.h"
 #include "src/common/text.h"
-#include "src/report/markup.h"
-#include "src/report/quantities.h"
 #include "src/report/result_page.h"
 #include "src/report/table.h"
 #include "src/report/uncertainty_report.h"

@@ -1,12 +1,12 @@
-#include "src/report/plan_report.h"
-
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "src/common/format.h"
 #include "src/common/text.h"
-#include "src/report/quantities.h"
+#include "src/report/report.h"
+#include "src/report/rows.h"
 #include "src/report/svg_chart.h"
 #include "src/report/table.h"
 
@@ -151,45 +151,32 @@ std::string PoseTable(const PlanResult& result) {
   return table.ToText();
 }
 
-ChartSeries CurveSeries(const std::string& label, const PlanResult& result,
-                        double (*of)(const PlanCurvePoint&)) {
-  ChartSeries series;
-  series.label = label;
-  for (const PlanCurvePoint& point : result.curve) {
-    series.x.push_back(point.num_poses);
-    series.y.push_back(of(point) / kMillimetre);
-  }
-  return series;
-}
-
 std::string CurveChart(const PlanResult& result) {
-  LineChart chart;
-  chart.title = "Predicted accuracy by the number of poses";
-  chart.subtitle = Count(NumPoses(result), "planned pose") + ": worst " +
-                   FormatLength(result.evaluations.front().region.worst, 3) +
-                   " over the region, random ones " +
-                   FormatLength(result.evaluations[2].region.worst, 3);
-  chart.x.label = "poses";
-  chart.x.logarithmic = true;
-  chart.y.label = "standard deviation of a position [mm]";
-  chart.y.logarithmic = true;
-  chart.series.push_back(CurveSeries(
-      "random, worst", result,
-      [](const PlanCurvePoint& point) { return point.random.worst; }));
-  chart.series.push_back(CurveSeries(
-      "random, rms", result,
-      [](const PlanCurvePoint& point) { return point.random.rms; }));
-  chart.series.push_back(CurveSeries(
-      "planned, worst", result,
-      [](const PlanCurvePoint& point) { return point.planned.worst; }));
-  chart.series.push_back(CurveSeries(
-      "planned, rms", result,
-      [](const PlanCurvePoint& point) { return point.planned.rms; }));
-  for (ChartSeries& series : chart.series) series.marker = MarkerStyle::kDot;
+  LineChart chart{"Predicted accuracy by the number of poses",
+                  Count(NumPoses(result), "planned pose") + ": worst " +
+                      FormatLength(result.evaluations.front().region.worst, 3) +
+                      " over the region, random ones " +
+                      FormatLength(result.evaluations[2].region.worst, 3),
+                  LogarithmicAxis("poses"),
+                  LogarithmicAxis("standard deviation of a position [mm]")};
+  const auto add = [&](const char* label, MarkerStyle marker, const auto& of) {
+    ChartSeries& series = chart.series.emplace_back();
+    series.label = label;
+    series.marker = marker;
+    for (const PlanCurvePoint& point : result.curve) {
+      series.x.push_back(point.num_poses);
+      series.y.push_back(of(point) / kMillimetre);
+    }
+  };
+  constexpr MarkerStyle kDot = MarkerStyle::kDot;
+  using Point = PlanCurvePoint;
+  add("random, worst", kDot, [](const Point& p) { return p.random.worst; });
+  add("random, rms", kDot, [](const Point& p) { return p.random.rms; });
+  add("planned, worst", kDot, [](const Point& p) { return p.planned.worst; });
+  add("planned, rms", kDot, [](const Point& p) { return p.planned.rms; });
   if (result.curve.front().bound > 0.0) {
-    chart.series.push_back(
-        CurveSeries("bound of the worst, sigma sqrt(p / N)", result,
-                    [](const PlanCurvePoint& point) { return point.bound; }));
+    add("bound of the worst, sigma sqrt(p / N)", MarkerStyle::kNone,
+        [](const Point& p) { return p.bound; });
   }
   if (result.wanted > 0.0) {
     chart.references.push_back({result.wanted / kMillimetre, "wanted"});
@@ -202,16 +189,15 @@ std::string CurveCsv(const PlanResult& result) {
       "poses,planned_worst_mm,planned_rms_mm,random_worst_mm,random_rms_mm,"
       "bound_mm\n";
   for (const PlanCurvePoint& point : result.curve) {
-    csv += std::to_string(point.num_poses);
-    for (const double value :
-         {point.planned.worst, point.planned.rms, point.random.worst,
-          point.random.rms, point.bound}) {
-      csv += ",";
-      if (std::isfinite(value) && value > 0.0) {
-        csv += ShortestNumber(value / kMillimetre);
-      }
-    }
-    csv += "\n";
+    const auto shown = [](double value) {
+      return std::isfinite(value) && value > 0.0
+                 ? value / kMillimetre
+                 : std::numeric_limits<double>::quiet_NaN();
+    };
+    AppendCsvCells(&csv, point.num_poses, shown(point.planned.worst),
+                   shown(point.planned.rms), shown(point.random.worst),
+                   shown(point.random.rms));
+    EndCsvRow(&csv, shown(point.bound));
   }
   return csv;
 }

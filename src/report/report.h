@@ -3,10 +3,13 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "alidade/calibration_result.h"
 #include "alidade/monte_carlo.h"
+#include "alidade/plan.h"
 #include "src/common/text_pieces.h"
 #include "src/simulation/noise_study_result.h"
 
@@ -19,12 +22,18 @@ namespace alidade::internal {
 /// Which files do is said where they are made.
 struct ReportFile {
   /// Of a text that is there.
-  ReportFile(std::string file_name, std::string text);
+  ReportFile(std::string file_name, std::string text)
+      : ReportFile(std::move(file_name), WholeText(std::move(text))) {}
   /// Of a text that is made each time it is asked for.
-  ReportFile(std::string file_name, TextSource source);
+  ReportFile(std::string file_name, TextSource source)
+      : name(std::move(file_name)), content(std::move(source)) {}
 
   /// The whole content as one text.
-  std::string Text() const;
+  std::string Text() const {
+    std::string text;
+    content([&text](std::string_view piece) { text += piece; });
+    return text;
+  }
 
   std::string name;
   TextSource content;  ///< gives the whole content, piece by piece
@@ -73,6 +82,17 @@ std::vector<ReportFile> MakeMonteCarloFiles(const MonteCarloResult& result);
 /// each parameter that is left out depends on.
 std::vector<ReportFile> MakeIdentifiabilityFigures(
     const IdentifiabilityResult& result);
+/// What `plan` prints: the predicted accuracy of the plan beside greedy and
+/// random poses, and accuracy by the number of poses. Lengths in mm.
+std::string FormatPlanSummary(const PlanResult& result);
+
+/// The whole plan.txt: the summary, parameters, and the poses in their order.
+std::string FormatPlan(const PlanResult& result);
+
+/// accuracy.svg (predicted accuracy by the number of poses, with its bound) and
+/// curve.csv, where there is a curve.
+std::vector<ReportFile> MakePlanFiles(const PlanResult& result);
+
 /// The sentences of the findings of these keys, in the order of the keys.
 std::string FindingSentences(const CalibrationResult& result,
                              const std::vector<std::string>& keys);

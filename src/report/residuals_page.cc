@@ -8,10 +8,10 @@
 
 #include "src/common/format.h"
 #include "src/common/text.h"
-#include "src/report/accuracy_report.h"
 #include "src/report/figures.h"
 #include "src/report/report.h"
 #include "src/report/result_page.h"
+#include "src/report/result_tables.h"
 #include "src/report/uncertainty_report.h"
 
 namespace alidade::internal {
@@ -105,15 +105,14 @@ MapChart SliceChart(const PredictedMap& map, const Slice& slice) {
     square.sum += map.position_std[i] / kMillimetre;
     ++square.n;
   }
-  MapChart chart;
-  const std::string axes = "xyz";
-  chart.title = "Predicted standard deviation of the position";
-  chart.subtitle = std::string(1, axes[slice.axis]) + " from " +
-                   FormatSignificant(slice.lower, 3) + " to " +
-                   FormatSignificant(slice.upper, 3) + " mm";
-  chart.x.label = std::string(1, axes[across[0]]) + " [mm]";
-  chart.y.label = std::string(1, axes[across[1]]) + " [mm]";
-  chart.colour.label = "standard deviation [mm]";
+  const auto axis = [](int k) { return std::string(1, "xyz"[k]); };
+  MapChart chart{"Predicted standard deviation of the position",
+                 axis(slice.axis) + " from " +
+                     FormatSignificant(slice.lower, 3) + " to " +
+                     FormatSignificant(slice.upper, 3) + " mm",
+                 {axis(across[0]) + " [mm]"},
+                 {axis(across[1]) + " [mm]"},
+                 {"standard deviation [mm]"}};
   chart.cell_size = slice.side;
   std::vector<std::int64_t> counts;
   for (const auto& [place, square] : squares) {
@@ -163,12 +162,9 @@ std::string TruthFigure(const PredictedMap& map) {
   if (!(map.true_error.size() > 0 && map.true_error.maxCoeff() > 0.0)) {
     return "";
   }
-  LineChart chart;
-  chart.title = "Predicted and true error";
-  chart.x.label = "predicted standard deviation [mm]";
-  chart.y.label = "true error [mm]";
-  chart.x.logarithmic = true;
-  chart.y.logarithmic = true;
+  LineChart chart{"Predicted and true error", "",
+                  LogarithmicAxis("predicted standard deviation [mm]"),
+                  LogarithmicAxis("true error [mm]")};
   ChartSeries points = Markers("a configuration", MarkerStyle::kDot);
   ValueRange range;
   const Eigen::Index size = map.true_error.size();

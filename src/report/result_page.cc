@@ -1,22 +1,18 @@
 #include "src/report/result_page.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "src/common/format.h"
 #include "src/common/text.h"
-#include "src/report/accuracy_report.h"
 #include "src/report/arm_view.h"
 #include "src/report/figures.h"
-#include "src/report/identifiability_report.h"
 #include "src/report/markup.h"
-#include "src/report/quantities.h"
 #include "src/report/report.h"
-#include "src/report/solver_comparison.h"
+#include "src/report/result_tables.h"
+#include "src/report/table.h"
 #include "src/solve/solver_names.h"
 
 namespace alidade::internal {
@@ -172,27 +168,25 @@ PageSection IdentifiabilitySection(const CalibrationResult& result) {
 
 PageSection StagesSection(const CalibrationResult& result) {
   if (result.stages.empty()) return {"stages", "Accuracy by stage", ""};
-  RowChart chart;
-  chart.title = std::string("Error by what was calibrated, ") +
-                (result.validation ? "validation" : "training") + " poses";
-  chart.x.label = "position error [mm]";
+  RowChart chart{std::string("Error by what was calibrated, ") +
+                     (result.validation ? "validation" : "training") + " poses",
+                 "",
+                 {"position error [mm]"}};
   chart.looks = {Markers("mean", MarkerStyle::kDot),
                  Markers("largest", MarkerStyle::kSquare)};
   for (const StageResult& stage : result.stages) {
     const Accuracy& accuracy =
         result.validation ? stage.validation : stage.train;
-    ChartRow row;
+    ChartRow& row = chart.rows.emplace_back();
     row.label = stage.name;
     for (std::size_t k = 0; k < chart.looks.size(); ++k) {
-      RowMark mark;
-      mark.series = k;
       const double error = k == 0 ? accuracy.mean : accuracy.max;
+      RowMark& mark = row.marks.emplace_back();
+      mark.series = k;
       mark.at = error / kMillimetre;
       mark.tip = stage.name + ": " + chart.looks[k].label + " " +
                  FormatLength(error, 3);
-      row.marks.push_back(mark);
     }
-    chart.rows.push_back(row);
   }
   return {"stages", "Accuracy by stage",
           HtmlPair({HtmlFigure("stages-figure", chart),

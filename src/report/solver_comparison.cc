@@ -1,5 +1,3 @@
-#include "src/report/solver_comparison.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -9,14 +7,12 @@
 
 #include "src/common/format.h"
 #include "src/common/text.h"
-#include "src/common/text_table.h"
 #include "src/report/report.h"
+#include "src/report/result_tables.h"
 #include "src/solve/solver_names.h"
 
 namespace alidade::internal {
 namespace {
-
-using Align = TextTable::Align;
 
 constexpr int kStatusWidth = 24;
 // A longer history shows its beginning and its end.
@@ -46,18 +42,18 @@ bool AnyRejected(const std::vector<SolverRun>& runs) {
   });
 }
 
-std::vector<std::string> IterationRow(const std::vector<SolverRun>& runs,
-                                      std::size_t iteration) {
-  std::vector<std::string> row = {std::to_string(iteration)};
+std::vector<TableCell> IterationRow(const std::vector<SolverRun>& runs,
+                                    std::size_t iteration) {
+  std::vector<TableCell> row = {std::to_string(iteration)};
   for (const SolverRun& run : runs) {
     if (iteration >= run.summary.iterations.size()) {
       row.insert(row.end(), {"", ""});
       continue;
     }
     const IterationRecord& record = run.summary.iterations[iteration];
-    row.push_back(std::string(record.accepted ? "" : "* ") +
-                  FormatSignificant(record.max_error / kMillimetre, 4));
-    row.push_back(FormatSignificant(record.cost, 4));
+    row.emplace_back((record.accepted ? "" : "* ") +
+                     FormatSignificant(record.max_error / kMillimetre, 4));
+    row.push_back(NumberCell(record.cost, 4));
   }
   return row;
 }
@@ -65,26 +61,23 @@ std::vector<std::string> IterationRow(const std::vector<SolverRun>& runs,
 std::string IterationTable(const std::vector<SolverRun>& runs) {
   const std::size_t length = LongestHistory(runs);
   if (length == 0) return "";
-  std::vector<TextTable::Column> columns = {{"iteration", Align::kRight}};
+  std::vector<Table::Column> columns = {">iteration"};
   for (const SolverRun& run : runs) {
     const std::string title = ShortSolverTitle(run.summary.solver);
-    columns.push_back({title + " max [mm]", Align::kRight});
-    columns.push_back({"chi-square", Align::kRight});
+    columns.insert(columns.end(), {">" + title + " max [mm]", ">chi-square"});
   }
-  TextTable table(columns);
+  Table table(columns);
   for (std::size_t i = 0; i < length; ++i) {
     if (length > kMostIterations && i == kFirstIterations) {
-      std::vector<std::string> gap(columns.size());
+      std::vector<TableCell> gap(columns.size(), "");
       gap.front() = "...";
       table.AddRow(std::move(gap));
       i = length - kLastIterations;
     }
     table.AddRow(IterationRow(runs, i));
   }
-  std::string text = "\nLargest position error by iteration:\n\n";
-  text += table.ToString();
-  if (AnyRejected(runs)) text += "* the step was rejected\n";
-  return text;
+  return "\nLargest position error by iteration:\n\n" + table.ToText() +
+         (AnyRejected(runs) ? "* the step was rejected\n" : "");
 }
 
 // A parameter and how far its values differ (m or rad).

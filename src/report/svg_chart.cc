@@ -11,11 +11,11 @@
 #include "src/common/format.h"
 #include "src/common/text.h"
 #include "src/report/chart_frame.h"
-#include "src/report/chart_scale.h"
 #include "src/report/chart_series.h"
 #include "src/report/svg_writer.h"
 
 namespace alidade::internal {
+
 namespace {
 
 constexpr double kHeight = 420.0;
@@ -35,10 +35,7 @@ struct DataExtent {
 DataExtent ExtentOf(const LineChart& chart) {
   DataExtent extent;
   for (const ChartSeries& series : chart.series) {
-    const std::size_t size = std::min(series.x.size(), series.y.size());
-    for (std::size_t i = 0; i < size; ++i) {
-      if (!IsDrawable(chart.x, series.x[i])) continue;
-      if (!IsDrawable(chart.y, series.y[i])) continue;
+    for (const std::size_t i : DrawablePoints(chart.x, chart.y, series)) {
       extent.x.Include(series.x[i]);
       extent.y.Include(series.y[i]);
     }
@@ -66,16 +63,10 @@ ValueRange ShownRange(const LineChart& chart, ValueRange data) {
 
 std::string Describe(const ChartSeries& series, const LineChart& chart) {
   ValueRange range;
-  std::int64_t count = 0;
-  const std::size_t size = std::min(series.x.size(), series.y.size());
-  for (std::size_t i = 0; i < size; ++i) {
-    if (!IsDrawable(chart.x, series.x[i])) continue;
-    if (!IsDrawable(chart.y, series.y[i])) continue;
-    range.Include(series.y[i]);
-    ++count;
-  }
+  const auto points = DrawablePoints(chart.x, chart.y, series);
+  for (const std::size_t i : points) range.Include(series.y[i]);
   std::string text = series.label.empty() ? "One series" : series.label;
-  text += ": " + Count(count, "point");
+  text += ": " + Count(static_cast<std::int64_t>(points.size()), "point");
   if (range.empty()) return text + ".";
   return text + " from " + FormatSignificant(range.min, 4) + " to " +
          FormatSignificant(range.max, 4) + ".";
@@ -169,6 +160,197 @@ std::string RenderSvg(const LineChart& chart, FigureMedium medium) {
       {left, top, layout.width - std::max(margin, 16.0) - left, height}, x, y};
   DrawAxes(&svg, plot);
   DrawData(&svg, chart, plot);
+  return svg.Finish();
+}
+
+namespace {
+
+constexpr double kRowHeight = 22.0;
+constexpr double kRowsBottomMargin = 52.0;
+constexpr double kLabelGap = 8.0;
+constexpr double kSquareCell = 60.0;
+constexpr double kTurned = -60.0;
+constexpr double kMatrixMargin = 150.0;
+constexpr int kMaxLabels = 6;
+// Of the width, that names of rows may take.
+constexpr double kLabelShare = 0.42;
+// Of a bold name's width over a regular one's.
+constexpr double kBold = 1.1;
+
+// What fits into `room`, its end as "…".
+std::string Shortened(const std::string& label, double room) {
+  if (SvgTextWidth(label, kBold * kTickSize) <= room) return label;
+  std::string shorter = label;
+  do {
+    // Whole characters of UTF-8.
+    do {
+      shorter.pop_back();
+    } while (!shorter.empty() && (shorter.back() & 0xC0) == 0x80);
+  } while (!shorter.empty() &&
+           SvgTextWidth(shorter + "…", kBold * kTickSize) > room);
+  return shorter + "…";
+}
+
+template <typename Row>
+double LabelRoom(const std::vector<Row>& rows, double width) {
+  double longest = 0.0;
+  for (const Row& row : rows) {
+    longest = std::max(longest, SvgTextWidth(row.label, kBold * kTickSize));
+  }
+  return std::min(longest, kLabelShare * width);
+}
+
+template <typename Row>
+void DrawRowLabel(SvgWriter* svg, const Row& row, double right, double room,
+                  double middle) {
+  svg->Text({right - kLabelGap, middle + 0.36 * kTickSize},
+            Shortened(row.label, room),
+            row.is_emphasised ? "strong end" : "tick end");
+}
+
+ValueRange RangeOf(const RowChart& chart) {
+  ValueRange range = chart.range;
+  if (range.empty()) {
+    for (const ChartRow& row : chart.rows) {
+      for (const RowMark& mark : row.marks) {
+        for (const double value : {mark.at, mark.lower, mark.upper}) {
+          if (IsDrawable(chart.x, value)) range.Include(value);
+        }
+      }
+    }
+  }
+  if (!chart.x.logarithmic) range.Include(0.0);
+  return range;
+}
+
+// A bar, and where it goes on an arrow.
+void DrawBar(SvgWriter* svg, const RowMark& mark, const std::string& colour,
+             const AxisScale& x, const SvgBox& box, double y) {
+  if (!(mark.lower <= mark.upper) || std::isnan(x.Fraction(mark.lower))) return;
+  const auto at = [&](double value) {
+    return box.left + std::clamp(x.Fraction(value), 0.0, 1.0) * box.width;
+  };
+  const double left = at(mark.lower);
+  const double right = at(mark.upper);
+  std::string arrows;
+  const std::string end = " " + SvgNumber(y);
+  if (mark.lower < x.lower()) {
+    arrows += "M" + SvgNumber(left) + end + "l6 -4v8z";
+  }
+  if (mark.upper > x.upper()) {
+    arrows += "M" + SvgNumber(right) + end + "l-6 -4v8z";
+  }
+  svg->Path("M" + SvgNumber(left) + end + "H" + SvgNumber(right),
+            "stem " + colour);
+  if (!arrows.empty()) svg->Path(arrows, "mark full " + colour);
+}
+
+void DrawMark(SvgWriter* svg, const RowChart& chart, const RowMark& mark,
+              const AxisScale& x, const SvgBox& box, double y) {
+  const ChartSeries& series = chart.looks[mark.series];
+  const SeriesLook look = LookOf(series, mark.series);
+  DrawBar(svg, mark, look.colour, x, box, y);
+  if (!IsDrawable(chart.x, mark.at)) return;
+  const SvgPoint at{box.left + x.Fraction(mark.at) * box.width, y};
+  svg->Path(MarkerPath(series.marker, at, 4.5),
+            (look.is_open ? "mark " : "mark full ") + look.colour);
+  if (!mark.tip.empty()) svg->Tip(at, mark.tip);
+}
+
+void DrawRows(SvgWriter* svg, const RowChart& chart, const AxisScale& x,
+              const SvgBox& box) {
+  for (const double reference : chart.references) {
+    const double place = x.Fraction(reference);
+    if (!(place >= 0.0 && place <= 1.0)) continue;
+    const double at = box.left + place * box.width;
+    svg->Line({at, box.top}, {at, box.bottom()}, "reference");
+  }
+  double y = box.top + kRowHeight / 2.0;
+  for (const ChartRow& row : chart.rows) {
+    DrawRowLabel(svg, row, box.left, box.left - kLabelGap, y);
+    for (const RowMark& mark : row.marks) {
+      DrawMark(svg, chart, mark, x, box, y);
+    }
+    y += kRowHeight;
+  }
+}
+
+}  // namespace
+
+std::string RenderSvg(const RowChart& chart, FigureMedium medium) {
+  const ChartLayout layout = LayoutOf(medium);
+  const double left =
+      layout.margin + kLabelGap + LabelRoom(chart.rows, layout.width);
+  const double rows = kRowHeight * static_cast<double>(chart.rows.size());
+  // The header is drawn twice: to know its height, and in its place.
+  const auto draw_header = [&](SvgWriter* svg) {
+    return DrawLegend(svg, layout, chart.looks,
+                      DrawHeader(svg, layout, chart.title, chart.subtitle));
+  };
+  SvgWriter measured({}, "", "", FigureMedium::kPage);
+  const double top = draw_header(&measured) + 4.0;
+  SvgWriter svg({layout.width, top + rows + kRowsBottomMargin}, chart.title,
+                chart.subtitle + " " + chart.x.label + " of " +
+                    Count(static_cast<std::int64_t>(chart.rows.size()), "row"),
+                medium);
+  draw_header(&svg);
+  const SvgBox box{left, top,
+                   layout.width - std::max(layout.margin, 16.0) - left, rows};
+  const AxisScale x(chart.x, RangeOf(chart), AxisScale::Fit::kMagnitude,
+                    kMaxLabels);
+  DrawAxisX(&svg, box, x);
+  DrawRows(&svg, chart, x, box);
+  return svg.Finish();
+}
+
+std::string RenderSvg(const MatrixChart& chart, FigureMedium medium) {
+  const double cells =
+      chart.cell_width * static_cast<double>(chart.columns.size());
+  ChartLayout layout = LayoutOf(medium);
+  const double room = LabelRoom(chart.rows, 720.0);
+  const double left = layout.margin + room + kLabelGap;
+  const bool has_notes =
+      std::any_of(chart.rows.begin(), chart.rows.end(),
+                  [](const MatrixRow& row) { return !row.note.empty(); });
+  layout.width = std::max(medium == FigureMedium::kFile ? layout.width : 0.0,
+                          left + cells + (has_notes ? kMatrixMargin : 40.0));
+  const bool is_turned = chart.cell_width < kSquareCell;
+  const double names = is_turned ? 60.0 : 28.0;
+  const double header = medium == FigureMedium::kFile ? 80.0 : 0.0;
+  const double top = header + names;
+  const double height =
+      top + chart.cell_height * static_cast<double>(chart.rows.size()) +
+      layout.margin;
+  SvgWriter svg({layout.width, height}, chart.title, chart.subtitle, medium);
+  DrawHeader(&svg, layout, chart.title, chart.subtitle);
+  for (std::size_t k = 0; k < chart.columns.size(); ++k) {
+    const double x = left + chart.cell_width * (static_cast<double>(k) + 0.5);
+    svg.Text({x + (is_turned ? 4.0 : 0.0), top - 8.0}, chart.columns[k],
+             is_turned ? "tick" : "strong middle", is_turned ? kTurned : 0.0);
+  }
+  double y = top;
+  for (const MatrixRow& row : chart.rows) {
+    const double middle = y + chart.cell_height / 2.0;
+    DrawRowLabel(&svg, row, left, room, middle);
+    double x = left;
+    for (const MatrixCell& cell : row.cells) {
+      const SvgBox box{x, y, chart.cell_width - 1.0, chart.cell_height - 1.0};
+      x += chart.cell_width;
+      svg.Box(box, "empty");
+      if (cell.colour.empty()) continue;
+      svg.Box(box, "cell " + cell.colour, cell.opacity);
+      const SvgPoint centre{box.left + box.width / 2.0, middle};
+      if (!cell.text.empty()) {
+        svg.Text({centre.x, middle + 0.36 * kTickSize}, cell.text,
+                 is_turned ? "small strong middle" : "middle");
+      }
+      if (!cell.tip.empty()) svg.Tip(centre, cell.tip);
+    }
+    if (has_notes) {
+      svg.Text({x + kLabelGap, middle + 0.36 * kTickSize}, row.note, "tick");
+    }
+    y += chart.cell_height;
+  }
   return svg.Finish();
 }
 

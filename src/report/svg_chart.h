@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "src/report/chart_scale.h"
+#include "src/report/chart_frame.h"
 #include "src/report/chart_series.h"
 
 namespace alidade::internal {
@@ -15,35 +15,35 @@ namespace alidade::internal {
 /// A horizontal reference line with its label. A fitted range includes it.
 struct ChartReference {
   double y = 0.0;
-  std::string label;
+  std::string label = {};
 };
 
 struct LineChart {
-  std::string title;
-  std::string subtitle;  ///< the headline number in words
-  ChartAxis x;
-  ChartAxis y;
-  std::vector<ChartSeries> series;
-  std::vector<ChartReference> references;
+  std::string title = {};
+  std::string subtitle = {};  ///< the headline number in words
+  ChartAxis x = {};
+  ChartAxis y = {};
+  std::vector<ChartSeries> series = {};
+  std::vector<ChartReference> references = {};
 };
 
 /// A value at points of a plane, as coloured squares with a colour bar.
 struct MapChart {
-  std::string title;
-  std::string subtitle;
-  ChartAxis x;
-  ChartAxis y;
-  ChartAxis colour;
+  std::string title = {};
+  std::string subtitle = {};
+  ChartAxis x = {};
+  ChartAxis y = {};
+  ChartAxis colour = {};
   /// A unit of x is as long as a unit of y: shapes keep their proportions.
   bool equal_scale = true;
   /// The points are the middles of squares of this size, in units of x; 0:
   /// samples at any places, between which squares are filled in.
   double cell_size = 0.0;
-  std::vector<double> px;
-  std::vector<double> py;
-  std::vector<double> value;
+  std::vector<double> px = {};
+  std::vector<double> py = {};
+  std::vector<double> value = {};
   /// What is said of a point under the pointer.
-  std::function<std::string(std::size_t)> tip;
+  std::function<std::string(std::size_t)> tip = {};
 };
 
 /// A marker of a row, and a bar from `lower` to `upper` where there is one,
@@ -53,47 +53,47 @@ struct RowMark {
   double lower = std::numeric_limits<double>::quiet_NaN();
   double upper = std::numeric_limits<double>::quiet_NaN();
   std::size_t series = 0;  ///< whose look it has
-  std::string tip;
+  std::string tip = {};
 };
 
 struct ChartRow {
-  std::string label;
-  std::vector<RowMark> marks;
+  std::string label = {};
+  std::vector<RowMark> marks = {};
   bool is_emphasised = false;
 };
 
 /// Rows of marks over one axis: a row a parameter or an arm. A given range is
 /// widened to whole ticks; zero is in a linear one.
 struct RowChart {
-  std::string title;
-  std::string subtitle;
-  ChartAxis x;
-  ValueRange range;  ///< what the axis shows; empty: all marks and bars
-  std::vector<ChartSeries> looks;  ///< label, colour and marker
-  std::vector<ChartRow> rows;
-  std::vector<double> references;  ///< vertical lines
+  std::string title = {};
+  std::string subtitle = {};
+  ChartAxis x = {};
+  ValueRange range = {};  ///< what the axis shows; empty: all marks and bars
+  std::vector<ChartSeries> looks = {};  ///< label, colour and marker
+  std::vector<ChartRow> rows = {};
+  std::vector<double> references = {};  ///< vertical lines
 };
 
 struct MatrixCell {
-  std::string text;
-  std::string colour;    ///< "s1" to "s7"; empty = the cell is not drawn
-  double opacity = 1.0;  ///< of the colour
-  std::string tip;
+  std::string text = {};
+  std::string colour = {};  ///< "s1" to "s7"; empty = the cell is not drawn
+  double opacity = 1.0;     ///< of the colour
+  std::string tip = {};
 };
 
 struct MatrixRow {
-  std::string label;
-  std::vector<MatrixCell> cells;  ///< one for each column
-  std::string note;               ///< stands after the last cell
+  std::string label = {};
+  std::vector<MatrixCell> cells = {};  ///< one for each column
+  std::string note = {};               ///< stands after the last cell
   bool is_emphasised = false;
 };
 
 /// A table of coloured cells.
 struct MatrixChart {
-  std::string title;
-  std::string subtitle;
-  std::vector<std::string> columns;
-  std::vector<MatrixRow> rows;
+  std::string title = {};
+  std::string subtitle = {};
+  std::vector<std::string> columns = {};
+  std::vector<MatrixRow> rows = {};
   double cell_width = 88.0;  ///< below 60, names of columns are turned
   double cell_height = 30.0;
 };

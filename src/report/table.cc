@@ -7,7 +7,6 @@
 #include "src/common/format.h"
 #include "src/common/text.h"
 #include "src/report/markup.h"
-#include "src/report/quantities.h"
 
 namespace alidade::internal {
 namespace {

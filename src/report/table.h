@@ -9,9 +9,33 @@
 #include <vector>
 
 #include "alidade/units.h"
+#include "src/common/format.h"
 #include "src/common/text_table.h"
 
 namespace alidade::internal {
+
+/// Lengths are shown in mm, angles in degrees.
+inline double UnitOf(Dimension dimension) {
+  return dimension == Dimension::kLength ? kMillimetre : kDegree;
+}
+
+/// As pages show it.
+inline const char* UnitName(Dimension dimension) {
+  return dimension == Dimension::kLength ? "mm" : "°";
+}
+
+inline std::string InUnit(double value, Dimension dimension, int digits) {
+  return FormatSignificant(value / UnitOf(dimension), digits);
+}
+
+/// A difference: "+0.1", "-0.1", "0".
+inline std::string WithSign(const std::string& text) {
+  return text.front() == '-' || text == "0" ? text : "+" + text;
+}
+
+inline std::string Millimetres(double metres) {
+  return FormatSignificant(metres / kMillimetre, 3);
+}
 
 /// A cell: what it shows, and the number that it sorts and copies by.
 struct TableCell {
@@ -48,6 +72,13 @@ class Table {
         : Column(std::string_view(title_and_help)) {}
     Column(const std::string& title_and_help)  // NOLINT
         : Column(std::string_view(title_and_help)) {}
+
+    /// The same, its text wrapped to so many characters.
+    Column Wrapped(int characters) const {
+      Column column = *this;
+      column.width = characters;
+      return column;
+    }
 
     std::string title;
     std::string help;

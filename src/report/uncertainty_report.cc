@@ -9,7 +9,6 @@
 #include "src/common/format.h"
 #include "src/common/text.h"
 #include "src/report/figures.h"
-#include "src/report/quantities.h"
 #include "src/report/report.h"
 #include "src/report/rows.h"
 #include "src/report/table.h"

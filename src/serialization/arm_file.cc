@@ -163,8 +163,7 @@ void RefuseBothMotorMaps(const YamlMap& map, const Arm& arm) {
   const std::optional<YamlValue> motors = map.Optional("motors");
   if (!motors || !HasMotorMap(arm)) return;
   motors->Fail(
-      "expected either this or \"sign\" and \"offset\" of joints, found "
-      "both");
+      "expected either this or \"sign\" and \"offset\" of joints, found both");
 }
 
 // `tool` is one target without a name. Targets stand after what the standard

@@ -11,7 +11,7 @@
 #include "alidade/error.h"
 #include "alidade/parameter_layout.h"
 #include "src/common/files.h"
-#include "src/serialization/yaml_fields.h"
+#include "src/serialization/field_records.h"
 #include "src/serialization/yaml_reader.h"
 
 namespace alidade::internal {

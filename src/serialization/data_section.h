@@ -2,9 +2,8 @@
 #define ALIDADE_SRC_SERIALIZATION_DATA_SECTION_H_
 
 #include "src/dataio/dataset_csv.h"
+#include "src/serialization/field_records.h"
 #include "src/serialization/job_config.h"
-#include "src/serialization/job_context.h"
-#include "src/serialization/yaml_fields.h"
 
 namespace alidade::internal {
 

@@ -8,7 +8,7 @@
 #include "alidade/parameter_layout.h"
 #include "src/identifiability/identifiability_fields.h"
 #include "src/serialization/config_file.h"
-#include "src/serialization/yaml_fields.h"
+#include "src/serialization/field_records.h"
 
 namespace alidade::internal {
 

@@ -1,4 +1,3 @@
-#include "src/serialization/job_file.h"
 
 #include <algorithm>
 #include <utility>
@@ -9,24 +8,18 @@
 #include "src/common/names.h"
 #include "src/serialization/config_file.h"
 #include "src/serialization/data_section.h"
+#include "src/serialization/field_records.h"
 #include "src/serialization/identifiability_section.h"
-#include "src/serialization/job_context.h"
+#include "src/serialization/job_config.h"
 #include "src/serialization/job_tree.h"
 #include "src/serialization/references_section.h"
 #include "src/serialization/validation_section.h"
-#include "src/serialization/yaml_fields.h"
 #include "src/serialization/yaml_reader.h"
 #include "src/simulation/monte_carlo_fields.h"
 #include "src/solve/solver_fields.h"
 #include "src/uncertainty/uncertainty_fields.h"
 
 namespace alidade::internal {
-
-template <>
-inline constexpr std::array kWords<JobOutputs> = {
-    std::pair{JobOutputs::kFull, "full"},
-    std::pair{JobOutputs::kMinimal, "minimal"},
-};
 
 namespace {
 
@@ -314,8 +307,7 @@ void VisitPublished(Visitor& v, JobReading* reading, PublishedStudy* study) {
   v.Field(Key("source").Required(), study->source, "title of the study");
   v.Custom(
       Key("deviations").In("the job's units").Required().Schema(kMapSchema),
-      "as its table prints them: map from parameter names, 0 where left "
-      "out",
+      "as its table prints them: map from parameter names, 0 where left out",
       [&](const YamlValue& value, const Units& units) {
         study->deviations =
             WithReferences(ReadDeviations(value, units, job->arm), *job);
@@ -379,13 +371,13 @@ void VisitJob(Visitor& v, JobReading* reading) {
   JobConfig* const job = reading->job;
   VisitHead(v, FileFormat::kJob);
   v.Field(Key("title").Required(), job->title, "heads the report");
-  v.Custom(Key("arm").In("path").Required().Schema(kTextSchema),
-           "the nominal arm", [&](const YamlValue& value) {
+  v.Custom(PathKey("arm").Required(), "the nominal arm",
+           [&](const YamlValue& value) {
              job->arm = reading->context->files.ReadArm(value, LoadArm);
            });
   VisitSolvers(v, job);
   VisitMeasurements(v, reading);
-  v.Custom(Key("truth").In("path").Schema(kTextSchema),
+  v.Custom(PathKey("truth"),
            "deviations of the real arm, where it is known (a simulated one); "
            "the report compares, and base, tool and references start where the "
            "files state them, without a fit of these alone before",
@@ -453,7 +445,7 @@ const std::vector<std::string>& JobKeys() {
 
 std::vector<FieldRecord> JobFields() {
   std::vector<FieldRecord> fields = CollectFields([](auto& v) {
-    v.Custom(Key("extends").In("path").Schema(kTextSchema),
+    v.Custom(PathKey("extends"),
              "a job that this one is laid on; what it says need not be said "
              "again ([batch.md](batch.md))",
              ReadElsewhere);

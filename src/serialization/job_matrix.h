@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "src/serialization/job_config.h"
-#include "src/serialization/job_file.h"
+#include "src/serialization/yaml_tree.h"
 
 namespace alidade::internal {
 

@@ -2,15 +2,14 @@
 #define ALIDADE_SRC_SERIALIZATION_JOB_TREE_H_
 
 #include <string>
-#include <vector>
 
 #include "src/serialization/yaml_tree.h"
 
 namespace alidade::internal {
 
 /// Reads a job file and those that it inherits from: `extends: BASE.yaml` lays
-/// the file on BASE, map by map, lists and single values replaced (Overlay of
-/// yaml_merge.h). Every value keeps its file, line and column, and paths stay
+/// the file on BASE, map by map, lists and single values replaced (Overlay,
+/// below). Every value keeps its file, line and column, and paths stay
 /// relative to the file that states them. The key `extends` is gone from the
 /// result; `matrix` is left to who reads it.
 ///
@@ -18,6 +17,29 @@ namespace alidade::internal {
 /// what the base's numbers mean.
 /// @throws InputError, also where files extend each other in a circle.
 YamlDocument ReadJobTree(const std::string& path);
+
+/// Lays `over` on `*under`, which becomes both: maps are merged key by key, to
+/// any depth; anything else is replaced. A key of `over` that says null (`~`)
+/// takes the key away. Values keep the place that they were read at. `document`
+/// holds both trees' files; `path` is the dotted path of `*under`, for
+/// messages.
+/// @throws InputError where null takes nothing away.
+void Overlay(const YamlDocument& document, const std::string& path,
+             const YamlNode& over, YamlNode* under);
+
+/// Sets the value at a dotted path of a tree, in place of what is there. Maps
+/// on the way that are missing are made, at the places of `value` and its key.
+void SetAt(const std::string& path, const YamlNode& value, YamlNode* root);
+
+/// Takes a map's key away, where it is there.
+void RemoveKey(const std::string& key, YamlNode* map);
+
+/// The document and what it inherits: `base` below `*document`, with the files
+/// of both. @throws InputError as Overlay.
+void Inherit(YamlDocument base, YamlDocument* document);
+
+/// A text that two trees share if and only if they say the same.
+std::string CanonicalText(const YamlNode& node);
 
 }  // namespace alidade::internal
 

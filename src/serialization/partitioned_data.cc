@@ -2,41 +2,23 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <utility>
 
 #include "src/common/bytes.h"
-#include "src/common/names.h"
 #include "src/kernel/partition.h"
 
 namespace alidade::internal {
 namespace {
-
-// Names from `first` on, which the data have brought.
-template <typename Reference>
-std::vector<std::string> NewNames(const std::vector<Reference>& references,
-                                  std::size_t first) {
-  std::vector<std::string> names;
-  for (std::size_t k = first; k < references.size(); ++k) {
-    names.push_back(references[k].name);
-  }
-  return names;
-}
 
 // The list with what other ranks have added to it, in their order. Returns
 // the new number of each of its entries.
 template <typename Reference>
 std::vector<int> MergeNames(Communicator* communicator, std::size_t num_known,
                             std::vector<Reference>* references) {
-  const std::vector<std::string> mine = NewNames(*references, num_known);
-  ByteWriter writer;
-  writer.PutTexts(mine);
-  std::vector<std::string> all;
-  for (const std::string& bytes : communicator->Gather(writer.Take())) {
-    for (std::string& name : ByteReader(bytes).GetTexts()) {
-      if (std::find(all.begin(), all.end(), name) != all.end()) continue;
-      all.push_back(std::move(name));
-    }
+  std::vector<std::string> mine;
+  for (std::size_t k = num_known; k < references->size(); ++k) {
+    mine.push_back((*references)[k].name);
   }
+  const std::vector<std::string> all = DistinctTexts(communicator, mine);
   std::vector<int> numbers(num_known);
   for (std::size_t k = 0; k < num_known; ++k) numbers[k] = static_cast<int>(k);
   for (const std::string& name : mine) {
@@ -59,15 +41,12 @@ FileAssignment::FileAssignment(Communicator* communicator,
     : rank_(communicator->rank()),
       size_(communicator->size()),
       count_(static_cast<std::int64_t>(paths.size())) {
-  ByteWriter writer;
-  writer.PutTexts(paths);
-  const std::vector<std::string> all = communicator->Gather(writer.Take());
+  const auto all = TextsOfRanks(communicator, paths);
   for (std::size_t rank = 1; rank < all.size(); ++rank) {
     if (all[rank] == all[0]) continue;
     value.Fail("process " + std::to_string(rank) + " sees " +
-               std::to_string(ByteReader(all[rank]).GetTexts().size()) +
-               " files here that are not the " +
-               std::to_string(ByteReader(all[0]).GetTexts().size()) +
+               std::to_string(all[rank].size()) +
+               " files here that are not the " + std::to_string(all[0].size()) +
                " that process 0 sees: expected the same names on all machines");
   }
 }
@@ -96,24 +75,41 @@ void PartitionLoaded(Communicator* communicator, const References& known,
 
 std::vector<RejectedRow> OfAllRanks(Communicator* communicator,
                                     const std::vector<RejectedRow>& mine) {
-  ByteWriter writer;
+  std::vector<std::string> texts;
   for (const RejectedRow& row : mine) {
-    writer.PutText(row.file);
-    writer.Put(row.line);
-    writer.PutText(row.reason);
+    texts.insert(texts.end(), {row.file, std::to_string(row.line), row.reason});
   }
   std::vector<RejectedRow> all;
-  for (const std::string& bytes : communicator->Gather(writer.Take())) {
-    ByteReader reader(bytes);
-    while (!reader.is_at_end()) {
-      RejectedRow row;
-      row.file = reader.GetText();
-      row.line = reader.Get<int>();
-      row.reason = reader.GetText();
-      all.push_back(std::move(row));
+  for (const auto& rows : TextsOfRanks(communicator, texts)) {
+    for (std::size_t k = 0; k < rows.size(); k += 3) {
+      all.push_back({rows[k], std::stoi(rows[k + 1]), rows[k + 2]});
     }
   }
   return all;
+}
+
+std::vector<std::vector<std::string>> TextsOfRanks(
+    Communicator* communicator, const std::vector<std::string>& mine) {
+  ByteWriter writer;
+  writer.PutTexts(mine);
+  std::vector<std::vector<std::string>> all;
+  for (const std::string& bytes : communicator->Gather(writer.Take())) {
+    all.push_back(ByteReader(bytes).GetTexts());
+  }
+  return all;
+}
+
+std::vector<std::string> DistinctTexts(Communicator* communicator,
+                                       const std::vector<std::string>& mine) {
+  std::vector<std::string> distinct;
+  for (const auto& texts : TextsOfRanks(communicator, mine)) {
+    for (const std::string& text : texts) {
+      if (std::find(distinct.begin(), distinct.end(), text) == distinct.end()) {
+        distinct.push_back(text);
+      }
+    }
+  }
+  return distinct;
 }
 
 }  // namespace alidade::internal

@@ -35,6 +35,14 @@ class FileAssignment {
   std::int64_t count_ = 0;
 };
 
+/// The texts of every rank, on every rank. Collective.
+std::vector<std::vector<std::string>> TextsOfRanks(
+    Communicator* communicator, const std::vector<std::string>& mine);
+
+/// Each of them once, in the order of ranks. Collective.
+std::vector<std::string> DistinctTexts(Communicator* communicator,
+                                       const std::vector<std::string>& mine);
+
 /// The rows of every rank, on every rank. Collective.
 std::vector<RejectedRow> OfAllRanks(Communicator* communicator,
                                     const std::vector<RejectedRow>& mine);

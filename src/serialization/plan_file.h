@@ -4,10 +4,18 @@
 #include <string>
 #include <vector>
 
+#include "src/planning/plan_task.h"
 #include "src/serialization/field_records.h"
-#include "src/serialization/plan_config.h"
+#include "src/serialization/job_config.h"
 
 namespace alidade::internal {
+
+/// A plan file, its files loaded and checked.
+struct PlanConfig : PlanTask {
+  std::string path;
+  std::string title;
+  std::vector<std::string> input_files;
+};
 
 /// What a plan file may hold.
 std::vector<FieldRecord> PlanFields();

@@ -1,6 +1,5 @@
 #include "src/serialization/references_section.h"
 
-#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>

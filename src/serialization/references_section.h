@@ -9,9 +9,8 @@
 #include "alidade/arm.h"
 #include "alidade/parameter_layout.h"
 #include "alidade/references.h"
-#include "src/common/names.h"
+#include "src/serialization/field_records.h"
 #include "src/serialization/job_config.h"
-#include "src/serialization/yaml_fields.h"
 
 namespace alidade::internal {
 

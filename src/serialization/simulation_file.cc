@@ -7,7 +7,7 @@
 #include "alidade/parameter_layout.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/serialization/config_file.h"
-#include "src/serialization/yaml_fields.h"
+#include "src/serialization/field_records.h"
 #include "src/serialization/yaml_reader.h"
 
 namespace alidade::internal {
@@ -107,9 +107,8 @@ void VisitPoses(Visitor& v, const SimulationReading& reading) {
   v.Check(CheckOneKind);
   v.Section(
       Key("cylinder"),
-      "targets on cylinders about the vertical axis of the base: every "
-      "azimuth with every radius, found by inverse kinematics of the "
-      "nominal arm",
+      "targets on cylinders about the vertical axis of the base: every azimuth "
+      "with every radius, found by inverse kinematics of the nominal arm",
       [&](auto& section) {
         CylinderGrid grid;
         VisitCylinder(section, config->arm, &grid);
@@ -129,7 +128,7 @@ void VisitPoses(Visitor& v, const SimulationReading& reading) {
                 config->poses = poses;
               });
             });
-  v.Custom(Key("file").In("path").Schema(kTextSchema),
+  v.Custom(PathKey("file"),
            "the joint values of a data set; its other columns are ignored",
            [reading, config](const YamlValue& value) {
              config->poses = PosesFromFile{
@@ -154,7 +153,7 @@ void VisitSimulated(Visitor& v, const SimulationReading& reading) {
   v.Check([config](const YamlMap& /*map*/) {
     config->true_values = ParameterLayout(config->arm).Values(config->arm);
   });
-  v.Custom(Key("deviations").In("path").Schema(kTextSchema),
+  v.Custom(PathKey("deviations"),
            "of the real arm; without it, the real arm is the nominal one",
            [reading, config](const YamlValue& value) {
              config->true_values = ReadTrueValues(value, reading);
@@ -187,12 +186,12 @@ void VisitSimulation(Visitor& v, const SimulationReading& reading) {
   SimulationConfig* const config = reading.config;
   VisitHead(v, FileFormat::kSimulation);
   v.Field(Key("title"), config->title, "for people");
-  v.Custom(Key("arm").In("path").Required().Schema(kTextSchema),
-           "the nominal arm", [reading, config](const YamlValue& value) {
+  v.Custom(PathKey("arm").Required(), "the nominal arm",
+           [reading, config](const YamlValue& value) {
              config->arm = reading.files->ReadArm(value, LoadArm);
            });
   VisitSimulated(v, reading);
-  v.Custom(Key("output").In("path").Required().Schema(kTextSchema),
+  v.Custom(PathKey("output").Required(),
            "the data set: a NumPy array where the name ends in `.npy`, else a "
            "CSV",
            [reading, config](const YamlValue& value) {

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "alidade/units.h"
 #include "src/serialization/config_file.h"
 #include "src/serialization/field_records.h"
 #include "src/serialization/yaml_reader.h"

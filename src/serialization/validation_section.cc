@@ -80,20 +80,12 @@ void HoldOutChosen(const std::vector<bool>& is_validation, const YamlValue& key,
 std::vector<std::string> NamesOfSets(const std::vector<std::string>& sets,
                                      Communicator* communicator) {
   std::vector<std::string> names;
-  const auto add = [&](const std::string& set) {
-    if (set.empty()) return;
-    if (std::find(names.begin(), names.end(), set) == names.end()) {
-      names.push_back(set);
-    }
-  };
-  for (const std::string& set : sets) add(set);
-  ByteWriter writer;
-  writer.PutTexts(names);
-  names.clear();
-  for (const std::string& bytes : communicator->Gather(writer.Take())) {
-    for (const std::string& set : ByteReader(bytes).GetTexts()) add(set);
+  for (const std::string& set : sets) {
+    const bool is_new =
+        std::find(names.begin(), names.end(), set) == names.end();
+    if (is_new && !set.empty()) names.push_back(set);
   }
-  return names;
+  return DistinctTexts(communicator, names);
 }
 
 void ReadSets(const YamlValue& value, const std::vector<std::string>& sets,
@@ -172,26 +164,23 @@ void Mention(Communicator* communicator, const Dataset& data,
 // What the fit does not identify says nothing of validation poses.
 void CheckReferences(const YamlValue& value, const JobConfig& job) {
   const References& references = job.data.references;
-  const auto fail = [&](const std::string& name) {
-    value.Fail(Quote(name) +
-               " is measured against at validation poses alone, expected it "
-               "among the poses of the fit too, or known in `references`");
-  };
   Mentioned validation{std::vector<bool>(references.points.size()),
                        std::vector<bool>(references.planes.size())};
   Mentioned fitted = validation;
   Mention(job.communicator, job.data.training, &fitted);
   Mention(job.communicator, *job.data.validation, &validation);
-  for (std::size_t i = 0; i < references.points.size(); ++i) {
-    const ReferencePoint& point = references.points[i];
-    if (!validation.points[i] || fitted.points[i] || point.is_known) continue;
-    fail(point.name);
-  }
-  for (std::size_t i = 0; i < references.planes.size(); ++i) {
-    const ReferencePlane& plane = references.planes[i];
-    if (!validation.planes[i] || fitted.planes[i] || plane.is_known) continue;
-    fail(plane.name);
-  }
+  const auto check = [&value](const auto& all,
+                              const std::vector<bool>& is_validation,
+                              const std::vector<bool>& is_fitted) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (!is_validation[i] || is_fitted[i] || all[i].is_known) continue;
+      value.Fail(Quote(all[i].name) +
+                 " is measured against at validation poses alone, expected it "
+                 "among the poses of the fit too, or known in `references`");
+    }
+  };
+  check(references.points, validation.points, fitted.points);
+  check(references.planes, validation.planes, fitted.planes);
 }
 
 }  // namespace

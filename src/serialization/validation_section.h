@@ -8,7 +8,6 @@
 #include "src/calibration/calibration_options_fields.h"
 #include "src/serialization/data_section.h"
 #include "src/serialization/job_config.h"
-#include "src/serialization/job_context.h"
 
 namespace alidade::internal {
 

@@ -9,7 +9,7 @@
 #include "alidade/units.h"
 #include "src/calibration/evaluate.h"
 #include "src/job/run_job.h"
-#include "src/serialization/job_file.h"
+#include "src/serialization/job_config.h"
 #include "tests/support/edit.h"
 
 namespace alidade::internal {

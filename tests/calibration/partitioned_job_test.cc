@@ -21,7 +21,7 @@
 #include "src/job/run_job.h"
 #include "src/kernel/measurement_model.h"
 #include "src/model/joint_draw.h"
-#include "src/serialization/job_file.h"
+#include "src/serialization/job_config.h"
 #include "tests/support/process.h"
 
 namespace alidade::internal {

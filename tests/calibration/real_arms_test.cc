@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "src/job/run_job.h"
-#include "src/serialization/job_file.h"
+#include "src/serialization/job_config.h"
 #include "tests/support/real_arm_data.h"
 
 namespace alidade::internal {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "alidade/units.h"
-#include "src/serialization/job_file.h"
+#include "src/serialization/job_config.h"
 #include "tests/support/io_test_util.h"
 
 namespace alidade::internal {

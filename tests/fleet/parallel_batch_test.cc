@@ -9,7 +9,7 @@
 #include "alidade/communicator.h"
 #include "alidade/error.h"
 #include "src/fleet/remote_jobs.h"
-#include "src/fleet/staging_area.h"
+#include "src/fleet/result_store.h"
 #include "tests/fleet/batch_test_util.h"
 #include "tests/support/process.h"
 #include "tests/support/without_times.h"

@@ -9,7 +9,7 @@
 #include "alidade/error.h"
 #include "src/common/files.h"
 #include "src/dataio/dataset_csv.h"
-#include "src/job/plan_files.h"
+#include "src/job/run_job.h"
 #include "src/serialization/plan_file.h"
 #include "tests/support/io_test_util.h"
 

@@ -8,7 +8,7 @@
 #include "alidade/arm_file.h"
 #include "alidade/error.h"
 #include "src/serialization/config_file.h"
-#include "src/serialization/job_file.h"
+#include "src/serialization/job_config.h"
 #include "src/serialization/job_matrix.h"
 #include "src/serialization/plan_file.h"
 #include "src/serialization/simulation_file.h"

@@ -13,7 +13,7 @@
 #include "src/serialization/arm_fields.h"
 #include "src/serialization/data_section.h"
 #include "src/serialization/field_records.h"
-#include "src/serialization/job_file.h"
+#include "src/serialization/job_config.h"
 #include "src/serialization/plan_file.h"
 #include "src/serialization/simulation_file.h"
 

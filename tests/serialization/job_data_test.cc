@@ -7,7 +7,7 @@
 #include "alidade/parameter_layout.h"
 #include "alidade/units.h"
 #include "src/common/files.h"
-#include "src/serialization/job_file.h"
+#include "src/serialization/job_config.h"
 #include "tests/support/io_test_util.h"
 
 namespace alidade::internal {

@@ -1,5 +1,3 @@
-#include "src/serialization/job_file.h"
-
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -14,6 +12,7 @@
 #include "alidade/units.h"
 #include "src/common/files.h"
 #include "src/serialization/config_file.h"
+#include "src/serialization/job_config.h"
 #include "tests/support/config_files.h"
 #include "tests/support/io_test_util.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "alidade/error.h"
-#include "src/serialization/job_file.h"
+#include "src/serialization/job_config.h"
 #include "tests/support/config_files.h"
 #include "tests/support/io_test_util.h"
 

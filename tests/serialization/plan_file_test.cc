@@ -7,7 +7,6 @@
 #include <string>
 
 #include "alidade/units.h"
-#include "src/serialization/plan_config.h"
 #include "src/serialization/result_json.h"
 #include "tests/support/config_files.h"
 #include "tests/support/io_test_util.h"

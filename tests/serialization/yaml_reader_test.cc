@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "src/serialization/yaml_fields.h"
+#include "src/serialization/field_records.h"
 #include "tests/support/io_test_util.h"
 
 namespace alidade::internal {

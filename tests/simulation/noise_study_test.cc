@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "src/serialization/job_file.h"
+#include "src/serialization/job_config.h"
 
 namespace alidade::internal {
 namespace {

@@ -1,4 +1,4 @@
-#include "src/serialization/yaml_fields.h"
+#include "src/serialization/field_records.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +7,7 @@
 #include "src/common/names.h"
 
 namespace alidade::internal {
+
 namespace {
 
 [[noreturn]] void FailRange(const YamlValue& value, const std::string& what,

@@ -1,5 +1,5 @@
-#ifndef ALIDADE_SRC_REPORT_ACCURACY_REPORT_H_
-#define ALIDADE_SRC_REPORT_ACCURACY_REPORT_H_
+#ifndef ALIDADE_SRC_REPORT_RESULT_TABLES_H_
+#define ALIDADE_SRC_REPORT_RESULT_TABLES_H_
 
 #include <string>
 #include <vector>
@@ -24,6 +24,20 @@ Table StagesTable(const CalibrationResult& result, Dimension dimension);
 Table OutlierTable(const CalibrationResult& result);
 Table RejectedRowTable(const CalibrationResult& result);
 
+/// Ranks of all candidates and of the free parameters.
+Table RankTable(const IdentifiabilityResult& result);
+
+/// Empty where nothing is free.
+Table ObservabilityTable(const IdentifiabilityResult& result);
+
+/// Outcome, steps, errors and times, a column for each solver.
+Table SolverTable(const std::vector<SolverRun>& runs);
+
+/// Where the values of `other` differ from those of the first run, in words;
+/// nothing where either has none.
+std::string DifferenceSentence(const CalibrationResult& result,
+                               const SolverRun& other);
+
 }  // namespace alidade::internal
 
-#endif  // ALIDADE_SRC_REPORT_ACCURACY_REPORT_H_
+#endif  // ALIDADE_SRC_REPORT_RESULT_TABLES_H_
