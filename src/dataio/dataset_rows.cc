@@ -454,29 +454,28 @@ LoadedData DatasetRows::Finish(References* references) {
   LoadedData loaded;
   Dataset& data = loaded.data;
   const std::vector<bool> is_pose = FindPoses();
-  std::vector<Eigen::Index> poses;
+  // Lists of poses are made where they say something.
   RowNumbers numbers;
-  numbers.poses.assign(lines_.size(), -1);
+  KeptColumns kept;
+  if (std::find(is_pose.begin(), is_pose.end(), false) != is_pose.end()) {
+    numbers.poses.assign(lines_.size(), -1);
+    kept.emplace();
+  }
   for (std::size_t i = 0; i < lines_.size(); ++i) {
     if (is_pose[i]) {
-      numbers.poses[i] = static_cast<int>(poses.size());
-      poses.push_back(static_cast<Eigen::Index>(i));
       data.sources.push_back({0, lines_[i]});
       if (!sets_.empty()) loaded.sets.push_back(std::move(sets_[i]));
+      if (!kept) continue;
+      numbers.poses[i] = static_cast<int>(kept->size());
+      kept->push_back(static_cast<Eigen::Index>(i));
     } else if (lines_[i] > 0) {
       loaded.rejected.push_back(
           {header_.path(), lines_[i], "nothing was measured"});
     }
   }
-  if (poses.empty()) {
+  if (kept && kept->empty()) {
     table_.FailAtEnd(
         "no row holds a measurement, expected a number in one of them");
-  }
-  KeptColumns kept;
-  if (poses.size() == lines_.size()) {
-    numbers.poses.clear();
-  } else {
-    kept = std::move(poses);
   }
   data.name = header_.path();
   data.files = {header_.path()};
