@@ -171,6 +171,13 @@ class Assessor {
     }
   }
 
+  // What a robust loss takes away is noise of others as well.
+  double NoiseRatio(const ClassExcess& one) const {
+    return covariance_.is_sandwich
+               ? std::max(one.noise, 1.0 - one.excess * one.precision)
+               : one.noise;
+  }
+
   // Into predictions.
   void TakeIn(const ClassExcess& lengths, const ClassExcess& rotations) {
     ModelExcess& excess = result_.prediction.excess;
@@ -178,11 +185,11 @@ class Assessor {
         lengths.is_known() ? result_.lack.noise : result_.lack.residual;
     if (lengths.is_taken_in()) {
       excess.length = lengths.excess;
-      excess.noise_ratio[kLengths] = lengths.noise;
+      excess.noise_ratio[kLengths] = NoiseRatio(lengths);
     }
     if (rotations.is_taken_in()) {
       excess.rotation = rotations.excess;
-      excess.noise_ratio[kRotations] = rotations.noise;
+      excess.noise_ratio[kRotations] = NoiseRatio(rotations);
     }
     result_.differs = excess.is_there() && !covariance_.is_sandwich;
     if (!result_.differs) return;
