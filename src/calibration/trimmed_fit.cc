@@ -70,9 +70,7 @@ class Search {
     AddPriors(problem, values);
   }
 
-  bool IsDetermined() const {
-    return !observations_.empty() && rows_ / 2 > p_ + 3;
-  }
+  bool IsDetermined() const { return !observations_.empty() && rows_ > 4 * p_; }
 
   Candidate Run() const {
     const Candidate first = Best(0, kFirstStarts);

@@ -26,7 +26,7 @@ struct TrimmedFit {
 ///
 /// Looks at 120 observations at most, so that it costs the same however many
 /// there are, some 50 ms; the same on all ranks. Nothing where a half of them
-/// would be fewer equations than free parameters.
+/// would be fewer than two equations a parameter: it would agree with anything.
 std::optional<TrimmedFit> FitTrimmed(const CalibrationProblem& problem,
                                      const Eigen::VectorXd& values);
 
