@@ -18,16 +18,6 @@ namespace fs = std::filesystem;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-// Columns `names` of a row, in mm.
-Eigen::Vector3d VectorOf(const std::array<const double*, 3>& columns,
-                         std::size_t row) {
-  Eigen::Vector3d vector;
-  for (int k = 0; k < 3; ++k) {
-    vector[k] = columns[k] == nullptr ? kNan : columns[k][row] * kMillimetre;
-  }
-  return vector;
-}
-
 // Numbers of a column; nothing where there is no such column.
 const double* NumbersOf(const ResultTable& table, const std::string& name) {
   const int column = table.Column(name);
