@@ -42,8 +42,9 @@ void CsvLine::Split(std::vector<std::string_view>* cells) const {
     if (p != end && *p == '"') {
       last = std::find(p + 1, end, '"');
       // Two of them are one of the text.
-      while (end - last > 1 && last[1] == '"')
+      while (end - last > 1 && last[1] == '"') {
         last = std::find(last + 2, end, '"');
+      }
       if (last == end) {
         Fail("expected a closing quote (\") in this line", first);
       }

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
-class CsvRow : public TableRow {
+class CsvRow final : public TableRow {
  public:
   CsvRow(const std::string& path, const TableHeader& header)
       : TableRow(header), line_{path, {}, 0} {}

@@ -16,7 +16,7 @@ namespace alidade::internal {
 /// passed over; a byte-order mark and the carriage returns of Windows are
 /// accepted. The file is mapped into memory and cut at line ends; where, does
 /// not depend on the number of threads.
-class CsvTable : public DataTable {
+class CsvTable final : public DataTable {
  public:
   /// Reads the header and counts the rows. @throws InputError.
   CsvTable(const std::string& path, TableContent content,

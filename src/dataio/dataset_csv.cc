@@ -111,7 +111,7 @@ Eigen::MatrixXd LoadJointValues(const std::string& path, const Arm& arm) {
       motors(j, row.index()) = row.Number(j);
     }
   });
-  return JointsFromMotors(arm, std::move(motors));
+  return JointsFromMotors(arm, motors);
 }
 
 }  // namespace alidade::internal

@@ -35,7 +35,7 @@ double Shifted(double number, int exponent) {
   return ParseNumber(ShortestNumber(number), exponent).value_or(kNan);
 }
 
-class NpyRow : public TableRow {
+class NpyRow final : public TableRow {
  public:
   explicit NpyRow(const TableHeader& header) : TableRow(header) {}
 
@@ -65,7 +65,9 @@ class NpyRow : public TableRow {
   }
 
  private:
-  double Stored(int column) const { return LoadDouble(record_ + 8 * column); }
+  double Stored(int column) const {
+    return LoadDouble(record_ + std::size_t{8} * column);
+  }
 
   const char* record_ = nullptr;
   mutable std::string text_;

@@ -17,7 +17,7 @@ namespace alidade::internal {
 /// The table of a NumPy array (docs/files.md, "Data set (NPY)"). Its numbers
 /// are those of a CSV with the same header and the shortest digits of each, to
 /// the same bits. Lines, in sources and messages, are rows from 1.
-class NpyTable : public DataTable {
+class NpyTable final : public DataTable {
  public:
   /// @throws InputError, also where the content asks for texts.
   NpyTable(const std::string& path, TableContent content,
