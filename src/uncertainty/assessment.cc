@@ -20,7 +20,7 @@ constexpr double kStrongCorrelation = 0.9;
 constexpr std::size_t kMostPairs = 20;
 // Validation errors that are larger by less are a note: of 60 poses one in
 // twenty calibrations has such.
-constexpr double kWorthAWarning = 1.15;
+constexpr double kWorthAWarning = 1.25;
 
 class Assessment {
  public:
