@@ -297,7 +297,9 @@ void ExpectCells(const RandomFile& file, const LoadedData& loaded) {
                              : file.format.target.empty() ? ""
                                                           : file.format.target;
     EXPECT_EQ(file.arm.targets[block.target(i)].name, name);
-    if (row.count("set") > 0) EXPECT_EQ(loaded.sets[i], row.at("set"));
+    if (row.count("set") > 0) {
+      EXPECT_EQ(loaded.sets[i], row.at("set"));
+    }
     EXPECT_EQ(loaded.data.sources[i].line, file.lines[i]);
   }
   EXPECT_TRUE(HaveSameBits(
