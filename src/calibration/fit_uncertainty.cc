@@ -104,7 +104,8 @@ Resolve ResolveByCeres(const CalibrationProblem& problem,
                        const SolverOptions& options) {
   SolverOptions quiet = options;
   quiet.on_iteration = {};
-  // Many solves of the same minimum: the faster formulation, whatever the job's.
+  // Many solves of the same minimum: the faster formulation, whatever the
+  // job's.
   quiet.evaluation = Evaluation::kReduced;
   return [&problem, quiet](int fixed_column,
                            Eigen::VectorXd* values) -> std::optional<double> {

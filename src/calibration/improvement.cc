@@ -31,7 +31,7 @@ const EvaluatedSet& JudgedSet(const CalibrationResult& result) {
 
 bool IsWorse(const KeptErrors& judged, const CalibrationResult& result) {
   return judged.after.mean > judged.before.mean &&
-         judged.change_t > kBeyondChance &&
+         !(judged.change_t <= kBeyondChance) &&
          !IsWithinUncertainty(judged, result);
 }
 

@@ -14,7 +14,8 @@ inline constexpr double kBeyondChance = 3.0;
 /// any, else those of the fit.
 const EvaluatedSet& JudgedSet(const CalibrationResult& result);
 
-/// Whether errors grew by more than chance and by more than the uncertainty of
+/// Whether errors grew by more than chance (where it is known what chance would
+/// do) and by more than the uncertainty of
 /// the parameters explains, which is no fault where the arm was right before.
 bool IsWorse(const KeptErrors& judged, const CalibrationResult& result);
 

@@ -70,9 +70,13 @@ std::string ReasonToReject(const CalibrationSolution& fit, bool frames_fitted,
            "what is wrong with the data, or allow more iterations";
   }
   const KeptErrors train = result.train.Judged();
-  if (IsWorse(train, result)) return GrowsAt("training", train);
-  if (result.validation && IsWorse(result.validation->Judged(), result)) {
-    return GrowsAt("validation", result.validation->Judged());
+  if (std::isfinite(train.change_t) && IsWorse(train, result))
+    return GrowsAt("training", train);
+  if (result.validation) {
+    const KeptErrors validation = result.validation->Judged();
+    if (std::isfinite(validation.change_t) && IsWorse(validation, result)) {
+      return GrowsAt("validation", validation);
+    }
   }
   if (frames_fitted && IsUseless(fit, result)) {
     return "the calibrated arm fits no better than the nominal one, and its "

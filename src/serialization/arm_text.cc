@@ -31,7 +31,7 @@ class QuantityWriter {
   explicit QuantityWriter(const char* indent) : indent_(indent) {}
 
   void Field(const Key& key, double value, const char* /*text*/) {
-    text_ += indent_ + key.name + ": " + ShortestNumber(value) + "  # " +
+    text_ += indent_ + key.name + ": " + FormatShifted(value, 0) + "  # " +
              Readable(value, *key.dimension) + "\n";
   }
   const std::string& text() const { return text_; }

@@ -90,7 +90,7 @@ TEST(DataCheckTest, BoundsOfUnknownParametersAreRefused) {
   CalibrationOptions options;
   options.bounds = {{"d9", -1.0, 1.0}};
   EXPECT_THAT(Refusal([](CalibrationData*) {}, options),
-              HasSubstr("bounds of \"d9\""));
+              HasSubstr("bounds: the arm has no parameter \"d9\""));
 }
 
 }  // namespace

@@ -55,7 +55,7 @@ TEST(VerdictTest, GrowthWithinTheUncertaintyOfTheParametersIsNoFailure) {
   result.validation->change_t = 20.0;
   result.validation->before.rms = 0.011;
   result.validation->after.rms = 0.0115;
-  ASSERT_TRUE(result.uncertainty && result.uncertainty->validation);
+  result.uncertainty.emplace().validation.emplace();
   // sqrt(0.0115^2 - 0.011^2) = 0.00335, over sqrt(6.6): 0.00131.
   result.uncertainty->validation->parts.from_parameters = 0.00132;
   EXPECT_EQ(FindingOf(result, "improvement").level, FindingLevel::kAttention);
@@ -240,8 +240,8 @@ TEST(VerdictTest, NoiseIsSaidWhereItExplainsAGoodPart) {
     result.validation->after.mean = error;
     return HasFinding(result, "measurement_noise");
   };
-  EXPECT_TRUE(is_said(3.191e-4));
-  EXPECT_FALSE(is_said(3.192e-4));
+  EXPECT_TRUE(is_said(6.382e-5));
+  EXPECT_FALSE(is_said(6.384e-5));
   EXPECT_TRUE(is_said(2.128e-5));
   EXPECT_FALSE(is_said(2.127e-5));
   result.estimated_sigma = 2e-5;

@@ -417,7 +417,7 @@ TEST(JobDataErrorTest, RotationLimitsNeedOrientations) {
       {8, 34, "acceptance.train_rotation_rms", "no orientation is measured"});
   files.ExpectError(
       "data: a.csv\nacceptance: {validation_rotation_max: 1}\n",
-      {8, 36, "acceptance.validation_rotation_max", "add \"validation\""});
+      {8, 39, "acceptance.validation_rotation_max", "add \"validation\""});
 }
 
 }  // namespace

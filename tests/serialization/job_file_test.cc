@@ -251,7 +251,7 @@ INSTANTIATE_TEST_SUITE_P(
         ConfigErrorCase{
             "ValidationWithoutValidation",
             {"validation: {data: validation.csv}\n", ""},
-            {25, 59, "acceptance.validation_rms", "add \"validation\""}},
+            {25, 62, "acceptance.validation_rms", "add \"validation\""}},
         ConfigErrorCase{"ValidationIsText",
                         {"{data: validation.csv}", "validation.csv"},
                         {8, 13, "validation", "expected a map of data"}},

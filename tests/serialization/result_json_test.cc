@@ -167,7 +167,7 @@ TEST(ResultJsonTest, StudyOfAnEarlierVersionIsPassedOver) {
 TEST(ResultJsonTest, FilesOfFormat1AreRead) {
   const std::pair<const char*, const char*> names[] = {
       {"alidade-result-2", "alidade-result-1"},
-      {"\"validation", "\"heldout"},
+      {"\"validation\":", "\"heldout\":"},
       {"\"identified_combination\"", "\"stands_for\""},
       {"\"state\": \"fixed\"", "\"state\": \"frozen\""},
       {"_degrees_of_freedom\"", "_freedom\""},
