@@ -93,15 +93,6 @@ def job_of(work: Path, count: int, data: Path, outputs: str) -> str:
     return str(file)
 
 
-def to_npy(program: str, csv: Path) -> Path:
-    """The same data as an array."""
-    array = csv.with_suffix(".npy")
-    subprocess.run(
-        [program, "convert", str(csv), str(array)], check=True, capture_output=True
-    )
-    return array
-
-
 def make_workloads(
     program: str, work: Path, wanted: Callable[[str], bool]
 ) -> list[Workload]:
@@ -121,27 +112,6 @@ def make_workloads(
                 job_of(work, n, simulate(program, work, n), "minimal"),
             ],
         )
-    add(
-        "whole job, 1e5 positions of a CSV, all outputs",
-        "wall",
-        lambda: [
-            "calibrate",
-            job_of(work, 100000, simulate(program, work, 100000), "full"),
-        ],
-    )
-    add(
-        "whole job, 1e7 positions of an array, minimal outputs",
-        "wall",
-        lambda: [
-            "calibrate",
-            job_of(
-                work,
-                10**7,
-                to_npy(program, simulate(program, work, 10**7)),
-                "minimal",
-            ),
-        ],
-    )
 
     def small_job() -> str:
         return job_of(work, 56, simulate(program, work, 56), "full")

@@ -15,7 +15,7 @@ namespace alidade::internal {
 ///   - the error grew at training or validation poses by more than chance
 ///     and their uncertainty (IsWorse);
 ///   - it is no smaller than at nominal, base and tool fitted, and yet a
-///     hundred times what the sigmas say;
+///     hundred times what the sigmas say, or 2 % of the arm's reach;
 ///   - there are fewer equations than free parameters, and no priors.
 ///
 /// `result` has its accuracy, runs and reduced chi-square.

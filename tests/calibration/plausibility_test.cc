@@ -235,6 +235,29 @@ TEST(PlausibilityTest, InversePosesAreNamed) {
       << refusal;
 }
 
+// Positions that no arm measures: an estimated sigma explains any residual, but
+// half a metre is no accuracy.
+TEST(PlausibilityTest, PositionsOfNoArmAreRejectedWithSigmaEstimated) {
+  JobConfig job;
+  job.arm = NominalArm();
+  job.data.training =
+      Bench(RealArm(), DrawJointValues(RealArm(), 60, 5)).Positions(0).data();
+  Random random(8);
+  auto points = testing::Edit(&job.data.training.positions());
+  for (Eigen::Index i = 0; i < 60; ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      points.at(axis, i) = random.Uniform(-0.5, 0.5);
+    }
+  }
+  job.options.identifiability.candidates = {true, true, true};
+  job.options.estimate_sigma = true;
+  const CalibrationResult result = RunJob(job, "test");
+  EXPECT_TRUE(result.IsRejected());
+  EXPECT_NE(result.message.find("fits no better than the nominal one"),
+            std::string::npos)
+      << result.message;
+}
+
 TEST(PlausibilityTest, DataThatNoMistakeExplainsAreWarnedOf) {
   const Arm real = RealArm();
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
