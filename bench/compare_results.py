@@ -72,7 +72,6 @@ CHANGED = {
     r"result\.json:identifiability/.*(_rank|observability|relations).*": (
         "ranks perturb base and tool too, rotations of the base count by the reach"
     ),
-    r"\w+\.(json|csv):.*warnings": "other warnings",
 }
 
 IDENTITIES = "name parameter first second observation quantity path frozen".split()

@@ -14,10 +14,11 @@ namespace alidade::internal {
 namespace {
 
 // Words that a request begins with.
-constexpr std::array<std::string_view, 18> kRequests = {
-    "add",   "allow",    "ask",   "check", "choose",  "correct",
-    "empty", "identify", "leave", "look",  "measure", "mend",
-    "move",  "mount",    "state", "use",   "widen",   "give"};
+constexpr std::array<std::string_view, 23> kRequests = {
+    "add",    "allow",   "approach", "ask",  "calibrate", "check",
+    "choose", "correct", "empty",    "give", "have",      "identify",
+    "invert", "leave",   "let",      "look", "measure",   "mend",
+    "move",   "mount",   "state",    "use",  "widen"};
 
 bool IsRequest(std::string_view text) {
   std::string word(text.substr(0, text.find(' ')));
@@ -44,7 +45,7 @@ std::size_t FindRequest(const std::string& text) {
 }
 
 std::string AdviceOn(const Finding& finding) {
-  const std::array<std::pair<std::string_view, std::string_view>, 8> advices = {
+  const std::array<std::pair<std::string_view, std::string_view>, 6> advices = {
       {
           {"solver",
            "Look for what is wrong with the data or the arm file, identify "
@@ -60,12 +61,8 @@ std::string AdviceOn(const Finding& finding) {
            "reconsider the limit."},
           {"validation_outliers",
            "Look at these measurements, and measure the poses again."},
-          {"prediction",
-           "Do not rely on the predicted accuracy: state sigma better, or look "
-           "for errors that the parameters do not describe."},
           {"cross_validation",
            "Measure more poses, or identify fewer parameters."},
-          {"rank", "Measure poses that move the joints of these parameters."},
           {"warning", "Decide whether this matters where the arm is used."},
       }};
   for (const auto& [key, advice] : advices) {

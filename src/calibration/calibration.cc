@@ -109,10 +109,10 @@ Prepared Prepare(CalibrationTask task) {
   if (prepared.task.options.estimate_sigma) {
     prepared.sigmas = EstimateSigmas(&prepared.task);
   }
-  if (is_stated) prepared.stated_noise = NoiseOver(stated, prepared.task);
   if (prepared.task.options.prior_scale == PriorScale::kEstimated) {
     prepared.prior_scaling = EstimatePriors(&prepared.task, &prepared.sigmas);
   }
+  if (is_stated) prepared.stated_noise = NoiseOver(stated, prepared.task);
   return prepared;
 }
 

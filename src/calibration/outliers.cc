@@ -221,10 +221,11 @@ OutlierSearch FindValidationOutliers(const CalibrationSolution& fit,
     return static_cast<double>(count) /
            static_cast<double>(std::max<Eigen::Index>(1, all));
   };
-  const double few = std::max(
-      kFewPart,
+  constexpr double kMostPart = 0.4;
+  const double few = std::clamp(
       kTimesTraining * part(training.num_outliers,
-                            fit.task.data.training.global_observations()));
+                            fit.task.data.training.global_observations()),
+      kFewPart, kMostPart);
   if (part(search.num_outliers(), data.global_observations()) > few) {
     search.RejectNone();
   } else if (search.num_outliers() > 0) {

@@ -250,12 +250,15 @@ std::string WarnOfPriors(const CalibrationSolution& fit,
          " and " +
          FormatSignificant(
              1e3 * std::min({priors.beta, priors.alpha, priors.theta}), 2) +
-         " mrad pull: without them the error of training poses left out of "
+         " mrad pull: with a hundred times wider ones the error of training "
+         "poses left out of "
          "the fit (cross-validation, mean) is " +
          FormatLength(errors.without, 3) + " instead of " +
-         FormatLength(errors.with, 3) +
-         ". Widen `priors`, or let the data find their size "
-         "(`identifiability: {prior_scale: estimated}`)";
+         FormatLength(errors.with, 3) + ". Widen `priors`" +
+         (fit.task.options.prior_scale == PriorScale::kEstimated
+              ? ""
+              : ", or let the data find their size (`identifiability: "
+                "{prior_scale: estimated}`)");
 }
 
 }  // namespace alidade::internal

@@ -18,24 +18,20 @@ double ResidualRatio(const CalibrationSolution& fit,
              : TypicalResidual(fit.model(), fit.task.data.training, fit.values);
 }
 
-// With sigma estimated no residual is large in sigmas, but it may be of a size
-// that no arm is off by.
-bool IsFarOff(const CalibrationSolution& fit, const CalibrationResult& result) {
-  constexpr double kTimesSigma = 100.0;
-  constexpr double kOfReach = 0.02;
-  return ResidualRatio(fit, result) > kTimesSigma ||
-         result.train.after.median > kOfReach * ArmReach(fit.task.arm);
-}
-
 bool IsUseless(const CalibrationSolution& fit,
                const CalibrationResult& result) {
   constexpr double kNoBetter = 0.9;
+  constexpr double kTimesSigma = 100.0;
+  constexpr double kOfReach = 0.02;
   const bool is_robust = fit.task.options.loss != LossKind::kNone;
   const Accuracy& before = result.train.before;
   const Accuracy& after = result.train.after;
   const bool is_better = is_robust ? after.median < kNoBetter * before.median
                                    : after.rms < kNoBetter * before.rms;
-  return !is_better && IsFarOff(fit, result);
+  // With sigma estimated no residual is large in sigmas, but it may be of a
+  // size that no calibrated arm is off by.
+  return (!is_better && ResidualRatio(fit, result) > kTimesSigma) ||
+         after.median > kOfReach * ArmReach(fit.task.arm);
 }
 
 // Along directions that hardly matter a solver may creep for ever and be right.
@@ -87,10 +83,10 @@ std::string ReasonToReject(const CalibrationSolution& fit, bool frames_fitted,
     }
   }
   if (frames_fitted && IsUseless(fit, result)) {
-    return "the calibrated arm fits no better than the nominal one, and half "
-           "of "
-           "its errors are more than " +
-           FormatLength(result.train.after.median, 3) + ", its residuals " +
+    return "the data do not fit this arm: half of the errors that are left "
+           "are more than " +
+           FormatLength(result.train.after.median, 3) +
+           ", and the residuals are " +
            FormatSignificant(ResidualRatio(fit, result), 3) +
            " times as large as the sigmas say: look for wrong units, columns, "
            "limits, or a wrong arm";

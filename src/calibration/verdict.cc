@@ -480,9 +480,10 @@ std::string DescribePrediction(const std::string& where,
   }
   return text + "; errors are " + FormatSignificant(check.rms_z, 3) +
          " times the predicted ones (root mean square): " +
-         (check.verdict == "agree"
-              ? "predicted and observed agree."
-              : "observed errors are " + check.verdict + " than predicted.");
+         (check.verdict == "agree" ? "predicted and observed agree."
+          : std::isfinite(check.rms_z)
+              ? "observed errors are " + check.verdict + " than predicted."
+              : "whether they agree cannot be determined.");
 }
 
 }  // namespace alidade::internal

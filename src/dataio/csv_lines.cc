@@ -50,7 +50,7 @@ void CsvLine::Split(std::vector<std::string_view>* cells) const {
       }
       p = SkipSpaces(last + 1, end);
       if (p != end && *p != ',') {
-        Fail("expected a comma behind the closing quote", last);
+        Fail("expected a comma after the closing quote", last);
       }
       first = SkipSpaces(first + 1, last);
     } else {

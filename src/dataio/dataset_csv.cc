@@ -103,7 +103,7 @@ LoadedData LoadDataWith(const DataFile& file, References* references,
 Eigen::MatrixXd LoadJointValues(const std::string& path, const Arm& arm) {
   const auto table = OpenTable(path, {arm, JointColumns(arm), true}, {});
   if (table->num_rows() == 0) {
-    table->FailAtEnd("no rows behind the header, expected one for every pose");
+    table->FailAtEnd("no rows after the header, expected one for every pose");
   }
   Eigen::MatrixXd motors(arm.num_joints(), table->num_rows());
   table->VisitRows(1, [&](const TableRow& row) {

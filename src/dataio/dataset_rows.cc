@@ -447,7 +447,7 @@ LoadedData DatasetRows::Finish(References* references) {
   if (!is_any_kept) {
     table_.FailAtEnd(
         lines_.empty()
-            ? "no rows behind the header, expected one for every pose"
+            ? "no rows after the header, expected one for every pose"
             : "`where` leaves no row, expected a text that is in its "
               "column");
   }

@@ -145,8 +145,8 @@ void TableHeader::FailUnknown(const CsvLine& line,
   }
   line.Fail(UnknownName("column", cell, ExpectedNames(specs())) +
                 "; the arm's joints are " + joints +
-                ". `columns` in the job's `data` says what other names stand "
-                "for, and `columns: {}` passes over what is not needed",
+                ". `columns` in the job's `data` says what other names mean, "
+                "and `columns: {}` passes over what is not needed",
             cell.data());
 }
 

@@ -81,8 +81,8 @@ std::int64_t CountState(const IdentifiabilityResult& result,
 std::string DecisionTable(const IdentifiabilityResult& result) {
   using Column = Table::Column;
   Table table({Column("parameter").Wrapped(20), "state",
-               Column("why").Wrapped(38), Column("stands for").Wrapped(16),
-               ">predicted std"});
+               Column("why").Wrapped(38),
+               Column("identified combination").Wrapped(16), ">predicted std"});
   for (const DecisionGroup& group : GroupDecisions(result.decisions)) {
     table.AddRow({Join(group.names, " "), ToString(group.decision.state),
                   group.decision.reason, group.decision.identified_combination,

@@ -345,11 +345,11 @@ Table AccuracyTable(const CalibrationResult& result, Dimension dimension) {
   if (result.validation) add_set("validation poses", *result.validation);
   if (result.cross_validation) {
     const CrossValidation& folds = *result.cross_validation;
-    AddAccuracy("held out once", std::to_string(folds.folds) + " folds",
+    AddAccuracy("cross-validated", std::to_string(folds.folds) + " folds",
                 is_length ? folds.position : folds.rotation, dimension, &table);
     if (folds.kept) {
       AddAccuracy(
-          "held out once",
+          "cross-validated",
           "without " + std::to_string(folds.kept->num_rejected) + " rejected",
           is_length ? folds.kept->position : folds.kept->rotation, dimension,
           &table);

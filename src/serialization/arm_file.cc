@@ -233,7 +233,7 @@ void VisitChain(Visitor& v, ArmReading* reading) {
           });
   v.Section(Key("urdf"),
             "in place of `convention` and `joints`; `base` stands before "
-            "`base_link`, `tool` behind `tip_link`",
+            "`base_link`, `tool` after `tip_link`",
             [reading](auto& section) {
               UrdfEntry& urdf = reading->urdf;
               section.Field(Key("base_link").Required(), urdf.base_link,

@@ -31,17 +31,31 @@ class BoundedSolver {
       if (!SolveFree(&trial)) return std::move(summary_);
       if (GoTowards(trial)) continue;
       const int released = WorstHeld();
-      if (released == kNone) return std::move(summary_);
+      if (released == kNone) return Finish();
       is_held_[released] = false;
     }
     summary_.status = SolverStatus::kIterationLimit;
     summary_.message = "bounds are met and left again and again: widen them";
-    return std::move(summary_);
+    return Finish();
   }
 
   const Eigen::VectorXd& values() const { return values_; }
 
  private:
+  // The last solve may have ended elsewhere: beyond the bound that was met.
+  SolverSummary Finish() {
+    Reducer reducer = MakeReducer();
+    summary_.final_cost = reducer.Summarize(values_).cost;
+    return std::move(summary_);
+  }
+
+  Reducer MakeReducer() const {
+    ReducerOptions options;
+    options.priors = problem_.priors;
+    return Reducer(problem_.model, problem_.data, problem_.free_columns,
+                   problem_.losses, options);
+  }
+
   // Over the free columns that no bound holds. False where that is not usable.
   bool SolveFree(Eigen::VectorXd* trial) {
     CalibrationProblem part = problem_;
@@ -103,10 +117,7 @@ class BoundedSolver {
     if (std::find(is_held_.begin(), is_held_.end(), true) == is_held_.end()) {
       return kNone;
     }
-    ReducerOptions options;
-    options.priors = problem_.priors;
-    Reducer reducer(problem_.model, problem_.data, problem_.free_columns,
-                    problem_.losses, options);
+    Reducer reducer = MakeReducer();
     ReducedLeastSquares reduced;
     reducer.Reduce(values_, &reduced);
     const Eigen::VectorXd gradient =

@@ -270,8 +270,9 @@ class Assessor {
         (tests.front().p_value < 1e-16
              ? "< 1e-16"
              : "= " + FormatSignificant(tests.front().p_value, 2)) +
-        "): " + CureOf(tests.front().kind);
-    if (!others.empty()) text += ". They also depend on " + Join(others, ", ");
+        ")";
+    if (!others.empty()) text += ", and on " + Join(others, ", ");
+    text += std::string(": ") + CureOf(tests.front().kind);
     result_.warnings.push_back(std::move(text));
   }
 

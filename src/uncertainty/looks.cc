@@ -1,5 +1,6 @@
 #include "src/uncertainty/looks.h"
 
+#include <array>
 #include <cmath>
 #include <map>
 #include <tuple>
@@ -29,25 +30,43 @@ Eigen::VectorXd WhitenedResiduals(const FittedProblem& fit,
   return all;
 }
 
-// The observations of a block that are looks at the same, each in the order of
-// its first one.
-std::vector<std::vector<Eigen::Index>> Repeats(const ObservationBlock& block,
-                                               const std::vector<int>& groups) {
-  using Key = std::tuple<int, int, int, int>;
+// Whether an observation is one at all, and the fit has not given it up.
+bool Counts(const FittedProblem& fit, const ObservationBlock& block,
+            Eigen::Index i, const Eigen::VectorXd& residual) {
+  constexpr double kLeastWeight = 0.5;
+  const Eigen::Index dimension = block.sigmas.col(i).array().isFinite().count();
+  if (dimension == 0) return false;
+  if (fit.losses.empty()) return true;
+  std::array<double, 3> rho{};
+  fit.losses[dimension - 1].Evaluate(residual.squaredNorm(), rho.data());
+  return rho[1] >= kLeastWeight;
+}
+
+// The observations of a block that are looks at the same, with the same sigmas,
+// each in the order of its first one.
+std::vector<std::vector<Eigen::Index>> Repeats(
+    const FittedProblem& fit, const ObservationBlock& block,
+    const std::vector<int>& groups,
+    const Eigen::Ref<const Eigen::VectorXd>& residuals) {
+  using Key = std::tuple<int, int, int, int, std::vector<double>>;
   std::map<Key, std::size_t> known;
   std::vector<std::vector<Eigen::Index>> all;
+  const Eigen::Index rows = block.rows_each();
   for (Eigen::Index i = 0; i < block.size(); ++i) {
+    if (!Counts(fit, block, i, residuals.segment(i * rows, rows))) continue;
     if (block.kind == MeasurementKind::kPointDistance) {
       all.push_back({i});
       continue;
     }
+    const Eigen::VectorXd sigmas = block.sigmas.col(i);
     const int second = block.kind == MeasurementKind::kDifference
                            ? groups[block.seconds[i]]
                            : 0;
     const int reference = block.references.empty() ? 0 : block.references[i];
-    const auto [place, is_new] = known.emplace(
-        Key(groups[block.pose(i)], block.target(i), reference, second),
-        all.size());
+    const auto [place, is_new] =
+        known.emplace(Key(groups[block.pose(i)], block.target(i), reference,
+                          second, {sigmas.begin(), sigmas.end()}),
+                      all.size());
     if (is_new) all.emplace_back();
     all[place->second].push_back(i);
   }
@@ -80,7 +99,9 @@ Looks TakeLooks(const FittedProblem& fit) {
   for (ObservationBlock& block : looks.data.blocks) {
     const Eigen::Index rows = block.rows_each();
     std::vector<Eigen::Index> taken;
-    for (const std::vector<Eigen::Index>& same : Repeats(block, groups)) {
+    for (const std::vector<Eigen::Index>& same :
+         Repeats(fit, block, groups,
+                 residuals.segment(first, rows * block.size()))) {
       Eigen::VectorXd mean = Eigen::VectorXd::Zero(rows);
       for (const Eigen::Index i : same) {
         mean += residuals.segment(first + i * rows, rows);

@@ -157,6 +157,7 @@ TEST_P(CoherentOutlierTest, NearlyHalfAreFoundWithSigmaEstimated) {
   EXPECT_GT(result.estimated_sigma, 0.6 * kSigma);
   EXPECT_LT(result.estimated_sigma, 2.0 * kSigma);
   EXPECT_LT(CompareArms(result.arm, real, 500, 9).rms, 1.2e-4);
+  ASSERT_TRUE(result.train.kept.has_value());
   const auto rejected = static_cast<double>(result.train.kept->num_rejected);
   EXPECT_NEAR(rejected / 90.0, GetParam() / 100.0, 0.05);
   EXPECT_NE(result.verdict.level, FindingLevel::kPassed);

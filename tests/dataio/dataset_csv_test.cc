@@ -171,7 +171,7 @@ INSTANTIATE_TEST_SUITE_P(
                      {1, 0, "", "separated by tabs, expected commas"}},
         CsvErrorCase{"NoRows",
                      "q1_deg,q2_mm,x_mm,y_mm,z_mm\n\n# c\n",
-                     {3, 0, "", "no rows behind the header"}}),
+                     {3, 0, "", "no rows after the header"}}),
     CaseName);
 
 std::string WithRow(const std::string& row) {
@@ -231,7 +231,7 @@ INSTANTIATE_TEST_SUITE_P(
                      {3, 3, "", "expected a closing quote"}},
         CsvErrorCase{"TextBehindQuote",
                      WithRow("1,\"2\"x,3,4,5,6,7,8"),
-                     {3, 5, "", "expected a comma behind the closing quote"}}),
+                     {3, 5, "", "expected a comma after the closing quote"}}),
     CaseName);
 
 TEST(LoadDatasetTest, NamesFilesThatCannotBeRead) {

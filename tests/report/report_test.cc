@@ -248,9 +248,9 @@ TEST(FormatReportTest, HasCrossValidationOfBoth) {
       SummarizeErrors(Eigen::VectorXd::Constant(2, 0.0625 * kDegree))};
   const std::string flat = Flat(JudgedReport(result));
   EXPECT_TRUE(Contains(
-      flat, "held out once 5 folds 2.000 2.000 0 2.000 2.000 2.000 2"));
+      flat, "cross-validated 5 folds 2.000 2.000 0 2.000 2.000 2.000 2"));
   EXPECT_TRUE(Contains(flat,
-                       "held out once 5 folds 0.06250 0.06250 0 0.06250 "
+                       "cross-validated 5 folds 0.06250 0.06250 0 0.06250 "
                        "0.06250 0.06250 2"));
   result.cross_validation->rotation = {};
   EXPECT_FALSE(Contains(Flat(JudgedReport(result)), "0.06250"));

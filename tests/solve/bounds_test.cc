@@ -100,6 +100,23 @@ TEST_P(BoundsTest, FindsTheMinimumOfAllActiveSets) {
 
 INSTANTIATE_TEST_SUITE_P(Parts, BoundsTest, ::testing::Values(0.1, 0.5, 0.9));
 
+// Nothing is left to solve for where the only parameter is at its bound.
+TEST(SingleBoundTest, TheCostIsThatAtTheBound) {
+  Calibration calibration = testing::NoisyFlangeCalibration(3, 60);
+  calibration.free_columns = {*calibration.model.layout().Find("d3")};
+  calibration.start_rank = {};
+  const std::vector<Bound> bounds = BoundsBefore(calibration, 0.5, {"d3"});
+  Eigen::VectorXd values = calibration.model.NominalValues();
+  const SolverSummary summary = SolveLevenbergMarquardt(
+      WithBounds(calibration, bounds), SolverOptions(), &values);
+  ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
+  EXPECT_EQ(values[bounds[0].column], bounds[0].value);
+  // 1 / sigma^2 times the squared errors there.
+  const double errors =
+      calibration.model.Errors(values, calibration.data).map().squaredNorm();
+  EXPECT_NEAR(summary.final_cost / (errors / (2e-5 * 2e-5)), 1.0, 1e-9);
+}
+
 TEST(BoundsBeyondTest, BoundsBeyondTheSolutionChangeNothing) {
   const Calibration calibration = testing::NoisyFlangeCalibration(3, 60);
   const std::vector<Bound> bounds =
