@@ -141,8 +141,9 @@ UncertaintyResult AssessFit(const CalibrationSolution& fit,
   } else if (fit.task.data.validation) {
     input.validation = &*fit.task.data.validation;
   }
-  if (fit.task.options.true_values)
+  if (fit.task.options.true_values) {
     input.true_values = *fit.task.options.true_values;
+  }
   UncertaintyResult result = AssessUncertainty(input);
   if (found.validation.ordinary) {
     result.validation->num_outliers = found.validation.num_outliers;

@@ -215,6 +215,21 @@ std::string Listed(const std::string& before, const std::string& names,
   return names.empty() ? "" : before + names + after;
 }
 
+// What became of an estimate of sigma.
+std::string WarnOfEstimate(const FitHistory& history) {
+  if (history.sigma_is_bound) {
+    return "too few measurements to determine sigma from the residuals: it is "
+           "taken as what the nominal geometry leaves, so that parameters stay "
+           "near nominal. Measure more poses or state sigma";
+  }
+  if (history.has_two_groups) {
+    return "half of the measurements agree far better among themselves than "
+           "with the others, which this loss does not leave out. Use `robust: "
+           "{loss: tukey}`, and look for what the others have in common";
+  }
+  return "";
+}
+
 }  // namespace
 
 void AddWarning(const std::string& warning, CalibrationResult* result) {
@@ -256,19 +271,7 @@ void WarnOfFit(const CalibrationSolution& fit, const FitHistory& history,
   warn(WarnOfManyRejected(fit, result));
   warn(WarnOfFewForRobust(fit));
   warn(WarnOfPriors(fit, result.identifiability));
-  if (history.has_two_groups) {
-    warn(
-        "half of the measurements agree far better among themselves than with "
-        "the others, which this loss does not leave out. Use `robust: {loss: "
-        "tukey}`, and look for what the others have in common");
-  }
-  if (history.sigma_is_bound) {
-    warn(
-        "too few measurements to determine sigma from the residuals: it is "
-        "taken "
-        "as what the nominal geometry leaves, so that parameters stay near "
-        "nominal. Measure more poses or state sigma");
-  }
+  warn(WarnOfEstimate(history));
   if (!(result.reduced_chi_square > 0.0) &&
       DegreesOfFreedom(fit.problem, fit.values) < 1.0) {
     warn(

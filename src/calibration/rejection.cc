@@ -18,7 +18,7 @@ double ResidualRatio(const CalibrationSolution& fit,
              : TypicalResidual(fit.model(), fit.task.data.training, fit.values);
 }
 
-bool IsUseless(const CalibrationSolution& fit,
+bool IsUseless(const CalibrationSolution& fit, bool frames_fitted,
                const CalibrationResult& result) {
   constexpr double kNoBetter = 0.9;
   constexpr double kTimesSigma = 100.0;
@@ -30,7 +30,8 @@ bool IsUseless(const CalibrationSolution& fit,
                                    : after.rms < kNoBetter * before.rms;
   // With sigma estimated no residual is large in sigmas, but it may be of a
   // size that no calibrated arm is off by.
-  return (!is_better && ResidualRatio(fit, result) > kTimesSigma) ||
+  return (frames_fitted && !is_better &&
+          ResidualRatio(fit, result) > kTimesSigma) ||
          after.median > kOfReach * ArmReach(fit.task.arm);
 }
 
@@ -82,7 +83,7 @@ std::string ReasonToReject(const CalibrationSolution& fit, bool frames_fitted,
       return GrowsAt("validation", validation);
     }
   }
-  if (frames_fitted && IsUseless(fit, result)) {
+  if (IsUseless(fit, frames_fitted, result)) {
     return "the data do not fit this arm: half of the errors that are left "
            "are more than " +
            FormatLength(result.train.after.median, 3) +

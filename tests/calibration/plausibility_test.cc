@@ -243,19 +243,18 @@ TEST(PlausibilityTest, PositionsOfNoArmAreRejectedWithSigmaEstimated) {
   job.data.training =
       Bench(RealArm(), DrawJointValues(RealArm(), 60, 5)).Positions(0).data();
   Random random(8);
-  auto points = testing::Edit(&job.data.training.positions());
-  for (Eigen::Index i = 0; i < 60; ++i) {
-    for (int axis = 0; axis < 3; ++axis) {
-      points.at(axis, i) = random.Uniform(-0.5, 0.5);
-    }
+  Eigen::MatrixXd points(3, 60);
+  for (double& coordinate : points.reshaped()) {
+    coordinate = random.Uniform(-0.5, 0.5);
   }
+  job.data.training.positions() = points;
   job.options.identifiability.candidates = {true, true, true};
   job.options.estimate_sigma = true;
   const CalibrationResult result = RunJob(job, "test");
   EXPECT_TRUE(result.IsRejected());
   EXPECT_NE(result.message.find("the data do not fit this arm"),
             std::string::npos)
-      << result.message;
+      << result.FullReport();
 }
 
 TEST(PlausibilityTest, DataThatNoMistakeExplainsAreWarnedOf) {
