@@ -85,8 +85,9 @@ Fit FitPart(const CalibrationTask& task, const MeasurementModel& model,
             const IdentifiabilityOptions& options) {
   constexpr int kRounds = 2;
   CalibrationTask coarse = task;
-  if (task.options.loss != LossKind::kNone)
+  if (task.options.loss != LossKind::kNone) {
     coarse.options.loss = LossKind::kHuber;
+  }
   Fit fit;
   fit.values = model.NominalValues();
   for (int round = 0; round < kRounds; ++round) {
