@@ -154,8 +154,9 @@ Arm Moved(Arm arm, Random* random) {
     for (double* value : {&joint.alpha, &joint.beta, &joint.theta}) {
       *value += 1e-3 * random->Normal();
     }
-    for (double* value : {&joint.d, &joint.r})
+    for (double* value : {&joint.d, &joint.r}) {
       *value += 3e-4 * random->Normal();
+    }
   }
   return arm;
 }

@@ -46,8 +46,9 @@ struct Measured {
     // The deviations of docs/study.md are of this size.
     Random deviations(3);
     columns = bench::StudyColumns(model.layout());
-    for (const int column : columns)
+    for (const int column : columns) {
       truth[column] += 1e-3 * deviations.Normal();
+    }
     data.joint_values =
         DrawJointValues(nominal, static_cast<int>(poses), kPosesSeed);
     data.positions() = model.Predict(truth, data.joint_values);

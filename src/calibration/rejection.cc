@@ -75,8 +75,9 @@ std::string ReasonToReject(const CalibrationSolution& fit, bool frames_fitted,
            "what is wrong with the data, or allow more iterations";
   }
   const KeptErrors train = result.train.Judged();
-  if (std::isfinite(train.change_t) && IsWorse(train, result))
+  if (std::isfinite(train.change_t) && IsWorse(train, result)) {
     return GrowsAt("training", train);
+  }
   if (result.validation) {
     const KeptErrors validation = result.validation->Judged();
     if (std::isfinite(validation.change_t) && IsWorse(validation, result)) {

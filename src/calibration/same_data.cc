@@ -73,8 +73,9 @@ std::vector<Finding> DiagnoseSameData(const CalibrationTask& task) {
       "values to the last digit: is a file there twice, or a copy of it? "
       "They count as independent, so that standard deviations are too small",
       &findings);
-  if (!task.data.validation || IsTooLarge(*task.data.validation))
+  if (!task.data.validation || IsTooLarge(*task.data.validation)) {
     return findings;
+  }
   const Prints validation = PrintsOf(*task.data.validation);
   const auto is_fitted = [&](std::size_t print) {
     return std::binary_search(distinct.begin(), distinct.end(), print);

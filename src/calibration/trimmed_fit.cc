@@ -65,8 +65,9 @@ class Search {
             observations_.begin(), observations_.end(),
             [](const auto& one) { return one.residual.size() == 0; }),
         observations_.end());
-    for (const LinearObservation& one : observations_)
+    for (const LinearObservation& one : observations_) {
       rows_ += one.residual.size();
+    }
     AddPriors(problem, values);
   }
 

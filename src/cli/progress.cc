@@ -86,12 +86,14 @@ std::string FormatBatchProgress(const BatchProgress& progress,
   const double fraction = static_cast<double>(progress.num_finished) /
                           static_cast<double>(progress.num_jobs);
   std::string text = "[";
-  for (int i = 0; i < kBarWidth; ++i)
+  for (int i = 0; i < kBarWidth; ++i) {
     text += i < fraction * kBarWidth ? '#' : '.';
+  }
   text += "] " + std::to_string(progress.num_finished) + "/" +
           std::to_string(progress.num_jobs) + " jobs";
-  if (num_not_done > 0)
+  if (num_not_done > 0) {
     text += ", " + std::to_string(num_not_done) + " not done";
+  }
   const auto num_run = progress.num_finished - progress.num_found;
   if (num_run == 0 || !(elapsed_s > 0.0)) return text;
   const double rate = static_cast<double>(num_run) / elapsed_s;

@@ -101,8 +101,9 @@ void TableHeader::CheckNumJoints(const Cells& cells) const {
   // A mapping names the joints one by one; what else begins with q is no
   // matter.
   const bool is_mapped = !specs().front().mapped.empty();
-  if (is_mapped || num_joints == 0 || num_joints == content_.arm.num_joints())
+  if (is_mapped || num_joints == 0 || num_joints == content_.arm.num_joints()) {
     return;
+  }
   Fail("data set has " + std::to_string(num_joints) + " joints, arm \"" +
        content_.arm.name + "\" has " +
        std::to_string(content_.arm.num_joints()));

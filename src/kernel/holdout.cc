@@ -200,8 +200,9 @@ std::vector<char> IsValidation(const std::vector<int>& groups,
     group_is_validation[order[i]] = 1;
   }
   std::vector<char> is_validation;
-  for (const int group : groups)
+  for (const int group : groups) {
     is_validation.push_back(group_is_validation[group]);
+  }
   return is_validation;
 }
 
@@ -306,8 +307,9 @@ HoldOut HoldOutFraction(const Dataset& data, double fraction,
   }
   const Dataset all = ConfigurationsOf(communicator, data);
   std::vector<char> is_validation;
-  if (communicator->is_root())
+  if (communicator->is_root()) {
     is_validation = DrawFraction(all, fraction, seed);
+  }
   const std::string drawn =
       communicator->Broadcast({is_validation.begin(), is_validation.end()});
   const auto first = drawn.begin() + data.partition->first_pose;

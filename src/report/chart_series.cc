@@ -261,8 +261,9 @@ void DrawTips(SvgWriter* svg, const ChartAxis& x, const ChartAxis& y,
   for (const std::size_t i : DrawablePoints(x, y, series)) {
     points.push_back({plot.At(series.x[i], series.y[i]), series.y[i], i});
   }
-  if (points.size() > kManyTips)
+  if (points.size() > kManyTips) {
     return DrawLargestTips(svg, points, series.tip);
+  }
   for (const PointWithTip& point : points) {
     svg->Tip(point.at, series.tip(point.index));
   }

@@ -258,8 +258,9 @@ void AddKinds(const std::string& poses, const EvaluatedSet& set, Table* table) {
 std::string KindTable(const CalibrationResult& result) {
   Table table = MakeAccuracyTable("kinds", "of which, after [mm]");
   AddKinds("training poses", result.train, &table);
-  if (result.validation)
+  if (result.validation) {
     AddKinds("validation poses", *result.validation, &table);
+  }
   return table.empty() ? "" : "\n" + table.ToText();
 }
 

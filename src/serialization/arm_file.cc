@@ -128,8 +128,9 @@ void SetMotorMap(const std::vector<JointEntry>& entries, Arm* arm) {
     signs[j] = entries[j].sign;
     offsets[j] = entries[j].offset;
   }
-  if ((signs.array() != 1.0).any())
+  if ((signs.array() != 1.0).any()) {
     arm->joints_from_motors = signs.asDiagonal();
+  }
   if ((offsets.array() != 0.0).any()) arm->motor_offsets = offsets;
 }
 

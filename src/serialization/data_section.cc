@@ -348,8 +348,9 @@ bool AreStated(const MeasurementSigmas& sigmas, const Dataset& data) {
   if (sigmas.instrument) return true;
   return std::any_of(data.blocks.begin(), data.blocks.end(),
                      [](const ObservationBlock& block) {
-                       if (block.kind == MeasurementKind::kPointDistance)
+                       if (block.kind == MeasurementKind::kPointDistance) {
                          return false;
+                       }
                        const auto sigma = block.sigmas.map().row(0).array();
                        return (sigma.isFinite() && sigma != kFirstSigma).any();
                      });

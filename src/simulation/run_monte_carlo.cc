@@ -134,8 +134,9 @@ class MonteCarlo {
 
   void FindTruth() {
     truth_ = model_.NominalValues();
-    if (study_.truth == SimulatedTruth::kGiven)
+    if (study_.truth == SimulatedTruth::kGiven) {
       truth_ = *task_.options.true_values;
+    }
     if (study_.truth == SimulatedTruth::kIdentified) {
       const RepeatedCalibration::Outcome outcome =
           calibration_.Run(task_.data.training);
