@@ -74,7 +74,7 @@ class Search {
   bool IsDetermined() const { return !observations_.empty() && rows_ > 4 * p_; }
 
   Candidate Run() const {
-    const Candidate first = Best(0, kFirstStarts);
+    Candidate first = Best(0, kFirstStarts);
     if (first.step.size() == 0 ||
         Scale(first.step) > kShows * Scale(Eigen::VectorXd::Zero(p_))) {
       return first;

@@ -439,8 +439,7 @@ class Judge {
     if (improvement_.is_worse) return "Worse than before";
     if (result_.IsRejected()) return "Rejected";
     if (verdict_.level == FindingLevel::kFailed) return "Not accepted";
-    const std::string title =
-        result_.acceptance.empty() ? "Usable" : "Accepted";
+    std::string title = result_.acceptance.empty() ? "Usable" : "Accepted";
     if (verdict_.level == FindingLevel::kPassed) return title;
     return title + (improvement_.ratio() > kHardlyBetter
                         ? ", hardly better than before"
