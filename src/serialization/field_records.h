@@ -222,7 +222,7 @@ class YamlFields {
   std::optional<YamlValue> Find(const Key& key) const {
     std::optional<YamlValue> value = map_.Optional(key.name);
     if (key.former_name != nullptr) {
-      const auto former = map_.Optional(key.former_name);
+      std::optional<YamlValue> former = map_.Optional(key.former_name);
       if (value && former) {
         former->Fail(std::string("is the former name of ") + key.name +
                      ", which is there too: remove one");
