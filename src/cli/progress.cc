@@ -65,18 +65,13 @@ double Seconds(std::chrono::steady_clock::duration duration) {
 }
 
 std::string FormatWholeSeconds(double seconds) {
-  std::array<char, 40> text{};
-  const auto whole = static_cast<long long>(seconds + 0.5);
-  if (whole < 60) {
-    std::snprintf(text.data(), text.size(), "%lld s", whole);
-  } else if (whole < 3600) {
-    std::snprintf(text.data(), text.size(), "%lld min %lld s", whole / 60,
-                  whole % 60);
-  } else {
-    std::snprintf(text.data(), text.size(), "%lld h %lld min", whole / 3600,
-                  whole / 60 % 60);
-  }
-  return text.data();
+  const std::int64_t whole = std::llround(seconds);
+  const auto text = [](std::int64_t count, const char* unit) {
+    return std::to_string(count) + unit;
+  };
+  if (whole < 60) return text(whole, " s");
+  if (whole < 3600) return text(whole / 60, " min ") + text(whole % 60, " s");
+  return text(whole / 3600, " h ") + text(whole / 60 % 60, " min");
 }
 
 }  // namespace
