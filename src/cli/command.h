@@ -34,7 +34,7 @@ struct CommandLine {
   std::string text;  ///< the whole command line, for the result
 };
 
-/// What people are told of a command.
+/// The texts of a command.
 struct CommandText {
   const char* name;
   const char* arguments;  ///< "JOB.yaml"

@@ -43,7 +43,7 @@ void ShowIterations(std::int64_t num_poses, ProgressLine* progress,
 std::string FormatBatchProgress(const BatchProgress& progress,
                                 std::int64_t num_not_done, double elapsed_s);
 
-/// Tells on standard error how far a batch is: a bar on a terminal, a line
+/// Shows on standard error how far a batch is: a bar on a terminal, a line
 /// every ten seconds elsewhere. What goes wrong with a job is a line at once.
 class BatchProgressReporter {
  public:

@@ -62,7 +62,7 @@ void DrawSeries(SvgWriter* svg, const ChartSeries& series,
                 const SeriesLook& look, const PlotArea& plot,
                 const std::vector<PixelRun>& runs);
 
-/// What a tip is told of, and its place.
+/// What a tip is about, and its place.
 struct PointWithTip {
   SvgPoint at;
   double value = 0.0;

@@ -22,7 +22,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTakenIn = 0.05;
 constexpr double kWarned = 0.005;
 constexpr double kLeastRatio = 1.05;
-// Repeats of fewer degrees of freedom do not tell the noise; those of less
+// Repeats of fewer degrees of freedom do not determine the noise; those of less
 // spread, in sigmas squared, are copies.
 constexpr double kFewestRepeats = 10.0;
 constexpr double kNoSpread = 1e-6;
