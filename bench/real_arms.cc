@@ -6,10 +6,13 @@
 //          another program (plain_fit.py)
 //        real_arms report SOURCE_DIRECTORY PLAIN.csv IMAGE_DIRECTORY
 //          prints the tables, with the other program's results beside ours
+//        real_arms errors SOURCE_DIRECTORY [SET...]
+//          prints what error terms bring: the table of docs/error_terms.md
 // ALIDADE_DATA names the folder of the data.
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -24,6 +27,7 @@
 #include "alidade/units.h"
 #include "bench/study_main.h"
 #include "src/common/files.h"
+#include "src/error_terms/folds.h"
 #include "src/job/run_job.h"
 #include "src/kernel/holdout.h"
 #include "src/report/svg_chart.h"
@@ -286,6 +290,89 @@ void Report(const std::string& root, const std::string& plain_path,
                       RenderSvg(without));
 }
 
+// Of one set with error terms, over splits of one kind; of which the geometry
+// alone, as the first rung has it.
+struct ErrorMeans {
+  int done = 0;
+  double geometry = 0.0;
+  double geometry_max = 0.0;
+  double geometry_rotation = 0.0;
+  double mean = 0.0;
+  double max = 0.0;
+  double rotation = 0.0;
+  double share = 0.0;
+  double predicted = 0.0;  // over observed, RMS of positions
+
+  void Add(const CalibrationResult& result) {
+    ++done;
+    const ErrorRung& first = result.error_terms->rungs.front();
+    geometry += first.validation.mean / kMillimetre;
+    geometry_max += first.validation.max / kMillimetre;
+    geometry_rotation += first.validation_rotation.mean / kDegree;
+    mean += result.validation->after.mean / kMillimetre;
+    max += result.validation->after.max / kMillimetre;
+    rotation += result.validation->rotation_after.mean / kDegree;
+    share += result.error_terms->share;
+    const PredictionParts& parts = result.uncertainty->validation->parts;
+    predicted += std::sqrt(parts.from_parameters * parts.from_parameters +
+                           parts.from_model * parts.from_model +
+                           parts.from_measurement * parts.from_measurement) /
+                 result.validation->after.rms;
+  }
+  void Divide() {
+    for (double* sum : {&geometry, &geometry_max, &geometry_rotation, &mean,
+                        &max, &rotation, &share, &predicted}) {
+      *sum /= std::max(done, 1);
+    }
+  }
+};
+
+enum class SplitKind { kRandom, kRegion };
+
+ErrorMeans WithErrors(const RealArm& arm, SplitKind kind, int count) {
+  ErrorMeans means;
+  JobConfig job = arm.job;
+  job.options.errors.selection = ErrorTermSelection::kAuto;
+  job.options.num_threads = kThreads;
+  const Dataset& all = arm.job.data.training;
+  for (int seed = 1; seed <= count; ++seed) {
+    HoldOut split = kind == SplitKind::kRandom
+                        ? HoldOutFraction(all, kValidation, seed)
+                        : HoldOutPoses(all, RegionOf(all, kValidation, seed));
+    job.data.training = std::move(split.train);
+    job.data.validation = std::move(split.validation);
+    const CalibrationResult result = RunJob(job, "real_arms");
+    if (result.validation) means.Add(result);
+  }
+  means.Divide();
+  return means;
+}
+
+void PrintErrorTerms(const RealArm& arm) {
+  constexpr int kRegions = 5;
+  const auto print = [&](const char* kind, const ErrorMeans& means) {
+    std::cout << "| `" << arm.name << "` | " << kind << " | "
+              << Number(means.geometry) << " | " << Number(means.mean) << " | "
+              << Number(means.mean / means.geometry) << " | "
+              << Number(means.geometry_max) << " | " << Number(means.max)
+              << " | " << Number(means.geometry_rotation) << " | "
+              << Number(means.rotation) << " | " << Number(means.share)
+              << " | " << Number(means.predicted) << " |" << std::endl;
+  };
+  print("random", WithErrors(arm, SplitKind::kRandom, kSeeds));
+  print("region", WithErrors(arm, SplitKind::kRegion, kRegions));
+}
+
+void ReportErrorTerms(const std::string& root,
+                      const std::vector<std::string>& names) {
+  std::cout << "| set | left out | geometry, mean | error terms, mean | ratio "
+               "| geometry, max | error terms, max | geometry, orientation "
+               "[deg] | error terms, orientation [deg] | share | predicted / "
+               "observed |\n|---|---|---|---|---|---|---|---|---|---|---|"
+            << std::endl;
+  for (const std::string& name : names) PrintErrorTerms(Load(root, name));
+}
+
 void Splits(const std::string& root, const std::string& directory) {
   for (const std::string& name : JobNames()) {
     WriteSplits(Load(root, name), directory);
@@ -301,6 +388,11 @@ bool Run(const std::vector<std::string>& arguments) {
     Report(arguments[1], arguments[2], arguments[3]);
     return true;
   }
+  if (arguments.size() >= 2 && arguments[0] == "errors") {
+    std::vector<std::string> names(arguments.begin() + 2, arguments.end());
+    ReportErrorTerms(arguments[1], names.empty() ? JobNames() : names);
+    return true;
+  }
   return false;
 }
 
@@ -311,6 +403,7 @@ int main(int argc, char** argv) {
   return alidade::internal::bench::StudyMain(
       argc, argv,
       "real_arms splits SOURCE_DIRECTORY DIRECTORY\n"
-      "       real_arms report SOURCE_DIRECTORY PLAIN.csv IMAGE_DIRECTORY",
+      "       real_arms report SOURCE_DIRECTORY PLAIN.csv IMAGE_DIRECTORY\n"
+      "       real_arms errors SOURCE_DIRECTORY [SET...]",
       alidade::internal::Run);
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "alidade/error_terms.h"
 #include "alidade/shared_matrix.h"
 #include "alidade/units.h"
 
@@ -65,6 +66,8 @@ struct Arm {
   /// of joint j.
   Eigen::MatrixXd joints_from_motors;
   Eigen::VectorXd motor_offsets;
+  /// What is not rigid geometry: elasticity, errors of gears.
+  ErrorTerms errors;
 
   int num_joints() const { return static_cast<int>(joints.size()); }
   int num_targets() const { return static_cast<int>(targets.size()); }

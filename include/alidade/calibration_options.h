@@ -40,6 +40,28 @@ enum class PriorScale {
   kEstimated,  ///< one factor for angles and one for lengths, from the data
 };
 
+/// Which errors that are not rigid geometry (error_terms.h) are estimated.
+enum class ErrorTermSelection {
+  kNone,    ///< none; those of the arm stay as they are
+  kAuto,    ///< what the measurements have evidence for
+  kStated,  ///< those of ErrorTermOptions
+};
+
+/// Error terms to estimate, instead of those that the arm has.
+struct ErrorTermOptions {
+  ErrorTermSelection selection = ErrorTermSelection::kNone;
+  /// The terms of kStated, each of all joints.
+  bool elasticity = false;
+  /// Length of the joint functions' prior (rad): how far values of a function
+  /// resemble each other; 0 = no functions.
+  double function_length = 0.0;
+  std::vector<double> harmonics;  ///< cycles per turn of the joint
+  bool scale = false;             ///< of joint values
+  bool backlash = false;
+  /// Joints (from 0) that move with the values of others: {joint, other}.
+  std::vector<std::pair<int, int>> coupling;
+};
+
 /// Poses that the fit does not use, drawn from the training data by
 /// configuration, so that repeats of a pose stay together.
 struct HoldOutOptions {
@@ -83,6 +105,7 @@ struct CalibrationOptions {
   /// `.tool` add the two frames to the joints.
   IdentifiabilityOptions identifiability;
   PriorScale prior_scale = PriorScale::kGiven;
+  ErrorTermOptions errors;
   SolverName solver = SolverName::kCeres;
   SolverOptions solver_options;
   /// Against outliers; SolverName::kCeres only.

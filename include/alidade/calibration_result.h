@@ -204,6 +204,38 @@ struct CrossValidation {
   std::optional<KeptCrossValidation> kept = {};  ///< where some were rejected
 };
 
+/// One set of error terms that was weighed against others.
+struct ErrorRung {
+  std::string name;  ///< "geometry", "elasticity", "elasticity + functions" ...
+  int num_terms = 0;  ///< coefficients besides the geometry
+  double weight = 0.0;  ///< in what is delivered
+  /// Standard deviations of the coefficients' priors, found from the training
+  /// poses: compliances about the joint's axis and the others (rad / (N m)),
+  /// functions (rad); 0 = none of them.
+  double compliance_std = 0.0;
+  double other_compliance_std = 0.0;
+  double function_std = 0.0;
+  /// Mean error of training poses that it was fitted without (m): regions of
+  /// joint space, and random folds.
+  double region_error = 0.0;
+  double random_error = 0.0;
+  Accuracy train;
+  Accuracy validation;  ///< n = 0 without validation poses
+  Accuracy validation_rotation;
+};
+
+/// What became of the error terms.
+struct ErrorTermsResult {
+  /// How much of the step from geometry alone to the stack of rungs is taken,
+  /// by its evidence: 0 = nothing, the arm is rigid.
+  double share = 0.0;
+  double t_regions = 0.0;  ///< evidence of the gain in regions left out
+  double t_random = 0.0;   ///< in random folds
+  double effective_terms = 0.0;  ///< coefficients that the data decide
+  std::string sentence;
+  std::vector<ErrorRung> rungs;
+};
+
 /// Factors that priors of the joints were multiplied by, where they were found
 /// from the data.
 struct PriorScaling {
@@ -294,6 +326,8 @@ struct CalibrationResult {
   std::vector<StageResult> stages;
   std::optional<CrossValidation> cross_validation;
   std::optional<PriorScaling> prior_scaling;
+  /// Where they were asked for.
+  std::optional<ErrorTermsResult> error_terms;
   RepeatSpread repeats;
   std::vector<RejectedRow> rejected;
   /// What people call the targets and references: {"point1", "A"}.

@@ -4,8 +4,10 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cmath>
+#include <optional>
 
 #include "alidade/arm.h"
+#include "alidade/error_terms.h"
 #include "alidade/parameter_layout.h"
 #include "alidade/rotation.h"
 
@@ -67,16 +69,33 @@ void RotatePlane(const T& sine, const T& cosine, T* a, T* b) {
   *a = rotated;
 }
 
+/// Turns by 2 atan(tilt / 2) instead (error_terms.h).
+template <typename T>
+void TiltPlane(double tilt, T* a, T* b) {
+  const double quarter = 0.25 * tilt * tilt;
+  const double scale = 1.0 / (1.0 + quarter);
+  RotatePlane<T>(T(tilt * scale), T((1.0 - quarter) * scale), a, b);
+}
+
+/// Turns a vector in frame j by the tilts of joint j.
+template <typename T>
+void TiltVector(const PoseErrors& errors, int j, T* v) {
+  TiltPlane<T>(errors.tilts(1, j), v + 2, v);
+  TiltPlane<T>(errors.tilts(0, j), v + 1, v + 2);
+}
+
 /// Carries a point of frame j (index `j` from 0) to frame j - 1, and with it
-/// the columns of `axes`, directions, where that is not null.
+/// the columns of `axes`, directions, where that is not null. `errors`: of the
+/// pose, null for a rigid arm.
 template <typename T>
 void CarryThroughJoint(const Arm& arm, const GeometryView<T>& geometry, int j,
-                       double q, Vector3<T>* point,
+                       double q, const PoseErrors* errors, Vector3<T>* point,
                        Eigen::Matrix<T, 3, 3>* axes = nullptr) {
   using std::cos;
   using std::sin;
   T theta = geometry.theta[j];
   T r = geometry.r[j];
+  if (errors != nullptr) q += errors->shifts[j];
   if (arm.joints[j].type == JointType::kRevolute) {
     theta += q;
   } else {
@@ -86,6 +105,12 @@ void CarryThroughJoint(const Arm& arm, const GeometryView<T>& geometry, int j,
   T& y = point->y();
   T& z = point->z();
   z += r;
+  if (errors != nullptr) {
+    TiltVector(*errors, j, point->data());
+    for (int k = 0; axes != nullptr && k < 3; ++k) {
+      TiltVector(*errors, j, axes->col(k).data());
+    }
+  }
   const T sin_theta = sin(theta), cos_theta = cos(theta);
   const T sin_alpha = sin(geometry.alpha[j]),
           cos_alpha = cos(geometry.alpha[j]);
@@ -103,8 +128,21 @@ void CarryThroughJoint(const Arm& arm, const GeometryView<T>& geometry, int j,
   }
 }
 
+/// The error terms of an arm at a pose, or nothing for a rigid one.
+class ErrorsOfPose {
+ public:
+  ErrorsOfPose(const Arm& arm, const double* joint_values) {
+    if (!arm.errors.empty()) errors_ = ErrorsAt(arm, joint_values);
+  }
+  const PoseErrors* get() const { return errors_ ? &*errors_ : nullptr; }
+
+ private:
+  std::optional<PoseErrors> errors_;
+};
+
 /// Position of the target's origin in the instrument's frame (m).
-/// `joint_values`: n values, rad or m. Cost: O(n), no allocation.
+/// `joint_values`: n values, rad or m. Cost: O(n), no allocation but for error
+/// terms.
 template <typename T>
 Vector3<T> TargetPosition(const Arm& arm, const GeometryView<T>& geometry,
                           const double* joint_values) {
@@ -113,8 +151,9 @@ Vector3<T> TargetPosition(const Arm& arm, const GeometryView<T>& geometry,
   if (geometry.tool != nullptr) {
     point = Eigen::Map<const Vector3<T>>(geometry.tool);
   }
+  const ErrorsOfPose errors(arm, joint_values);
   for (int j = arm.num_joints() - 1; j >= 0; --j) {
-    CarryThroughJoint(arm, geometry, j, joint_values[j], &point);
+    CarryThroughJoint(arm, geometry, j, joint_values[j], errors.get(), &point);
   }
   point = arm.instrument_from_base.linear().template cast<T>() * point;
   if (geometry.base == nullptr) {
@@ -139,8 +178,10 @@ Vector3<T> TargetPose(const Arm& arm, const GeometryView<T>& geometry,
     const Vector3<T> turn = Eigen::Map<const Vector3<T>>(geometry.tool + 3);
     rotation = RotationFromVector<T>(turn) * rotation;
   }
+  const ErrorsOfPose errors(arm, joint_values);
   for (int j = arm.num_joints() - 1; j >= 0; --j) {
-    CarryThroughJoint(arm, geometry, j, joint_values[j], &point, &rotation);
+    CarryThroughJoint(arm, geometry, j, joint_values[j], errors.get(), &point,
+                      &rotation);
   }
   Eigen::Matrix<T, 3, 3> base =
       arm.instrument_from_base.linear().template cast<T>();

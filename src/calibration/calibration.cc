@@ -18,6 +18,7 @@
 #include "src/calibration/fit_report.h"
 #include "src/calibration/fit_uncertainty.h"
 #include "src/calibration/fit_warnings.h"
+#include "src/calibration/flexible_fit.h"
 #include "src/calibration/frame_fit.h"
 #include "src/calibration/identifiability_cache.h"
 #include "src/calibration/outliers.h"
@@ -94,6 +95,12 @@ Prepared Prepare(CalibrationTask task) {
   Prepared prepared;
   prepared.misfit = RefuseMistakes(task);
   prepared.task = std::move(task);
+  if (prepared.task.options.errors.selection != ErrorTermSelection::kNone) {
+    // They are estimated anew.
+    ErrorTerms& errors = prepared.task.arm.errors;
+    errors.joints.clear();
+    errors.coupling.resize(0, 0);
+  }
   prepared.frames_fitted = FitFrames(&prepared.task);
   const CalibrationTask& given = prepared.task;
   const Dataset& training = given.data.training;
@@ -249,18 +256,53 @@ class Calibrator {
     return true;
   }
 
+  // The model that describes the result.
+  const MeasurementModel& fitted() const {
+    return flexible_ ? *flexible_->model : model_;
+  }
+
+  void FitErrors(const CalibrationSolution& rigid) {
+    if (task().options.errors.selection == ErrorTermSelection::kNone) return;
+    ErrorTermsResult& errors = result_.error_terms.emplace();
+    const std::string obstacle = ErrorTermsObstacle(task());
+    if (!obstacle.empty()) {
+      errors.sentence = "no error terms: " + obstacle;
+      AddWarning(errors.sentence, &result_);
+      return;
+    }
+    flexible_ = FitFlexible(rigid, &errors);
+    if (!flexible_) return;
+    if (task().options.estimate_sigma) {
+      MatchSigmas(fitted(), flexible_->values, errors.effective_terms,
+                  &prepared_.task);
+      result_.sigma = MedianLengthSigma(task().data.training,
+                                        task().communicator);
+      result_.estimated_sigma = result_.sigma;
+      result_.estimated_rotation_sigma = MedianSigma(
+          RowClass::kRotation, task().data.training, task().communicator);
+    }
+    flexible_problem_.emplace(
+        ProblemOf(task(), fitted(), result_.identifiability));
+  }
+
   void Evaluate() {
     const Eigen::VectorXd nominal = model_.NominalValues();
-    const Eigen::VectorXd& values = result_.runs.front().values;
-    result_.arm = model_.layout().WithValues(task().arm, values);
+    const CalibrationSolution rigid{task(), *problem_,
+                                    result_.runs.front().values};
+    if (prepared_.frames_fitted) {
+      result_.stages = ListStages(rigid, result_.identifiability.num_free);
+    }
+    FitErrors(rigid);
+    const Eigen::VectorXd& values =
+        flexible_ ? flexible_->values : rigid.values;
+    SetArm(values);
     ListParameters(nominal, values);
     ListReferences(model_.ReferencesAt(values));
-    const CalibrationSolution fit{task(), *problem_, values};
+    const CalibrationSolution fit{
+        task(), flexible_problem_ ? *flexible_problem_ : *problem_, values,
+        flexible_ ? flexible_->covariance : nullptr};
     FindAllOutliers(fit);
     EvaluateSets(nominal, values);
-    if (prepared_.frames_fitted) {
-      result_.stages = ListStages(fit, result_.identifiability.num_free);
-    }
     if (task().options.folds) {
       result_.cross_validation = CrossValidate(*as_given_, training_.kept);
       if (!result_.cross_validation) {
@@ -281,6 +323,12 @@ class Calibrator {
     Accept(fit);
   }
 
+  // Its terms take moments of its own geometry.
+  void SetArm(const Eigen::VectorXd& values) {
+    result_.arm = model_.layout().WithValues(fitted().nominal(), values);
+    result_.arm.errors.load_geometry.resize(0, 0);
+  }
+
   void FindAllOutliers(const CalibrationSolution& fit) {
     training_ = FindOutliers(fit);
     result_.outliers = training_.outliers;
@@ -296,7 +344,7 @@ class Calibrator {
   EvaluatedSet EvaluateWith(const OutlierSearch& found, const Dataset& data,
                             const Eigen::VectorXd& nominal,
                             const Eigen::VectorXd& values) const {
-    EvaluatedSet set = EvaluateSet(model_, data, nominal, values,
+    EvaluatedSet set = EvaluateSet(model_, nominal, fitted(), values, data,
                                    found.kept ? &*found.kept : nullptr);
     if (set.kept) set.kept->num_rejected = found.num_rejected;
     return set;
@@ -390,11 +438,13 @@ class Calibrator {
     }
   }
 
-  const Prepared prepared_;
+  Prepared prepared_;
   const CalibrationTask* const as_given_;
   IdentifiabilityCache* const cache_;
   const MeasurementModel model_;
   std::optional<CalibrationProblem> problem_;
+  std::optional<FlexibleFit> flexible_;
+  std::optional<CalibrationProblem> flexible_problem_;
   OutlierSearch training_;
   OutlierSearch validation_;
   CalibrationResult result_;

@@ -18,6 +18,7 @@ bool CalibrationOptions::IsValid(std::string* error) const {
     return false;
   }
   if (!internal::AreFieldsValid(uncertainty, "uncertainty.", error) ||
+      !internal::AreFieldsValid(errors, "errors.", error) ||
       !internal::AreFieldsValid(acceptance, "acceptance.", error) ||
       (holdout && !internal::AreFieldsValid(*holdout, "holdout.", error)) ||
       (folds && !internal::AreFieldsValid(*folds, "folds.", error))) {

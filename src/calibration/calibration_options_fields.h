@@ -26,6 +26,32 @@ inline constexpr std::array kWords<PriorScale> = {
     std::pair{PriorScale::kEstimated, "estimated"},
 };
 
+template <>
+inline constexpr std::array kWords<ErrorTermSelection> = {
+    std::pair{ErrorTermSelection::kNone, "none"},
+    std::pair{ErrorTermSelection::kAuto, "auto"},
+    std::pair{ErrorTermSelection::kStated, "stated"},
+};
+
+/// The terms of a job that states them.
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, ErrorTermOptions>& options) {
+  v.Field(Key("elasticity"), options.elasticity,
+          "each joint gives way to the moment of gravity about its three axes "
+          "(a prismatic one about two)");
+  v.Field(AngleKey("functions").AtLeast(0).Default("none"),
+          options.function_length,
+          "a smooth function of its value is added to each revolute joint; "
+          "this is how far its values resemble each other: 0.05 to 0.3 rad for "
+          "errors of gears and encoders, 1.5 rad for what repeats once or "
+          "twice a turn");
+  v.Field(Key("scale"), options.scale,
+          "each joint moves by more or less than it should");
+  v.Field(Key("backlash"), options.backlash,
+          "half a step by the sign of the moment about a revolute joint's "
+          "axis");
+}
+
 template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, HoldOutOptions>& options) {
   v.Field(Key("fraction").Above(0).Below(1).Default(""), options.fraction,

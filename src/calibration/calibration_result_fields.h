@@ -84,6 +84,31 @@ void VisitFields(Visitor& v, Subject<Visitor, ParameterResult>& parameter) {
 }
 
 template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, ErrorRung>& rung) {
+  v.Field("name", rung.name);
+  v.Field("num_terms", rung.num_terms);
+  v.Field("weight", rung.weight);
+  v.Field("compliance_std", rung.compliance_std);
+  v.Field("other_compliance_std", rung.other_compliance_std);
+  v.Field("function_std", rung.function_std);
+  v.Field("region_error", rung.region_error);
+  v.Field("random_error", rung.random_error);
+  v.Field("train", rung.train);
+  v.Optional("validation", rung.validation);
+  v.Optional("validation_rotation", rung.validation_rotation);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, ErrorTermsResult>& errors) {
+  v.Field("share", errors.share);
+  v.Field("t_regions", errors.t_regions);
+  v.Field("t_random", errors.t_random);
+  v.Field("effective_terms", errors.effective_terms);
+  v.Field("sentence", errors.sentence);
+  v.Field("rungs", errors.rungs);
+}
+
+template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, KeptErrors>& kept) {
   v.Field("rejected", kept.num_rejected);
   v.Field("before", kept.before);
@@ -223,6 +248,7 @@ void VisitFields(Visitor& v, Subject<Visitor, CalibrationResult>& result) {
   v.Pairs("aliases", result.aliases, "block", "name");
   v.Later("references", result.references);
   v.Optional("prior_scaling", result.prior_scaling);
+  v.Optional("error_terms", result.error_terms);
   v.Later("repeats", result.repeats);
   v.LaterGroup("fit", [&](auto& fit) {
     fit.Later("sigma", result.sigma);

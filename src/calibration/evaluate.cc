@@ -298,9 +298,11 @@ std::vector<ObservationLabel> LabelsOf(const Arm& arm, const Dataset& data) {
   return labels;
 }
 
-EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
+EvaluatedSet EvaluateSet(const MeasurementModel& model_before,
                          const Eigen::VectorXd& before,
-                         const Eigen::VectorXd& after, const Dataset* kept) {
+                         const MeasurementModel& model,
+                         const Eigen::VectorXd& after, const Dataset& data,
+                         const Dataset* kept) {
   Communicator* const communicator = model.communicator();
   EvaluatedSet set;
   set.name = data.name;
@@ -312,7 +314,7 @@ EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
   }
   set.positions =
       ObservationsInOrder(communicator, data, MeasuredPositions(data));
-  const SharedVector errors_before = model.Errors(before, data);
+  const SharedVector errors_before = model_before.Errors(before, data);
   const SharedVector errors_after = model.Errors(after, data);
   set.residual_before =
       ObservationsInOrder(communicator, data, Lengths(data, errors_before));

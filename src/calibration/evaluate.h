@@ -23,9 +23,11 @@ std::vector<ObservationLabel> LabelsOf(const Arm& arm, const Dataset& data);
 /// data without those that were rejected, whose number `num_rejected` of the
 /// result's `kept` the caller fills in. This and all below that take a data set
 /// are collective.
-EvaluatedSet EvaluateSet(const MeasurementModel& model, const Dataset& data,
+/// Before and after each has its model, which are of one layout.
+EvaluatedSet EvaluateSet(const MeasurementModel& model_before,
                          const Eigen::VectorXd& before,
-                         const Eigen::VectorXd& after,
+                         const MeasurementModel& model,
+                         const Eigen::VectorXd& after, const Dataset& data,
                          const Dataset* kept = nullptr);
 
 /// The norms of lengths that an accuracy is made of, block by block, from the

@@ -2,12 +2,14 @@
 #define ALIDADE_SRC_CALIBRATION_FIT_REPORT_H_
 
 #include <Eigen/Core>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "alidade/calibration_result.h"
 #include "src/calibration/calibration_task.h"
+#include "src/error_terms/error_fit.h"
 #include "src/kernel/measurement_model.h"
 #include "src/solve/solve.h"
 
@@ -18,6 +20,8 @@ struct CalibrationSolution {
   const CalibrationTask& task;
   const CalibrationProblem& problem;
   const Eigen::VectorXd& values;
+  /// Where error terms were estimated too; else null.
+  std::shared_ptr<const TermCovariance> terms = nullptr;
 
   const MeasurementModel& model() const { return problem.model; }
 };

@@ -130,7 +130,8 @@ UncertaintyResult AssessFit(const CalibrationSolution& fit,
       fit.task.options.uncertainty};
   input.sigma_estimated = fit.task.options.estimate_sigma;
   input.stated_noise = found.noise;
-  if (fit.task.options.solver == SolverName::kCeres &&
+  input.terms = fit.terms;
+  if (fit.task.options.solver == SolverName::kCeres && !fit.terms &&
       fit.task.data.training.global_observations() <= kMostForProfiles) {
     input.fit_cost = final_cost;
     input.resolve = ResolveByCeres(problem, fit.task.options.solver_options);

@@ -23,9 +23,34 @@ void PutFrame(const Eigen::Isometry3d& frame, ByteWriter* writer) {
   writer->PutMatrix(frame.matrix());
 }
 
+void PutErrors(const ErrorTerms& errors, ByteWriter* writer) {
+  const auto& [joints, coupling, gravity, links, payload, load_geometry,
+               load_target] = errors;
+  writer->Put(joints.size());
+  for (const auto& [compliance, function, harmonics, backlash] : joints) {
+    writer->PutMatrix(compliance);
+    writer->Put(function.first);
+    writer->Put(function.spacing);
+    writer->PutMatrix(function.values);
+    writer->PutList(harmonics);
+    writer->Put(backlash);
+  }
+  std::vector<Load> loads = links;
+  loads.push_back(payload);
+  for (const auto& [mass, centre] : loads) {
+    writer->Put(mass);
+    writer->PutMatrix(centre);
+  }
+  for (const Eigen::MatrixXd& matrix :
+       {coupling, Eigen::MatrixXd(gravity), load_geometry,
+        Eigen::MatrixXd(load_target)}) {
+    writer->PutMatrix(matrix);
+  }
+}
+
 void PutArm(const Arm& arm, ByteWriter* writer) {
   const auto& [name, joints, instrument_from_base, targets, joints_from_motors,
-               motor_offsets] = arm;
+               motor_offsets, errors] = arm;
   writer->PutText(name);
   writer->Put(joints.size());
   for (const auto& [type, beta, alpha, d, theta, r, lower, upper] : joints) {
@@ -42,6 +67,7 @@ void PutArm(const Arm& arm, ByteWriter* writer) {
   }
   writer->PutMatrix(joints_from_motors);
   writer->PutMatrix(motor_offsets);
+  PutErrors(errors, writer);
 }
 
 void PutReferences(const References& references, ByteWriter* writer) {

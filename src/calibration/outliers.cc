@@ -15,6 +15,7 @@
 #include "src/common/distributions.h"
 #include "src/kernel/partition.h"
 #include "src/uncertainty/covariance.h"
+#include "src/uncertainty/row_spread.h"
 
 namespace alidade::internal {
 namespace {
@@ -110,16 +111,18 @@ class Search {
   void Predict() {
     CalibrationProblem problem = fit_.problem;
     problem.losses = losses_;
-    const ParameterCovariance covariance = CovarianceOf(
+    ParameterCovariance covariance = CovarianceOf(
         {fit_.model(), fit_.task.data.training, problem.free_columns,
          problem.priors, problem.losses, fit_.values});
+    if (fit_.terms) AddTerms(fit_.terms, &covariance);
+    const RowSpread spreads(fit_.model(), fit_.values, covariance, data_);
     predicted_.assign(squared_.data(), squared_.data() + squared_.size());
     ForEachObservation(
         fit_.model(), fit_.values, data_, covariance.columns,
         [&](int, Eigen::Index i, const Eigen::Ref<const Eigen::MatrixXd>& all) {
           if (!IsBeyond(i, squared_[i])) return;
           const Eigen::Index p = all.cols() - 1;
-          const Eigen::MatrixXd spread = all.leftCols(p) * covariance.root;
+          const Eigen::MatrixXd spread = spreads.Of(i, all.leftCols(p));
           const Eigen::MatrixXd variance =
               Eigen::MatrixXd::Identity(all.rows(), all.rows()) +
               spread * spread.transpose();

@@ -94,9 +94,9 @@ HWY_INLINE Frame FrameOf(const Eigen::Matrix3d& axes,
           Broadcast(Eigen::Vector3d(axes.col(2))), Broadcast(origin)};
 }
 
-// Vectors of a joint in the scratch: the axes of beta, alpha and the joint,
-// the origins before the joint and on its axis; three numbers each.
-constexpr std::size_t kArraysPerJoint = 15;
+// Vectors of a joint in the scratch: the axes of beta, alpha, the joint and of
+// its r, the origins before the joint and on its axis; three numbers each.
+constexpr std::size_t kArraysPerJoint = 18;
 
 // The lines of one joint, as ChainAxes has them. Of those that no column asks
 // for nothing is kept.
@@ -106,26 +106,37 @@ struct JointLines {
   double* joint_axis;
   double* origin_before;
   double* origin_on_axis;
+  double* slide_axis;  // where tilts turn it, else the joint's
 };
 
-HWY_INLINE JointLines LinesOf(double* scratch, int joint) {
+HWY_INLINE JointLines LinesOf(double* scratch, int joint, bool is_tilted) {
   const std::size_t lanes = hn::Lanes(kTag);
   double* const first =
       scratch + static_cast<std::size_t>(joint) * kArraysPerJoint * lanes;
   return {first, first + 3 * lanes, first + 6 * lanes, first + 9 * lanes,
-          first + 12 * lanes};
+          first + 12 * lanes, first + (is_tilted ? 15 : 6) * lanes};
+}
+
+// Turns by 2 atan(tilt / 2).
+HWY_INLINE void Tilt(V tilt, V3* a, V3* b) {
+  const V one = Broadcast(1.0);
+  const V quarter = hn::Mul(Broadcast(0.25), hn::Mul(tilt, tilt));
+  const V scale = hn::Div(one, hn::Add(one, quarter));
+  Turn(hn::Mul(hn::Sub(one, quarter), scale), hn::Mul(tilt, scale), a, b);
 }
 
 // Walks one vector of poses from the base to the last frame. `joints` are the
-// tile's sines and cosines from the first lane of the vector on.
+// tile's sines and cosines from the first lane of the vector on, `tilts`
+// likewise or null.
 HWY_INLINE Frame WalkChain(const Constants& constants, const Columns& columns,
-                           const double* joints, double* scratch) {
+                           const double* joints, const double* tilts,
+                           double* scratch) {
   const std::size_t lanes = hn::Lanes(kTag);
   Frame frame = FrameOf(constants.base_rotation, constants.base_translation);
   for (int j = 0; j < columns.num_joints(); ++j) {
     const JointConstants& joint = constants.joints[j];
     const Columns::OfJoint& wanted = columns.joint(j);
-    const JointLines lines = LinesOf(scratch, j);
+    const JointLines lines = LinesOf(scratch, j, tilts != nullptr);
     if (wanted.HasTurnBefore()) {
       Store3(frame.origin, lines.origin_before, lanes);
     }
@@ -157,6 +168,12 @@ HWY_INLINE Frame WalkChain(const Constants& constants, const Columns& columns,
       length = hn::Add(length, first);
     }
     Turn(cosine, sine, &frame.x, &frame.y);
+    if (tilts != nullptr) {
+      const double* const first_tilt = tilts + std::ptrdiff_t{2} * j * kTile;
+      Tilt(hn::Load(kTag, first_tilt), &frame.y, &frame.z);
+      Tilt(hn::Load(kTag, first_tilt + kTile), &frame.z, &frame.x);
+      Store3(frame.z, lines.slide_axis, lanes);
+    }
     frame.origin = AddScaled(length, frame.z, frame.origin);
   }
   return frame;

@@ -180,6 +180,7 @@ HWY_INLINE void EvaluateVector(const Job& job, int t) {
   const Tile& tile = job.tile;
   Writer<kKind> writer;
   writer.rows = job.rows + t;
+  writer.is_tilted = tile.tilts != nullptr;
   if constexpr (Writer<kKind>::kIsLength) {
     writer.weights.x = hn::Load(kTag, tile.inverse_sigmas + t);
   } else {
@@ -190,7 +191,8 @@ HWY_INLINE void EvaluateVector(const Job& job, int t) {
     return;
   }
   const Frame last =
-      WalkChain(job.constants, job.columns, tile.joints + t, job.scratch);
+      WalkChain(job.constants, job.columns, tile.joints + t,
+                writer.is_tilted ? tile.tilts + t : nullptr, job.scratch);
   const Eigen::Vector3d& tool = job.constants.targets[tile.target].translation;
   const V3 p = PointOf(last, tool);
   WriteMeasured<kKind>(job, t, p, &writer);
@@ -200,8 +202,10 @@ HWY_INLINE void EvaluateVector(const Job& job, int t) {
   writer.WriteArm(job.constants, job.columns, p, job.scratch);
   writer.WriteTool(job.constants, job.columns, tile.target, last);
   if constexpr (kKind == MeasurementKind::kDifference) {
-    const Frame other = WalkChain(job.constants, job.columns,
-                                  tile.second_joints + t, job.scratch);
+    const Frame other =
+        WalkChain(job.constants, job.columns, tile.second_joints + t,
+                  writer.is_tilted ? tile.second_tilts + t : nullptr,
+                  job.scratch);
     const V3 q = PointOf(other, tool);
     WriteError((p - q) - Load3(tile.measured + t, kTile), writer.weights,
                writer.At(job.columns.num_derivatives()), job.lengths + t);

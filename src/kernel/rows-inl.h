@@ -38,6 +38,7 @@ struct Writer {
   V3 direction;       // in which a length grows
   V3 log_by_turn[3];  // rows of the derivative of the logarithm
   bool subtracts = false;
+  bool is_tilted = false;
 
   HWY_INLINE double* At(int column) const {
     return rows + static_cast<std::size_t>(column) * kRows * kTile;
@@ -81,7 +82,7 @@ struct Writer {
     const std::size_t lanes = hn::Lanes(kTag);
     for (int j = 0; j < columns.num_joints(); ++j) {
       const Columns::OfJoint& column = columns.joint(j);
-      const JointLines lines = LinesOf(scratch, j);
+      const JointLines lines = LinesOf(scratch, j, is_tilted);
       if (column.HasTurnBefore()) {
         const V3 arm = p - Load3(lines.origin_before, lanes);
         if (column.beta >= 0) {
@@ -96,7 +97,7 @@ struct Writer {
       if (column.d >= 0) Move(column.d, Load3(lines.alpha_axis, lanes));
       if (!column.HasJointAxis()) continue;
       const V3 axis = Load3(lines.joint_axis, lanes);
-      if (column.r >= 0) Move(column.r, axis);
+      if (column.r >= 0) Move(column.r, Load3(lines.slide_axis, lanes));
       if (column.theta >= 0) {
         const V3 arm = p - Load3(lines.origin_on_axis, lanes);
         Turn(column.theta, Cross(axis, arm), axis);

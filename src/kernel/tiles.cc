@@ -29,12 +29,6 @@ std::size_t IndexOf(int array, int lane) {
          static_cast<std::size_t>(lane);
 }
 
-// Arrays of sines and cosines of an observation's poses.
-std::size_t JointArrays(MeasurementKind kind, std::size_t num_joints) {
-  if (kind == MeasurementKind::kPointDistance) return 0;
-  return (kind == MeasurementKind::kDifference ? 4 : 2) * num_joints;
-}
-
 // Pages of 2 MiB instead of 4 KiB where the system has them: a walk through
 // gigabytes then hardly ever waits for an address to be translated. A wish, not
 // a need.
@@ -59,6 +53,7 @@ Tiles::Tiles(const Arm& arm, const Dataset& data, std::size_t cache_bytes,
   for (const Joint& joint : arm.joints) {
     is_revolute_.push_back(joint.type == JointType::kRevolute);
   }
+  if (!arm.errors.empty()) flexible_ = arm;
   for (std::size_t shard = 0; shard < data.num_shards(); ++shard) {
     for (std::size_t block = 0; block < data.blocks.size(); ++block) {
       AddGroups(shard, block);
@@ -66,6 +61,13 @@ Tiles::Tiles(const Arm& arm, const Dataset& data, std::size_t cache_bytes,
     shard_ends_.push_back(num_tiles_);
   }
   AllocateCache(cache_bytes);
+}
+
+// Sines and cosines, and the tilts after them, of one pose after the other.
+std::size_t Tiles::JointArrays(MeasurementKind kind) const {
+  if (kind == MeasurementKind::kPointDistance) return 0;
+  return (kind == MeasurementKind::kDifference ? 2 : 1) *
+         (flexible_ ? 4 : 2) * is_revolute_.size();
 }
 
 void Tiles::AppendGroup(const Group& group) {
@@ -154,7 +156,7 @@ const Tiles::Group& Tiles::GroupOf(std::int64_t tile) const {
 std::size_t Tiles::SizeOf(const Group& group) const {
   const MeasurementKind kind = data_.blocks[group.block].kind;
   std::size_t arrays =
-      JointArrays(kind, is_revolute_.size()) + MeasuredArrays(kind);
+      JointArrays(kind) + MeasuredArrays(kind);
   if (group.shared_sigmas == nullptr) arrays += RowsOf(kind);
   return arrays * kTile;
 }
@@ -210,7 +212,7 @@ double* Tiles::Cached(std::int64_t tile) const {
 Tile Tiles::Layout(std::int64_t tile, const double* arrays) const {
   const Group& group = GroupOf(tile);
   const MeasurementKind kind = data_.blocks[group.block].kind;
-  const std::size_t joints = is_revolute_.size();
+  const std::size_t joint_arrays = JointArrays(kind);
   Tile result;
   result.kind = kind;
   result.block = group.block;
@@ -220,8 +222,13 @@ Tile Tiles::Layout(std::int64_t tile, const double* arrays) const {
   result.count = static_cast<int>(std::min<Eigen::Index>(
       kTile, group.size - (tile - group.first_tile) * kTile));
   result.joints = arrays;
-  result.second_joints = arrays + 2 * joints * kTile;
-  result.measured = arrays + JointArrays(kind, joints) * kTile;
+  result.second_joints = arrays + joint_arrays / 2 * kTile;
+  if (flexible_ && joint_arrays > 0) {
+    const std::size_t turns = 2 * is_revolute_.size() * kTile;
+    result.tilts = result.joints + turns;
+    result.second_tilts = result.second_joints + turns;
+  }
+  result.measured = arrays + joint_arrays * kTile;
   if (group.shared_sigmas == nullptr) {
     result.inverse_sigmas = result.measured + MeasuredArrays(kind) * kTile;
   } else {
@@ -237,7 +244,7 @@ Tile Tiles::Fill(std::int64_t tile, double* arrays) const {
   const MeasurementKind kind = data_.blocks[group.block].kind;
   const Tile result = Layout(tile, arrays);
   const Eigen::Index first = (tile - group.first_tile) * kTile;
-  const std::size_t joint_arrays = JointArrays(kind, is_revolute_.size());
+  const std::size_t joint_arrays = JointArrays(kind);
   if (joint_arrays > 0) {
     FillJoints(group, first, result.count, false, arrays);
   }
@@ -270,7 +277,32 @@ void Tiles::FillJoints(const Group& group, Eigen::Index first, int count,
     for (int lane = 0; lane < count; ++lane) {
       sines[lane] = data_.joint_values(row, poses[lane]);
     }
-    if (is_revolute_[j]) kernel::SineAndCosine(sines, cosines);
+    if (!flexible_ && is_revolute_[j]) kernel::SineAndCosine(sines, cosines);
+  }
+  if (flexible_) AddErrors(count, arrays);
+}
+
+// From the joint values, where their sines are to be.
+void Tiles::AddErrors(int count, double* arrays) const {
+  const std::size_t n = is_revolute_.size();
+  double* const tilts = arrays + 2 * n * kTile;
+  std::fill(tilts, tilts + 2 * n * kTile, 0.0);
+  Eigen::VectorXd q(static_cast<Eigen::Index>(n));
+  for (int lane = 0; lane < count; ++lane) {
+    for (std::size_t j = 0; j < n; ++j) {
+      q[static_cast<Eigen::Index>(j)] = arrays[2 * j * kTile + lane];
+    }
+    const PoseErrors errors = ErrorsAt(*flexible_, q.data());
+    for (std::size_t j = 0; j < n; ++j) {
+      const auto column = static_cast<Eigen::Index>(j);
+      arrays[2 * j * kTile + lane] += errors.shifts[column];
+      tilts[2 * j * kTile + lane] = errors.tilts(0, column);
+      tilts[(2 * j + 1) * kTile + lane] = errors.tilts(1, column);
+    }
+  }
+  for (std::size_t j = 0; j < n; ++j) {
+    double* const sines = arrays + 2 * j * kTile;
+    if (is_revolute_[j]) kernel::SineAndCosine(sines, sines + kTile);
   }
 }
 

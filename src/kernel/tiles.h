@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "alidade/arm.h"
@@ -26,6 +27,10 @@ struct Tile {
   /// values, then zeros.
   const double* joints = nullptr;
   const double* second_joints = nullptr;  ///< of kDifference
+  /// For each joint kTile tilts about x, then about y, as error_terms.h has
+  /// them; null for a rigid arm.
+  const double* tilts = nullptr;
+  const double* second_tilts = nullptr;
   /// An array for each row (m); of kPose three of the position (m) and nine of
   /// the measured rotation matrix, row by row.
   const double* measured = nullptr;
@@ -99,15 +104,20 @@ class Tiles {
   Tile Fill(std::int64_t tile, double* arrays) const;
   void FillJoints(const Group& group, Eigen::Index first, int count,
                   bool second, double* arrays) const;
+  void AddErrors(int count, double* arrays) const;
   void FillMeasured(const Group& group, Eigen::Index first, int count,
                     double* measured) const;
   void FillSigmas(const Group& group, Eigen::Index first, int count,
                   double* inverse_sigmas) const;
   Tile Layout(std::int64_t tile, const double* arrays) const;
 
+  // Arrays of the joints of an observation's poses.
+  std::size_t JointArrays(MeasurementKind kind) const;
+
   const Dataset& data_;
   const RowScale scale_;
   std::vector<bool> is_revolute_;
+  std::optional<Arm> flexible_;  // where it has error terms
   std::vector<Group> groups_;
   std::vector<AlignedDoubles> shared_sigmas_;
   // For each block its observations, sorted by group; empty: as they are.

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "alidade/forward_kinematics.h"
+
 namespace alidade::internal {
 namespace {
 
@@ -32,6 +34,7 @@ void ComputeChainAxes(const Arm& arm, const double* joint_values,
   constexpr int kY = 1;
   constexpr int kZ = 2;
   Resize(arm.num_joints(), axes);
+  const ErrorsOfPose errors(arm, joint_values);
   Eigen::Matrix3d frame = arm.instrument_from_base.linear();
   Eigen::Vector3d origin = arm.instrument_from_base.translation();
   for (int j = 0; j < arm.num_joints(); ++j) {
@@ -45,8 +48,15 @@ void ComputeChainAxes(const Arm& arm, const double* joint_values,
     origin += joint.d * frame.col(kX);
     axes->origin_on_axis.col(j) = origin;
     axes->joint_axis.col(j) = frame.col(kZ);
-    TurnAxes(joint.theta + (revolute ? joint_values[j] : 0.0), kX, kY, &frame);
-    origin += (joint.r + (revolute ? 0.0 : joint_values[j])) * frame.col(kZ);
+    const double q = joint_values[j] +
+                     (errors.get() != nullptr ? errors.get()->shifts[j] : 0.0);
+    TurnAxes(joint.theta + (revolute ? q : 0.0), kX, kY, &frame);
+    if (errors.get() != nullptr) {
+      const auto tilt = errors.get()->tilts.col(j);
+      TurnAxes(2.0 * std::atan(0.5 * tilt[0]), kY, kZ, &frame);
+      TurnAxes(2.0 * std::atan(0.5 * tilt[1]), kZ, kX, &frame);
+    }
+    origin += (joint.r + (revolute ? 0.0 : q)) * frame.col(kZ);
   }
   axes->instrument_from_last.linear() = frame;
   axes->instrument_from_last.translation() = origin;

@@ -12,6 +12,7 @@
 #include "src/common/names.h"
 #include "src/compensation/dh_conversion.h"
 #include "src/dataio/urdf_file.h"
+#include "src/serialization/arm_errors.h"
 #include "src/serialization/arm_fields.h"
 #include "src/serialization/config_file.h"
 
@@ -279,6 +280,9 @@ void VisitArm(Visitor& v, ArmReading* reading) {
             "coupled joints, in place of `sign` and `offset`: q = matrix * "
             "motors + offset",
             [&](auto& section) { VisitMotors(section, &reading->arm); });
+  v.Section(Key("errors"),
+            "what is not rigid geometry ([error_terms.md](error_terms.md))",
+            [&](auto& section) { VisitErrors(section, &reading->arm); });
   v.Section(Key("base"), "the arm's base frame in the instrument's frame",
             [&](auto& section) { VisitFrame(section, reading->base); });
   v.Section(Key("tool"), "the target in the last joint's frame",

@@ -7,6 +7,7 @@
 #include "src/common/names.h"
 #include "src/common/numbers.h"
 #include "src/common/text.h"
+#include "src/serialization/arm_errors.h"
 #include "src/serialization/arm_fields.h"
 
 namespace alidade {
@@ -145,6 +146,7 @@ std::string FormatArm(const Arm& arm, const std::string& comment) {
     text += internal::FormatJoint(joint, ++number);
   }
   return text + internal::FormatMotors(arm) +
+         internal::FormatErrors(arm.errors) +
          internal::FormatFrame(std::string("base"), arm.instrument_from_base) +
          internal::FormatTargets(arm);
 }

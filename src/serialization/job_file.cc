@@ -8,6 +8,7 @@
 #include "src/common/names.h"
 #include "src/serialization/config_file.h"
 #include "src/serialization/data_section.h"
+#include "src/serialization/errors_section.h"
 #include "src/serialization/field_records.h"
 #include "src/serialization/identifiability_section.h"
 #include "src/serialization/job_config.h"
@@ -288,6 +289,15 @@ void VisitMeasurements(Visitor& v, JobReading* reading) {
             "are as stated");
         section.Check([&](const YamlMap& map) { CheckMethod(map, *job); });
       });
+  v.Custom(Key("errors").Default("none").Schema(kErrorsSchema),
+           "errors of the arm that are not rigid geometry: `none`, `auto` (what "
+           "the measurements have evidence for), or a map of terms (\"Error "
+           "terms of a job\", below). `none` leaves those of the arm as they "
+           "are",
+           [&](const YamlValue& value, const Units& units) {
+             job->options.errors =
+                 ReadErrorTerms(value, units, job->arm.num_joints());
+           });
   v.Custom(
       Key("bounds").In("the parameter's").Schema(kBoundsSchema),
       "map from names of joint parameters (`beta1`, `alpha2`, `d3`, `theta4`, "

@@ -31,6 +31,7 @@ class Assessment {
         prior_(FreePriors(input.fit)) {}
 
   UncertaintyResult Run() {
+    if (input_.terms) AddTerms(input_.terms, &covariance_);
     result_.confidence = input_.options.confidence;
     result_.estimator =
         covariance_.is_sandwich ? "sandwich" : "inverse information";

@@ -1,6 +1,7 @@
 #ifndef ALIDADE_SRC_UNCERTAINTY_ASSESSMENT_H_
 #define ALIDADE_SRC_UNCERTAINTY_ASSESSMENT_H_
 
+#include <memory>
 #include <optional>
 
 #include "alidade/uncertainty.h"
@@ -31,6 +32,8 @@ struct AssessmentInput {
   /// The data of the fit without those that it has rejected; null where there
   /// are none.
   const Dataset* kept = nullptr;
+  /// Where error terms were estimated with the parameters; else null.
+  std::shared_ptr<const TermCovariance> terms = nullptr;
   /// Values of the real arm, where it is known; else empty.
   Eigen::VectorXd true_values = {};
 };

@@ -202,6 +202,18 @@ ParameterCovariance CovarianceOf(const FittedProblem& fit) {
   return covariance;
 }
 
+void AddTerms(std::shared_ptr<const TermCovariance> terms,
+              ParameterCovariance* covariance) {
+  const auto p = static_cast<Eigen::Index>(covariance->columns.size());
+  const Eigen::MatrixXd rows = kTermUnit * terms->root.topRows(p);
+  covariance->root =
+      Eigen::MatrixXd(rows * rows.transpose()).llt().matrixL();
+  covariance->null_space.resize(p, 0);
+  covariance->null_space_parameters.clear();
+  covariance->is_sandwich = false;
+  covariance->terms = std::move(terms);
+}
+
 Eigen::VectorXd FreePriors(const FittedProblem& fit) {
   Eigen::VectorXd prior = Eigen::VectorXd::Constant(
       static_cast<Eigen::Index>(fit.free_columns.size()), kInfinity);

@@ -4,10 +4,12 @@
 #include <Eigen/Core>
 #include <array>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "alidade/dataset.h"
 #include "alidade/robust_loss.h"
+#include "src/error_terms/error_fit.h"
 #include "src/kernel/measurement_model.h"
 
 namespace alidade::internal {
@@ -56,6 +58,9 @@ struct ParameterCovariance {
   bool is_sandwich = false;
   double degrees_of_freedom = std::numeric_limits<double>::infinity();
   ModelExcess excess;
+  /// Where the arm has error terms that were estimated: of the parameters and
+  /// these together, of which `root` is the parameters' own part.
+  std::shared_ptr<const TermCovariance> terms;
 
   int size() const { return static_cast<int>(columns.size()); }
   /// root root^T; infinite on the diagonal and NaN beside it for parameters
@@ -96,6 +101,10 @@ ParameterCovariance InverseInformation(const Eigen::MatrixXd& whitened_factor,
 /// may come anywhere.
 /// O(N p^2).
 ParameterCovariance CovarianceOf(const FittedProblem& fit);
+
+/// The same where error terms were estimated too.
+void AddTerms(std::shared_ptr<const TermCovariance> terms,
+              ParameterCovariance* covariance);
 
 /// The priors of a fit's free columns, infinite where there is none.
 Eigen::VectorXd FreePriors(const FittedProblem& fit);

@@ -15,6 +15,7 @@
 #include "src/kernel/measurement_model.h"
 #include "src/kernel/partition.h"
 #include "src/model/joint_draw.h"
+#include "src/uncertainty/row_spread.h"
 
 namespace alidade::internal {
 namespace {
@@ -55,11 +56,37 @@ Eigen::Matrix3d Unknown() {
 constexpr Eigen::Index kPosesAtOnce = 4096;
 constexpr Eigen::Index kPosesPerProduct = 64;
 
+void PredictWithTerms(const MeasurementModel& model,
+                      const Eigen::VectorXd& values,
+                      const ParameterCovariance& covariance,
+                      const Dataset& poses, PoseCovariance* predicted) {
+  const RowSpread spreads(model, values, covariance, poses);
+  ParallelFor(
+      model.num_threads(), poses.num_poses(), kPosesPerProduct,
+      [&](std::int64_t begin, std::int64_t end) {
+        for (std::int64_t k = begin; k < end; ++k) {
+          const Eigen::MatrixXd spread = spreads.Of(k, Eigen::MatrixXd());
+          const auto of = [&](int half, double excess) {
+            const auto s = spread.middleRows(half, 3);
+            Eigen::Matrix3d variance = s * s.transpose();
+            variance.diagonal().array() += excess;
+            return variance;
+          };
+          predicted[k] = {of(0, covariance.excess.length),
+                          of(3, covariance.excess.rotation)};
+        }
+      });
+}
+
 // The covariances of `poses`, of which there are kPosesAtOnce at most.
 void PredictSome(const MeasurementModel& model, const Eigen::VectorXd& values,
                  const ParameterCovariance& covariance, const Dataset& poses,
                  PoseCovariance* predicted) {
   const auto p = static_cast<Eigen::Index>(covariance.size());
+  if (covariance.terms) {
+    PredictWithTerms(model, values, covariance, poses, predicted);
+    return;
+  }
   Eigen::MatrixXd jacobians(p, 6 * poses.num_poses());
   ForEachObservation(
       model, values, poses, covariance.columns,

@@ -11,6 +11,7 @@
 #include "src/kernel/partition.h"
 #include "src/uncertainty/expected_share.h"
 #include "src/uncertainty/prediction.h"
+#include "src/uncertainty/row_spread.h"
 
 namespace alidade::internal {
 namespace {
@@ -31,10 +32,12 @@ std::vector<Eigen::Index> MeasuredRows(const ObservationBlock& block,
 // What validation observations say, collected by several threads.
 class HeldOut {
  public:
-  HeldOut(Communicator* communicator, const ParameterCovariance& covariance,
-          const Dataset& data, double confidence)
-      : communicator_(communicator),
+  HeldOut(const MeasurementModel& model, const Eigen::VectorXd& values,
+          const ParameterCovariance& covariance, const Dataset& data,
+          double confidence)
+      : communicator_(model.communicator()),
         covariance_(covariance),
+        spreads_(model, values, covariance, data),
         data_(data),
         ellipsoid_(3.0 * FisherQuantile(confidence, 3.0,
                                         covariance.degrees_of_freedom)),
@@ -53,33 +56,32 @@ class HeldOut {
         MeasuredRows(block, i - first_[b]);
     if (measured.empty() || !covariance_.AreTold(whitened.leftCols(p))) return;
     const Eigen::VectorXd sigmas = block.sigmas.col(i - first_[b]);
-    const Eigen::MatrixXd rows = WithExcess(sigmas, whitened);
-    const Eigen::MatrixXd spread = rows.leftCols(p) * covariance_.root;
+    const Eigen::MatrixXd of_fit = spreads_.Of(i, whitened.leftCols(p));
+    const Eigen::VectorXd residual = WithExcess(sigmas, whitened.col(p));
+    const Eigen::MatrixXd spread = WithExcess(sigmas, of_fit);
     const Eigen::MatrixXd variance =
-        Eigen::MatrixXd::Identity(rows.rows(), rows.rows()) +
+        Eigen::MatrixXd::Identity(spread.rows(), spread.rows()) +
         spread * spread.transpose();
     Scores& scores = scores_[i];
     for (const Eigen::Index row : measured) {
-      scores.z.push_back(rows(row, p) / std::sqrt(variance(row, row)));
+      scores.z.push_back(residual[row] / std::sqrt(variance(row, row)));
     }
     const bool is_position =
         HoldsPosition(block.kind) && measured.size() >= 3 && measured[2] == 2;
     if (is_position) {
-      const Eigen::Vector3d error = rows.col(p).head<3>();
+      const Eigen::Vector3d error = residual.head<3>();
       const Eigen::Matrix3d of_position = variance.topLeftCorner<3, 3>();
       scores.held =
           error.dot(of_position.llt().solve(error)) <= ellipsoid_ ? 1 : 0;
       const Eigen::Vector3d sigma = sigmas.head<3>();
-      scores.from_parameters = (whitened.topLeftCorner(3, p) * covariance_.root)
-                                   .rowwise()
-                                   .squaredNorm()
-                                   .dot(sigma.cwiseAbs2());
+      scores.from_parameters =
+          of_fit.topRows<3>().rowwise().squaredNorm().dot(sigma.cwiseAbs2());
       scores.from_measurement =
           covariance_.excess.noise_ratio[0] * sigma.squaredNorm();
     }
     if (GlobalObservation(data_, b, i - first_[b]) % stride_ != 0) return;
     for (const Eigen::Index row : measured) {
-      for (Eigen::Index k = 0; k < p; ++k) {
+      for (Eigen::Index k = 0; k < spread.cols(); ++k) {
         scores.spread.push_back(spread(row, k));
       }
     }
@@ -94,7 +96,7 @@ class HeldOut {
     return {AsRows(Gather([](const Scores& one) { return one.spread; })), all};
   }
   PredictedRows SampledPositions(std::int64_t all) const {
-    const auto three_rows = static_cast<std::ptrdiff_t>(3 * covariance_.size());
+    const auto three_rows = static_cast<std::ptrdiff_t>(3 * spreads_.width());
     return {AsRows(Gather([&](const Scores& one) {
               return one.is_whole_position
                          ? std::vector<double>(one.spread.begin(),
@@ -169,7 +171,7 @@ class HeldOut {
   }
 
   Eigen::MatrixXd AsRows(const std::vector<double>& numbers) const {
-    const auto p = static_cast<Eigen::Index>(covariance_.size());
+    const Eigen::Index p = spreads_.width();
     const auto size = static_cast<Eigen::Index>(numbers.size());
     return Eigen::Map<const Eigen::MatrixXd>(numbers.data(), p,
                                              p > 0 ? size / p : 0)
@@ -178,6 +180,7 @@ class HeldOut {
 
   Communicator* const communicator_;
   const ParameterCovariance& covariance_;
+  const RowSpread spreads_;
   const Dataset& data_;
   const double ellipsoid_;
   const std::vector<Eigen::Index> first_;
@@ -227,7 +230,7 @@ PredictionCheck CheckPrediction(const MeasurementModel& model,
                                 const Eigen::VectorXd& values,
                                 const ParameterCovariance& covariance,
                                 const Dataset& validation, double confidence) {
-  HeldOut scores(model.communicator(), covariance, validation, confidence);
+  HeldOut scores(model, values, covariance, validation, confidence);
   ForEachObservation(
       model, values, validation, covariance.columns,
       [&](int, Eigen::Index i, const Eigen::Ref<const Eigen::MatrixXd>& rows) {

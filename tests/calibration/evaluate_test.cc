@@ -153,7 +153,7 @@ TEST_F(EvaluateTest, SetsLabelEveryObservation) {
                   Block(MeasurementKind::kPointDistance)};
   testing::Edit(&data_.blocks[1].measured)->col(2).array() += 1e-3;
   const EvaluatedSet set =
-      EvaluateSet(model_, data_, measured_.values, measured_.values);
+      EvaluateSet(model_, measured_.values, model_, measured_.values, data_);
   ASSERT_EQ(set.labels.size(), 3U * kPoses);
   EXPECT_EQ(set.labels[1].kind, "distance");
   EXPECT_EQ(set.labels[1].pose, 1);

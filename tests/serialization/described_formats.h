@@ -12,6 +12,7 @@
 
 #include "src/serialization/arm_fields.h"
 #include "src/serialization/data_section.h"
+#include "src/serialization/errors_section.h"
 #include "src/serialization/field_records.h"
 #include "src/serialization/job_config.h"
 #include "src/serialization/plan_file.h"
@@ -39,6 +40,7 @@ inline std::vector<DescribedFormat> DescribeFormats() {
 /// of its sections; "data" and "simulate" are the maps of a job's data.
 inline std::vector<FieldRecord> FieldsAt(const std::string& path) {
   if (path == "data") return DataFields();
+  if (path == "errors") return ErrorTermFields();
   if (path == "simulate") return SimulatedDataFields();
   if (path == "data.columns") {
     for (const FieldRecord& field : DataFields()) {
@@ -199,6 +201,7 @@ inline std::string FormatSchema(const DescribedFormat& format) {
   if (format.name == "job" || format.name == "plan") {
     schema["$defs"] = {
         {"entry", one},
+        {"errors", SchemaOf(ErrorTermFields(), false)},
         {"data",
          {{"anyOf",
            {{{"$ref", "#/$defs/entry"}},

@@ -1,0 +1,305 @@
+#include "src/error_terms/term_columns.h"
+
+#include <glog/logging.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace alidade::internal {
+namespace {
+
+constexpr double kComplianceUnit = 1e-4;  // rad / (N m)
+
+// Knots beyond the measured values, in lengths: where the prior's correlation
+// with what was measured is 0.05.
+constexpr double kFadingLengths = 2.75;
+
+// A fifth of a length or less, of few poses, which see no more, three fifths;
+// on a grid that all finer ones refine.
+double SpacingFor(double length, Eigen::Index num_poses) {
+  constexpr double kFinest = 0.02;
+  constexpr Eigen::Index kFew = 300;
+  const double part = num_poses < kFew ? 0.601 : 0.201;
+  double spacing = kFinest;
+  for (const double coarser : {0.06, 0.24}) {
+    if (coarser <= part * length) spacing = coarser;
+  }
+  return spacing;
+}
+
+// Matern's covariance of smoothness 3/2 (Rasmussen and Williams 2006, "Gaussian
+// processes for machine learning", 4.17).
+double Correlation(double distance, double length) {
+  const double u = std::sqrt(3.0) * std::abs(distance) / length;
+  return (1.0 + u) * std::exp(-u);
+}
+
+bool SameTerm(const DenseTerm& a, const DenseTerm& b) {
+  return a.group == b.group && a.joint == b.joint && a.axis == b.axis &&
+         a.regressor == b.regressor && a.cycles == b.cycles &&
+         a.other == b.other;
+}
+
+Harmonic* HarmonicOf(double cycles, JointErrors* joint) {
+  for (Harmonic& harmonic : joint->harmonics) {
+    if (harmonic.cycles == cycles) return &harmonic;
+  }
+  joint->harmonics.push_back({cycles, 0.0, 0.0});
+  return &joint->harmonics.back();
+}
+
+// Where terms hold the coefficient of a dense one; the place is made.
+double* PlaceOf(const DenseTerm& term, ErrorTerms* terms) {
+  JointErrors& joint = terms->joints[term.joint];
+  switch (term.regressor) {
+    case DenseTerm::Regressor::kMoment:
+      return &joint.compliance[term.axis];
+    case DenseTerm::Regressor::kCosine:
+      return &HarmonicOf(term.cycles, &joint)->cosine;
+    case DenseTerm::Regressor::kSine:
+      return &HarmonicOf(term.cycles, &joint)->sine;
+    case DenseTerm::Regressor::kJointValue:
+      return &terms->coupling(term.joint, term.other);
+    case DenseTerm::Regressor::kMomentSign:
+      return &joint.backlash;
+  }
+  return nullptr;
+}
+
+ErrorTerms Prepared(const ErrorTerms& like, int num_joints, bool has_coupling) {
+  ErrorTerms terms = like;
+  terms.joints.assign(num_joints, JointErrors());
+  terms.coupling.resize(0, 0);
+  if (has_coupling) terms.coupling.setZero(num_joints, num_joints);
+  return terms;
+}
+
+}  // namespace
+
+const char* NameOf(TermGroup group) {
+  switch (group) {
+    case TermGroup::kOwnAxis:
+      return "compliance about the joint's axis";
+    case TermGroup::kOtherAxes:
+      return "compliance about the other axes";
+    case TermGroup::kFunction:
+      return "joint functions";
+    case TermGroup::kHarmonic:
+      return "harmonics";
+    case TermGroup::kCoupling:
+      return "scale and coupling";
+    case TermGroup::kBacklash:
+      return "backlash";
+  }
+  return "";
+}
+
+TermColumns::TermColumns(const Arm& arm, const TermSet& set,
+                         const Eigen::MatrixXd& joint_values)
+    : function_length_(set.function_length) {
+  if (set.elasticity) AddElasticity(arm);
+  AddShifts(arm, set);
+  if (set.function_length > 0.0) AddFunctions(arm, joint_values);
+}
+
+void TermColumns::AddElasticity(const Arm& arm) {
+  for (const TermGroup group : {TermGroup::kOwnAxis, TermGroup::kOtherAxes}) {
+    for (int j = 0; j < arm.num_joints(); ++j) {
+      const bool is_own = group == TermGroup::kOwnAxis;
+      if (is_own && arm.joints[j].type == JointType::kPrismatic) continue;
+      for (int axis = is_own ? 2 : 0; axis < (is_own ? 3 : 2); ++axis) {
+        dense_.push_back({group, j, axis, DenseTerm::Regressor::kMoment, 0.0, 0,
+                          kComplianceUnit});
+      }
+    }
+  }
+}
+
+void TermColumns::AddShifts(const Arm& arm, const TermSet& set) {
+  const auto add = [&](TermGroup group, int j, DenseTerm::Regressor regressor,
+                       double cycles, int other) {
+    dense_.push_back({group, j, 2, regressor, cycles, other, kTermUnit});
+  };
+  for (int j = 0; j < arm.num_joints(); ++j) {
+    if (arm.joints[j].type == JointType::kPrismatic) continue;
+    for (const double cycles : set.cycles) {
+      add(TermGroup::kHarmonic, j, DenseTerm::Regressor::kCosine, cycles, 0);
+      add(TermGroup::kHarmonic, j, DenseTerm::Regressor::kSine, cycles, 0);
+    }
+    if (set.backlash) {
+      add(TermGroup::kBacklash, j, DenseTerm::Regressor::kMomentSign, 0.0, 0);
+    }
+  }
+  for (int j = 0; j < arm.num_joints() && set.scale; ++j) {
+    add(TermGroup::kCoupling, j, DenseTerm::Regressor::kJointValue, 0.0, j);
+  }
+  for (const auto& [joint, other] : set.coupling) {
+    add(TermGroup::kCoupling, joint, DenseTerm::Regressor::kJointValue, 0.0,
+        other);
+  }
+}
+
+void TermColumns::AddFunctions(const Arm& arm,
+                               const Eigen::MatrixXd& joint_values) {
+  constexpr double kMoved = 1e-3;  // rad
+  int offset = 0;
+  for (int j = 0; j < arm.num_joints(); ++j) {
+    if (arm.joints[j].type == JointType::kPrismatic) continue;
+    const double lowest = joint_values.row(j).minCoeff();
+    const double highest = joint_values.row(j).maxCoeff();
+    if (highest - lowest < kMoved) continue;
+    FunctionKnots knots;
+    knots.joint = j;
+    knots.spacing = SpacingFor(function_length_, joint_values.cols());
+    const double beyond = kFadingLengths * function_length_;
+    const double first = std::floor((lowest - beyond) / knots.spacing);
+    const double last = std::ceil((highest + beyond) / knots.spacing);
+    knots.first = first * knots.spacing;
+    knots.count = static_cast<int>(last - first) + 1;
+    knots.offset = offset;
+    offset += knots.count;
+    functions_.push_back(knots);
+  }
+}
+
+TermColumns TermColumns::Union(const std::vector<TermColumns>& others) {
+  TermColumns all;
+  for (const TermColumns& other : others) {
+    for (const DenseTerm& term : other.dense_) {
+      const bool is_there = std::any_of(
+          all.dense_.begin(), all.dense_.end(),
+          [&](const DenseTerm& one) { return SameTerm(one, term); });
+      if (!is_there) all.dense_.push_back(term);
+    }
+    for (const FunctionKnots& knots : other.functions_) {
+      const auto found = std::find_if(
+          all.functions_.begin(), all.functions_.end(),
+          [&](const FunctionKnots& one) { return one.joint == knots.joint; });
+      if (found == all.functions_.end()) {
+        all.functions_.push_back(knots);
+        continue;
+      }
+      const double last =
+          std::max(found->first + found->spacing * (found->count - 1),
+                   knots.first + knots.spacing * (knots.count - 1));
+      found->first = std::min(found->first, knots.first);
+      found->spacing = std::min(found->spacing, knots.spacing);
+      found->count = static_cast<int>(std::lround(
+                         (last - found->first) / found->spacing)) + 1;
+    }
+  }
+  int offset = 0;
+  for (FunctionKnots& knots : all.functions_) {
+    knots.offset = offset;
+    offset += knots.count;
+  }
+  return all;
+}
+
+int TermColumns::num_knots() const {
+  return functions_.empty() ? 0
+                            : functions_.back().offset + functions_.back().count;
+}
+
+Eigen::MatrixXd TermColumns::Precision(const FunctionKnots& knots) const {
+  constexpr double kRounding = 1e-9;
+  Eigen::MatrixXd covariance(knots.count, knots.count);
+  for (int a = 0; a < knots.count; ++a) {
+    for (int b = 0; b < knots.count; ++b) {
+      covariance(a, b) =
+          Correlation(knots.spacing * (a - b), function_length_);
+    }
+    covariance(a, a) += kRounding;
+  }
+  return covariance.llt().solve(
+      Eigen::MatrixXd::Identity(knots.count, knots.count));
+}
+
+double TermColumns::Regressor(const DenseTerm& term, const double* joint_values,
+                              const double* moments) {
+  const double q = joint_values[term.joint];
+  switch (term.regressor) {
+    case DenseTerm::Regressor::kMoment:
+      return moments[3 * term.joint + term.axis];
+    case DenseTerm::Regressor::kCosine:
+      return std::cos(term.cycles * q);
+    case DenseTerm::Regressor::kSine:
+      return std::sin(term.cycles * q);
+    case DenseTerm::Regressor::kJointValue:
+      return joint_values[term.other];
+    case DenseTerm::Regressor::kMomentSign:
+      return SmoothSign(moments[3 * term.joint + 2]);
+  }
+  return 0.0;
+}
+
+ErrorTerms TermColumns::TermsOf(const Eigen::VectorXd& coefficients,
+                                const ErrorTerms& like, int num_joints) const {
+  const bool has_coupling =
+      std::any_of(dense_.begin(), dense_.end(), [](const DenseTerm& term) {
+        return term.group == TermGroup::kCoupling;
+      });
+  ErrorTerms terms = Prepared(like, num_joints, has_coupling);
+  for (int k = 0; k < num_dense(); ++k) {
+    *PlaceOf(dense_[k], &terms) = dense_[k].unit * coefficients[k];
+  }
+  for (const FunctionKnots& knots : functions_) {
+    JointFunction& function = terms.joints[knots.joint].function;
+    function.first = knots.first;
+    function.spacing = knots.spacing;
+    function.values = kTermUnit * coefficients.segment(
+                                      num_dense() + knots.offset, knots.count);
+  }
+  return terms;
+}
+
+Eigen::VectorXd TermColumns::CoefficientsOf(const ErrorTerms& terms) const {
+  Eigen::VectorXd coefficients = Eigen::VectorXd::Zero(size());
+  if (terms.empty()) return coefficients;
+  ErrorTerms places = terms;
+  if (places.coupling.size() == 0) {
+    const auto n = static_cast<Eigen::Index>(terms.joints.size());
+    places.coupling.setZero(n, n);
+  }
+  for (int k = 0; k < num_dense(); ++k) {
+    coefficients[k] = *PlaceOf(dense_[k], &places) / dense_[k].unit;
+  }
+  for (const FunctionKnots& knots : functions_) {
+    const JointFunction& function = terms.joints[knots.joint].function;
+    for (int k = 0; k < knots.count; ++k) {
+      coefficients[num_dense() + knots.offset + k] =
+          function.At(knots.first + k * knots.spacing) / kTermUnit;
+    }
+  }
+  return coefficients;
+}
+
+Eigen::MatrixXd TermColumns::From(const TermColumns& other) const {
+  Eigen::MatrixXd from = Eigen::MatrixXd::Zero(size(), other.size());
+  for (int k = 0; k < other.num_dense(); ++k) {
+    for (int mine = 0; mine < num_dense(); ++mine) {
+      if (SameTerm(dense_[mine], other.dense_[k])) from(mine, k) = 1.0;
+    }
+  }
+  for (const FunctionKnots& theirs : other.functions_) {
+    for (const FunctionKnots& mine : functions_) {
+      if (mine.joint != theirs.joint) continue;
+      for (int k = 0; k < mine.count; ++k) {
+        const double place =
+            (mine.first + k * mine.spacing - theirs.first) / theirs.spacing;
+        const double below = std::floor(place + 1e-9);
+        for (const double knot : {below, below + 1.0}) {
+          const double share = 1.0 - std::abs(place - knot);
+          if (knot < 0.0 || knot >= theirs.count || share <= 0.0) continue;
+          from(num_dense() + mine.offset + k,
+               other.num_dense() + theirs.offset + static_cast<int>(knot)) =
+              share;
+        }
+      }
+    }
+  }
+  return from;
+}
+
+}  // namespace alidade::internal

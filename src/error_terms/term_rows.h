@@ -1,0 +1,55 @@
+#ifndef ALIDADE_SRC_ERROR_TERMS_TERM_ROWS_H_
+#define ALIDADE_SRC_ERROR_TERMS_TERM_ROWS_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "alidade/dataset.h"
+#include "src/kernel/measurement_model.h"
+
+namespace alidade::internal {
+
+/// The whitened rows of a data set at some values of a model, from which
+/// the columns of all error terms are made. A term turns all behind a joint
+/// about an axis of its frame (or moves a prismatic joint) by its coefficient
+/// times a number of the pose: its column is one of `turns` times that number.
+///
+/// Where an observation is of two poses it has two parts, of which the second
+/// has turns alone.
+struct TermRows {
+  using RowMatrix =
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  struct Observation {
+    int pose = -1;         ///< -1: of none
+    int second_pose = -1;  ///< of a difference
+    Eigen::Index first_row = 0;
+    int height = 0;
+    /// Rows from the first on that are lengths of the arm's error.
+    int num_lengths = 0;
+    int num_measured = 0;  ///< rows
+  };
+
+  std::vector<Observation> observations;
+  RowMatrix geometry;         ///< rows x columns of the model, per mm and mrad
+  RowMatrix turns;            ///< rows x 3 n: x, y, z of each joint, per mrad
+  RowMatrix second_turns;     ///< the same of second poses; or empty
+  Eigen::VectorXd residuals;  ///< predicted - measured
+  Eigen::MatrixXd joint_values;  ///< n x poses
+  Eigen::MatrixXd moments;       ///< 3 n x poses (N m)
+
+  int num_columns() const { return static_cast<int>(geometry.cols()); }
+  int num_joints() const { return static_cast<int>(joint_values.rows()); }
+};
+
+/// What coefficients of geometry and turns are multiples of (m, rad).
+constexpr double kTermUnit = 1e-3;
+
+/// O(N (columns + joints)) time and memory.
+TermRows MakeTermRows(const MeasurementModel& model,
+                      const Eigen::VectorXd& values, const Dataset& data,
+                      const std::vector<int>& columns);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_ERROR_TERMS_TERM_ROWS_H_

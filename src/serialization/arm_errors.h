@@ -1,0 +1,111 @@
+#ifndef ALIDADE_SRC_SERIALIZATION_ARM_ERRORS_H_
+#define ALIDADE_SRC_SERIALIZATION_ARM_ERRORS_H_
+
+#include <string>
+#include <vector>
+
+#include "alidade/arm.h"
+#include "src/serialization/field_records.h"
+
+namespace alidade::internal {
+
+std::vector<double> ReadQuantities(const YamlValue& value, Dimension dimension,
+                                   const Units& units);
+std::vector<Harmonic> ReadHarmonics(const YamlValue& value,
+                                    const Units& units);
+Eigen::MatrixXd ReadCouplingMatrix(const YamlValue& value, const Units& units,
+                                   const Arm& arm);
+/// @throws InputError where terms and the arm do not go together.
+void CheckErrors(const YamlMap& map, const Arm& arm);
+
+template <typename Visitor>
+void VisitLoad(Visitor& v, Load& load) {
+  v.Field(Key("mass").In("kg").AtLeast(0), load.mass, "");
+  v.Field(LengthKey("centre"), load.centre, "`[x, y, z]`");
+}
+
+template <typename Visitor>
+void VisitFunction(Visitor& v, Dimension dimension, JointFunction& function) {
+  static constexpr char kAsVariable[] = "as the joint";
+  const auto quantity = [&](const char* key, const char* text,
+                            double* member) {
+    v.Custom(Key(key).In(kAsVariable).Required().Schema(kNumberSchema), text,
+             [=](const YamlValue& value, const Units& units) {
+               *member = value.Quantity(dimension, units);
+             });
+  };
+  const auto list = [&](const Key& key, const char* text,
+                        Eigen::VectorXd* member) {
+    v.Custom(key.In(kAsVariable).Schema(kNumbersSchema), text,
+             [=](const YamlValue& value, const Units& units) {
+               const std::vector<double> all =
+                   ReadQuantities(value, dimension, units);
+               *member = Eigen::Map<const Eigen::VectorXd>(
+                   all.data(), static_cast<Eigen::Index>(all.size()));
+             });
+  };
+  quantity("first", "joint value of the first knot", &function.first);
+  quantity("spacing", "between knots, above 0", &function.spacing);
+  list(Key("values").Required(),
+       "at the knots; linear between them, zero beyond", &function.values);
+  list(Key("deviations").Default("none"), "their standard deviations",
+       &function.deviations);
+}
+
+template <typename Visitor>
+void VisitJointErrors(Visitor& v, Dimension dimension, JointErrors& joint) {
+  v.Field(AngleKey("compliance").Default("0"), joint.compliance,
+          "`[x, y, z]`, per N m of the moment of all loads behind it, in the "
+          "axes of the joint's frame");
+  v.Section(Key("function"), "added to the joint value, by its value",
+            [&](auto& section) {
+              VisitFunction(section, dimension, joint.function);
+            });
+  v.Custom(
+      Key("harmonics").In("angle").Default("`[]`").Schema(
+          R"({"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}})"),
+      "list of `[cycles per turn, cosine, sine]`, added to the joint value",
+      [&](const YamlValue& value, const Units& units) {
+        joint.harmonics = ReadHarmonics(value, units);
+      });
+  v.Field(AngleKey("backlash"), joint.backlash,
+          "half of the step with the sign of the moment about the axis");
+}
+
+/// The `errors` of an arm file. @pre the arm has its joints.
+template <typename Visitor>
+void VisitErrors(Visitor& v, Arm* arm) {
+  ErrorTerms& errors = arm->errors;
+  v.Field(Key("gravity").Default("`[0, 0, -1]`"), errors.gravity,
+          "the direction in which things fall, in the base frame");
+  v.Items(Key("links").Default("1 kg at the origin of each joint's frame"),
+          "loads in the joints' frames, one per joint", errors.links,
+          [](auto& item, Load& load) { VisitLoad(item, load); });
+  v.Section(Key("payload"), "load at the target, from there",
+            [&](auto& section) { VisitLoad(section, errors.payload); });
+  v.Items(Key("joints"), "one per joint", errors.joints,
+          [arm](auto& item, JointErrors& joint) {
+            const std::size_t number = arm->errors.joints.size();
+            const Dimension dimension =
+                number < arm->joints.size()
+                    ? arm->joints[number].dimension()
+                    : Dimension::kAngle;
+            VisitJointErrors(item, dimension, joint);
+          });
+  v.Custom(Key("coupling")
+               .In("the row's joint's per the column's")
+               .Default("none")
+               .Schema(R"({"type": "array", "items": {"type": "array"}})"),
+           "n rows of n numbers: what each joint moves with the values of all",
+           [arm](const YamlValue& value, const Units& units) {
+             arm->errors.coupling = ReadCouplingMatrix(value, units, *arm);
+           });
+  v.Check([arm](const YamlMap& map) { CheckErrors(map, *arm); });
+}
+
+/// As VisitErrors reads them, in m and rad; empty for a rigid arm.
+std::string FormatErrors(const ErrorTerms& errors);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_SERIALIZATION_ARM_ERRORS_H_
