@@ -62,9 +62,18 @@ struct ErrorTermOptions {
   std::vector<std::pair<int, int>> coupling;
 };
 
+/// How poses that the fit does not use are drawn.
+enum class HoldOutBy {
+  kPose,    ///< one by one
+  kBlock,   ///< runs of consecutive ones, of which twenty are all data
+  kRegion,  ///< those near to each other in joint space
+};
+
 /// Poses that the fit does not use, drawn from the training data by
-/// configuration, so that repeats of a pose stay together.
+/// configuration, so that repeats of a pose stay together. Errors that are
+/// alike at neighbouring poses are seen where neighbours are held out together.
 struct HoldOutOptions {
+  HoldOutBy by = HoldOutBy::kPose;
   double fraction = 0.3;  ///< of the configurations; in (0, 1)
   std::uint64_t seed = 1;
 };
