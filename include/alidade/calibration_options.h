@@ -58,6 +58,8 @@ struct ErrorTermOptions {
   std::vector<double> harmonics;  ///< cycles per turn of the joint
   bool scale = false;             ///< of joint values
   bool backlash = false;
+  /// Effects of all covariates of the data on the base.
+  bool covariates = false;
   /// Joints (from 0) that move with the values of others: {joint, other}.
   std::vector<std::pair<int, int>> coupling;
 };

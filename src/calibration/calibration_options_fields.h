@@ -50,6 +50,9 @@ void VisitFields(Visitor& v, Subject<Visitor, ErrorTermOptions>& options) {
   v.Field(Key("backlash"), options.backlash,
           "half a step by the sign of the moment about a revolute joint's "
           "axis");
+  v.Field(Key("covariates"), options.covariates,
+          "the base moves with each covariate of the data (`columns`: "
+          "`covariates`, `station`)");
 }
 
 template <>

@@ -35,6 +35,18 @@ Eigen::VectorXd Left(const TermRows& rows, const TermColumns& columns,
          ApplyTerms(rows, columns, solution.terms, one);
 }
 
+// Of each covariate that varies, none yet.
+std::vector<CovariateEffect> EffectsOf(const Dataset& data) {
+  std::vector<CovariateEffect> effects;
+  for (std::size_t k = 0; k < data.covariate_names.size(); ++k) {
+    const auto row = data.covariates.map().row(static_cast<Eigen::Index>(k));
+    if (row.maxCoeff() > row.minCoeff()) {
+      effects.push_back({data.covariate_names[k], row.mean()});
+    }
+  }
+  return effects;
+}
+
 class ErrorFitter {
  public:
   explicit ErrorFitter(const ErrorFitInput& input)
@@ -42,14 +54,15 @@ class ErrorFitter {
         arm_(input.model.nominal()),
         folds_(MakeTrainingFolds(input.data)),
         values_(input.values) {
-    arm_.errors.joints.clear();
-    arm_.errors.coupling.resize(0, 0);
+    arm_.errors.Clear();
+    arm_.errors.covariates = EffectsOf(input.data);
     terms_ = arm_.errors;
     std::vector<TermSet> sets = input.sets;
     sets.insert(sets.begin(), TermSet{"geometry"});
     for (TermSet& set : sets) {
       fit_.rungs.push_back(
-          {set, TermColumns(arm_, set, input.data.joint_values.map())});
+          {set, TermColumns(arm_, set, input.data.joint_values.map(),
+                            Deviations())});
     }
   }
 
@@ -89,6 +102,23 @@ class ErrorFitter {
   }
 
  private:
+  // Of the covariates about their references.
+  Eigen::VectorXd Deviations() const {
+    const Dataset& data = input_.data;
+    Eigen::VectorXd deviations(
+        static_cast<Eigen::Index>(arm_.errors.covariates.size()));
+    deviations.setZero();
+    for (int pose = 0; pose < data.num_poses(); ++pose) {
+      const Eigen::VectorXd values = CovariatesAt(data, arm_, pose);
+      for (Eigen::Index k = 0; k < values.size(); ++k) {
+        const double off =
+            values[k] - arm_.errors.covariates[static_cast<std::size_t>(k)].reference;
+        deviations[k] += off * off;
+      }
+    }
+    return (deviations / static_cast<double>(data.num_poses())).cwiseSqrt();
+  }
+
   Eigen::VectorXd InUnits(const Eigen::VectorXd& values) const {
     Eigen::VectorXd units(static_cast<Eigen::Index>(input_.columns.size()));
     for (Eigen::Index k = 0; k < units.size(); ++k) {
@@ -121,7 +151,7 @@ class ErrorFitter {
     const MeasurementModel model(arm_, input_.model.references(),
                                  input_.model.execution());
     rows_ = MakeTermRows(model, values_, input_.data, input_.columns);
-    if (arm_.errors.empty()) return;
+    if (!has_terms_) return;
     for (const TermRows::Observation& one : rows_.observations) {
       auto residual = rows_.residuals.segment(one.first_row, one.height);
       residual -= Bent(one, one.pose, rows_.turns);
@@ -136,10 +166,13 @@ class ErrorFitter {
                        const TermRows::RowMatrix& turns) const {
     if (pose < 0) return Eigen::VectorXd::Zero(one.height);
     const PoseErrors errors =
-        ErrorsAt(arm_, rows_.joint_values.col(pose).data());
-    Eigen::Matrix3Xd sizes(3, errors.shifts.size());
-    sizes.topRows<2>() = errors.tilts;
-    sizes.row(2) = errors.shifts.transpose();
+        ErrorsAt(arm_, rows_.joint_values.col(pose).data(),
+                 CovariatesAt(input_.data, arm_, pose).data());
+    const Eigen::Index n = errors.shifts.size();
+    Eigen::Matrix3Xd sizes(3, n + 2);
+    sizes.topLeftCorner(2, n) = errors.tilts;
+    sizes.row(2).head(n) = errors.shifts.transpose();
+    sizes.rightCols<2>() = errors.base.reshaped(3, 2);
     return turns.middleRows(one.first_row, one.height) *
            (sizes.reshaped() / kTermUnit);
   }
@@ -350,6 +383,7 @@ class ErrorFitter {
       rung.terms = rung.columns.TermsOf(solutions_[k].terms, terms_, n);
     }
     values_ = Moved(step);
+    has_terms_ = true;
     terms_ = all.TermsOf(coefficients, terms_, n);
   }
 
@@ -433,6 +467,7 @@ class ErrorFitter {
   const TrainingFolds folds_;
   Eigen::VectorXd values_;
   ErrorTerms terms_;
+  bool has_terms_ = false;
   TermRows rows_;
   Eigen::VectorXd weights_;
   std::vector<Eigen::MatrixXd> grams_;
@@ -455,8 +490,7 @@ Eigen::MatrixXd TermCovariance::Spread(
     // What the terms do to each turn, in unit deviations.
     Eigen::MatrixXd sizes = Eigen::MatrixXd::Zero(turns.cols(), root.cols());
     columns.ForEachAt(
-        rows.joint_values.col(pose).data(), rows.moments.col(pose).data(),
-        [&](int column, int turn, double size) {
+        rows.NumbersOf(pose), [&](int column, int turn, double size) {
           sizes.row(turn) += size * root.row(p + column);
         });
     spread += turns * sizes;

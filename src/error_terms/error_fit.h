@@ -71,7 +71,7 @@ struct ErrorFit {
 };
 
 /// Fewer configurations decide nothing.
-constexpr int kFewestForErrorTerms = 20;
+constexpr int kFewestForErrorTerms = 10;
 
 /// Estimates the geometry and the error terms together: for each set their
 /// scales by restricted likelihood on all data, folds by regions and at random,

@@ -113,7 +113,7 @@ std::vector<bool> BlocksOf(const Dataset& data, double fraction,
   const auto count = static_cast<int>(all.size());
   const int runs = std::min(kRuns, std::max(1, count));
   const auto wanted = static_cast<int>(
-      std::clamp<double>(std::lround(fraction * runs), 1.0, runs - 1.0));
+      std::clamp(std::round(fraction * runs), 1.0, runs - 1.0));
   const std::vector<int> order = Dealt(runs, runs, seed);
   std::vector<bool> taken(count);
   for (int k = 0; k < count; ++k) {

@@ -91,8 +91,7 @@ class GramSum {
       if (pose < 0) continue;
       const auto turns = TurnsOf(rows_, one, second);
       columns_.ForEachAt(
-          rows_.joint_values.col(pose).data(), rows_.moments.col(pose).data(),
-          [&](int column, int turn, double size) {
+          rows_.NumbersOf(pose), [&](int column, int turn, double size) {
             const int knot = column - columns_.num_dense();
             if (knot < 0) {
               block->col(p_ + column) += size * turns.col(turn);
@@ -162,8 +161,7 @@ Eigen::VectorXd ApplyTerms(const TermRows& rows, const TermColumns& columns,
     const int pose = second ? one.second_pose : one.pose;
     if (pose < 0) continue;
     Eigen::VectorXd sizes = Eigen::VectorXd::Zero(rows.turns.cols());
-    columns.ForEachAt(rows.joint_values.col(pose).data(),
-                      rows.moments.col(pose).data(),
+    columns.ForEachAt(rows.NumbersOf(pose),
                       [&](int column, int turn, double size) {
                         sizes[turn] += size * coefficients[column];
                       });
