@@ -77,7 +77,9 @@ class ErrorFitter {
                                 fit_.rungs.size() - 1);
       fit_.stacking.share = 1.0;
     } else {
-      fit_.stacking = Stack(LeaveOut());
+      LeaveOut(0);
+      TryHarmonics();
+      fit_.stacking = Stack(fold_errors_);
     }
     for (std::size_t k = 0; k < fit_.rungs.size(); ++k) {
       fit_.rungs[k].weight = fit_.stacking.weights[k];
@@ -201,31 +203,90 @@ class ErrorFitter {
 
   WeightedRows Data() const { return {rows_, weights_}; }
 
+  void Solve(const TermRidge& ridge, std::size_t k) {
+    RungFit& rung = fit_.rungs[k];
+    solutions_[k] = ridge.Solve(grams_[k], rung.precisions);
+    rung.variance =
+        solutions_[k].cost / std::max(1.0, Equations() - ridge.num_geometry());
+  }
+
+  void Choose(std::size_t k, const LogPrecisions& from) {
+    RungFit& rung = fit_.rungs[k];
+    const TermRidge ridge = RidgeOf(rung);
+    grams_[k] = TermGram(Data(), rung.columns, AllOf(rows_));
+    rung.precisions = ridge.Choose(grams_[k], Equations(), from);
+    Solve(ridge, k);
+  }
+
   // Each rung's scales, and its estimate from all data. The elastic one starts
   // those that have it too.
   void ChooseScales() {
-    const double equations = Equations();
     grams_.resize(fit_.rungs.size());
     solutions_.resize(fit_.rungs.size());
     LogPrecisions start = {};
-    const auto choose = [&](std::size_t k, const LogPrecisions& from) {
-      RungFit& rung = fit_.rungs[k];
-      const TermRidge ridge = RidgeOf(rung);
-      grams_[k] = TermGram(Data(), rung.columns, AllOf(rows_));
-      rung.precisions = ridge.Choose(grams_[k], equations, from);
-      rung.variance = ridge.Variance(grams_[k], equations, rung.precisions);
-      solutions_[k] = ridge.Solve(grams_[k], rung.precisions);
-    };
     const std::size_t first = std::min<std::size_t>(2, fit_.rungs.size());
-    for (std::size_t k = 0; k < first; ++k) choose(k, start);
+    for (std::size_t k = 0; k < first; ++k) Choose(k, start);
     if (first == 2) start = fit_.rungs[1].precisions;
     ParallelFor(input_.model.num_threads(),
                 static_cast<std::int64_t>(fit_.rungs.size() - first), 1,
                 [&](std::int64_t begin, std::int64_t end) {
                   for (std::int64_t k = begin; k < end; ++k) {
-                    choose(first + static_cast<std::size_t>(k), start);
+                    Choose(first + static_cast<std::size_t>(k), start);
                   }
                 });
+  }
+
+  std::size_t Best() const {
+    return static_cast<std::size_t>(
+        std::min_element(fit_.rungs.begin(), fit_.rungs.end(),
+                         [](const RungFit& a, const RungFit& b) {
+                           return a.random_error < b.random_error;
+                         }) -
+        fit_.rungs.begin());
+  }
+
+  std::vector<FoundHarmonic> HarmonicsLeftBy(std::size_t rung) const {
+    Eigen::VectorXd residuals(rows_.residuals.size());
+    for (const TermRows::Observation& one : rows_.observations) {
+      residuals.segment(one.first_row, one.height) =
+          -Left(rows_, fit_.rungs[rung].columns, solutions_[rung], one);
+    }
+    std::vector<bool> is_revolute;
+    for (const Joint& joint : arm_.joints) {
+      is_revolute.push_back(joint.type == JointType::kRevolute);
+    }
+    return FindHarmonics(Data(), residuals, is_revolute,
+                         input_.model.num_threads());
+  }
+
+  // Another rung: the best one with the harmonics that it lacks; and again,
+  // since weaker ones show when the strongest are gone.
+  void TryHarmonics() {
+    constexpr int kRounds = 3;
+    for (int round = 0; round < kRounds; ++round) {
+      const std::size_t best = Best();
+      const std::vector<FoundHarmonic> found = HarmonicsLeftBy(best);
+      if (found.empty()) return;
+      TermSet set = fit_.rungs[best].set;
+      if (round == 0) set.name += " + gear harmonics";
+      for (const FoundHarmonic& harmonic : found) {
+        set.joint_cycles.emplace_back(harmonic.joint, harmonic.cycles);
+      }
+      fit_.harmonics.insert(fit_.harmonics.end(), found.begin(), found.end());
+      const LogPrecisions start = fit_.rungs[best].precisions;
+      RungFit rung{set, TermColumns(arm_, set, input_.data.joint_values.map(),
+                                    Deviations())};
+      if (round == 0) {
+        fit_.rungs.push_back(std::move(rung));
+        grams_.emplace_back();
+        solutions_.emplace_back();
+      } else {
+        fit_.rungs.back() = std::move(rung);
+      }
+      Choose(fit_.rungs.size() - 1, start);
+      LeaveOut(fit_.rungs.size() - 1);
+      if (Best() + 1 != fit_.rungs.size()) return;
+    }
   }
 
   // The same scales at another linearisation.
@@ -237,9 +298,7 @@ class ErrorFitter {
                     RungFit& rung = fit_.rungs[k];
                     const TermRidge ridge = RidgeOf(rung);
                     grams_[k] = TermGram(Data(), rung.columns, AllOf(rows_));
-                    solutions_[k] = ridge.Solve(grams_[k], rung.precisions);
-                    rung.variance =
-                        ridge.Variance(grams_[k], Equations(), rung.precisions);
+                    Solve(ridge, static_cast<std::size_t>(k));
                   }
                 });
   }
@@ -254,22 +313,22 @@ class ErrorFitter {
     return left;
   }
 
-  // What all rungs leave of every fold that they are fitted without.
-  std::vector<FoldErrors> LeaveOut() {
-    const std::size_t num_folds = folds_.left_out.size();
-    const auto rungs = static_cast<Eigen::Index>(fit_.rungs.size());
-    std::vector<FoldErrors> folds(num_folds);
+  // What the rungs from `first` on leave of every fold that they are fitted
+  // without.
+  void LeaveOut(std::size_t first) {
+    fold_errors_.resize(folds_.left_out.size());
     ParallelFor(input_.model.num_threads(),
-                static_cast<std::int64_t>(num_folds), 1,
+                static_cast<std::int64_t>(fold_errors_.size()), 1,
                 [&](std::int64_t begin, std::int64_t end) {
                   for (std::int64_t f = begin; f < end; ++f) {
-                    folds[f] = LeaveOut(static_cast<std::size_t>(f), rungs);
+                    LeaveOut(first, static_cast<std::size_t>(f),
+                             &fold_errors_[f]);
                   }
                 });
-    for (std::size_t k = 0; k < fit_.rungs.size(); ++k) {
+    for (std::size_t k = first; k < fit_.rungs.size(); ++k) {
       std::array<double, 2> sums{};
       std::array<double, 2> counts{};
-      for (const FoldErrors& fold : folds) {
+      for (const FoldErrors& fold : fold_errors_) {
         for (const Eigen::MatrixXd& residual : fold.residuals) {
           const int kind = fold.is_region ? 0 : 1;
           sums[kind] += residual.col(k).norm();
@@ -279,22 +338,26 @@ class ErrorFitter {
       fit_.rungs[k].region_error = sums[0] / std::max(1.0, counts[0]);
       fit_.rungs[k].random_error = sums[1] / std::max(1.0, counts[1]);
     }
-    return folds;
   }
 
-  FoldErrors LeaveOut(std::size_t f, Eigen::Index rungs) const {
-    FoldErrors fold;
-    fold.is_region = f < TrainingFolds::kRegions;
+  void LeaveOut(std::size_t first, std::size_t f, FoldErrors* fold) const {
+    fold->is_region = f < TrainingFolds::kRegions;
     const std::vector<int> left = LeftOut(folds_.left_out[f]);
     std::vector<int> counted;
     for (const int observation : left) {
-      const TermRows::Observation& one = rows_.observations[observation];
-      if (one.num_lengths == 0) continue;
-      counted.push_back(observation);
-      fold.poses.push_back(one.pose);
-      fold.residuals.emplace_back(one.num_lengths, rungs);
+      if (rows_.observations[observation].num_lengths > 0) {
+        counted.push_back(observation);
+      }
     }
-    for (Eigen::Index k = 0; k < rungs; ++k) {
+    fold->residuals.resize(counted.size());
+    fold->poses.resize(counted.size());
+    const auto rungs = static_cast<Eigen::Index>(fit_.rungs.size());
+    for (std::size_t i = 0; i < counted.size(); ++i) {
+      const TermRows::Observation& one = rows_.observations[counted[i]];
+      fold->poses[i] = one.pose;
+      fold->residuals[i].conservativeResize(one.num_lengths, rungs);
+    }
+    for (auto k = static_cast<Eigen::Index>(first); k < rungs; ++k) {
       const RungFit& rung = fit_.rungs[k];
       const Eigen::MatrixXd gram =
           grams_[k] - TermGram(Data(), rung.columns, left);
@@ -302,11 +365,10 @@ class ErrorFitter {
           RidgeOf(rung).Solve(gram, rung.precisions);
       for (std::size_t i = 0; i < counted.size(); ++i) {
         const TermRows::Observation& one = rows_.observations[counted[i]];
-        fold.residuals[i].col(k) =
+        fold->residuals[i].col(k) =
             Left(rows_, rung.columns, solution, one).head(one.num_lengths);
       }
     }
-    return fold;
   }
 
   // Weights of the observations by what the loss makes of their residuals, in
@@ -431,16 +493,17 @@ class ErrorFitter {
                        .cwiseProduct(inverse)
                        .sum();
       const Eigen::MatrixXd own = weight * rung.variance * inverse;
-      const Eigen::MatrixXd from = all.From(rung.columns);
+      const Eigen::SparseMatrix<double> from = all.From(rung.columns);
       const Eigen::MatrixXd beside = from * own.bottomLeftCorner(
                                                 rung.columns.size(), p);
       covariance.topLeftCorner(p, p) += own.topLeftCorner(p, p);
       covariance.bottomLeftCorner(all.size(), p) += beside;
       covariance.topRightCorner(p, all.size()) += beside.transpose();
-      covariance.bottomRightCorner(all.size(), all.size()) +=
+      const Eigen::MatrixXd half =
           from *
-          own.bottomRightCorner(rung.columns.size(), rung.columns.size()) *
-          from.transpose();
+          own.bottomRightCorner(rung.columns.size(), rung.columns.size());
+      covariance.bottomRightCorner(all.size(), all.size()) +=
+          half * from.transpose();
       Eigen::VectorXd off(size);
       off << InUnits(rung.values), from * rung.columns.CoefficientsOf(rung.terms);
       off -= mean;
@@ -472,6 +535,7 @@ class ErrorFitter {
   Eigen::VectorXd weights_;
   std::vector<Eigen::MatrixXd> grams_;
   std::vector<TermSolution> solutions_;
+  std::vector<FoldErrors> fold_errors_;
   ErrorFit fit_;
 };
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "alidade/robust_loss.h"
+#include "src/error_terms/periodogram.h"
 #include "src/error_terms/stacking.h"
 #include "src/error_terms/term_columns.h"
 #include "src/error_terms/term_normal.h"
@@ -23,8 +24,9 @@ struct ErrorFitInput {
   const Eigen::VectorXd& priors;  ///< as CalibrationProblem has them
   std::vector<RobustLoss> losses;
   std::vector<TermSet> sets;  ///< rungs beside the geometry alone
-  /// Rungs are put together by their evidence within the data (stacking.h);
-  /// else there is one, and it is taken.
+  /// Rungs are put together by their evidence within the data (stacking.h), the
+  /// best of them with the harmonics that its residuals have too; else there is
+  /// one, and it is taken.
   bool selects = true;
 };
 
@@ -58,6 +60,7 @@ struct RungFit {
 };
 
 struct ErrorFit {
+  std::vector<FoundHarmonic> harmonics;  ///< of the best rung's residuals
   std::vector<RungFit> rungs;  ///< geometry alone first
   StackingResult stacking;
   Eigen::VectorXd values;

@@ -148,6 +148,10 @@ void TermColumns::AddShifts(const Arm& arm, const TermSet& set) {
       add(TermGroup::kBacklash, j, DenseTerm::Regressor::kMomentSign, 0.0, 0);
     }
   }
+  for (const auto& [joint, cycles] : set.joint_cycles) {
+    add(TermGroup::kHarmonic, joint, DenseTerm::Regressor::kCosine, cycles, 0);
+    add(TermGroup::kHarmonic, joint, DenseTerm::Regressor::kSine, cycles, 0);
+  }
   for (int j = 0; j < arm.num_joints() && set.scale; ++j) {
     add(TermGroup::kCoupling, j, DenseTerm::Regressor::kJointValue, 0.0, j);
   }
@@ -309,11 +313,13 @@ Eigen::VectorXd TermColumns::CoefficientsOf(const ErrorTerms& terms) const {
   return coefficients;
 }
 
-Eigen::MatrixXd TermColumns::From(const TermColumns& other) const {
-  Eigen::MatrixXd from = Eigen::MatrixXd::Zero(size(), other.size());
+Eigen::SparseMatrix<double> TermColumns::From(const TermColumns& other) const {
+  std::vector<Eigen::Triplet<double>> entries;
   for (int k = 0; k < other.num_dense(); ++k) {
     for (int mine = 0; mine < num_dense(); ++mine) {
-      if (SameTerm(dense_[mine], other.dense_[k])) from(mine, k) = 1.0;
+      if (SameTerm(dense_[mine], other.dense_[k])) {
+        entries.emplace_back(mine, k, 1.0);
+      }
     }
   }
   for (const FunctionKnots& theirs : other.functions_) {
@@ -326,13 +332,16 @@ Eigen::MatrixXd TermColumns::From(const TermColumns& other) const {
         for (const double knot : {below, below + 1.0}) {
           const double share = 1.0 - std::abs(place - knot);
           if (knot < 0.0 || knot >= theirs.count || share <= 0.0) continue;
-          from(num_dense() + mine.offset + k,
-               other.num_dense() + theirs.offset + static_cast<int>(knot)) =
-              share;
+          entries.emplace_back(
+              num_dense() + mine.offset + k,
+              other.num_dense() + theirs.offset + static_cast<int>(knot),
+              share);
         }
       }
     }
   }
+  Eigen::SparseMatrix<double> from(size(), other.size());
+  from.setFromTriplets(entries.begin(), entries.end());
   return from;
 }
 

@@ -2,6 +2,7 @@
 #define ALIDADE_SRC_ERROR_TERMS_TERM_COLUMNS_H_
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -19,6 +20,8 @@ struct TermSet {
   bool elasticity = false;       ///< about z, x and y
   double function_length = 0.0;  ///< of joint functions (rad); 0: none
   std::vector<double> cycles = {};  ///< of harmonics, per turn
+  /// Joint (from 0) and cycles per turn of harmonics of single joints.
+  std::vector<std::pair<int, double>> joint_cycles = {};
   bool scale = false;
   bool backlash = false;
   std::vector<std::pair<int, int>> coupling = {};  ///< joint by joint, from 0
@@ -125,7 +128,7 @@ class TermColumns {
   Eigen::VectorXd CoefficientsOf(const ErrorTerms& terms) const;
   /// size() x others: coefficients here from those of columns that these can
   /// express.
-  Eigen::MatrixXd From(const TermColumns& other) const;
+  Eigen::SparseMatrix<double> From(const TermColumns& other) const;
 
  private:
   TermColumns() = default;
