@@ -199,6 +199,18 @@ struct PlannedParameter {
   std::string identified_combination;
 };
 
+/// An error term of the plan (error_terms.h): a compliance, a harmonic, or all
+/// of a joint's function.
+struct PlannedErrorTerm {
+  std::string name;  ///< "k2_z", "e3"
+  std::string unit;  ///< "rad", "rad/(N m)"
+  double prior_std = 0.0;
+  double planned_std = 0.0;  ///< predicted; of a function its root mean square
+  /// So many poses of this kind halve the prior deviation, or more where other
+  /// terms have to be told from it; 0 = no number does.
+  int poses_needed = 0;
+};
+
 enum class PlanStatus {
   kDone,
   /// The identifiability analysis wants a choice by the user, or the wanted
@@ -248,6 +260,7 @@ struct PlanResult {
   bool travel_in_seconds = false;
 
   std::vector<PlannedParameter> parameters;  ///< the free ones
+  std::vector<PlannedErrorTerm> terms;       ///< that were asked for
   std::vector<PlanEvaluation> evaluations;   ///< planned first
   /// No plan of as many poses has a smaller worst standard deviation over the
   /// candidates than sigma sqrt(p / N) (Kiefer and Wolfowitz 1960); 0 where

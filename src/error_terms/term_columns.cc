@@ -117,7 +117,9 @@ TermColumns::TermColumns(const Arm& arm, const TermSet& set,
   if (set.elasticity) AddElasticity(arm);
   AddShifts(arm, set);
   AddCovariates(arm, set, covariate_deviations);
-  if (set.function_length > 0.0) AddFunctions(arm, joint_values);
+  if (set.function_length > 0.0) {
+    AddFunctions(arm, joint_values, set.knot_spacing);
+  }
 }
 
 void TermColumns::AddElasticity(const Arm& arm) {
@@ -178,7 +180,8 @@ void TermColumns::AddCovariates(const Arm& arm, const TermSet& set,
 }
 
 void TermColumns::AddFunctions(const Arm& arm,
-                               const Eigen::MatrixXd& joint_values) {
+                               const Eigen::MatrixXd& joint_values,
+                               double spacing) {
   constexpr double kMoved = 1e-3;  // rad
   int offset = 0;
   for (int j = 0; j < arm.num_joints(); ++j) {
@@ -188,8 +191,10 @@ void TermColumns::AddFunctions(const Arm& arm,
     if (highest - lowest < kMoved) continue;
     FunctionKnots knots;
     knots.joint = j;
-    knots.spacing = SpacingFor(function_length_, joint_values.cols());
-    const double beyond = kFadingLengths * function_length_;
+    const bool fades = !(spacing > 0.0);
+    knots.spacing =
+        fades ? SpacingFor(function_length_, joint_values.cols()) : spacing;
+    const double beyond = fades ? kFadingLengths * function_length_ : 0.0;
     const double first = std::floor((lowest - beyond) / knots.spacing);
     const double last = std::ceil((highest + beyond) / knots.spacing);
     knots.first = first * knots.spacing;

@@ -19,6 +19,9 @@ struct TermSet {
   std::string name;
   bool elasticity = false;       ///< about z, x and y
   double function_length = 0.0;  ///< of joint functions (rad); 0: none
+  /// Between knots, which then are where joint values are and nowhere else; 0:
+  /// by the length.
+  double knot_spacing = 0.0;
   std::vector<double> cycles = {};  ///< of harmonics, per turn
   /// Joint (from 0) and cycles per turn of harmonics of single joints.
   std::vector<std::pair<int, double>> joint_cycles = {};
@@ -135,7 +138,8 @@ class TermColumns {
 
   void AddElasticity(const Arm& arm);
   void AddShifts(const Arm& arm, const TermSet& set);
-  void AddFunctions(const Arm& arm, const Eigen::MatrixXd& joint_values);
+  void AddFunctions(const Arm& arm, const Eigen::MatrixXd& joint_values,
+                    double spacing);
   void AddCovariates(const Arm& arm, const TermSet& set,
                      const Eigen::VectorXd& deviations);
 

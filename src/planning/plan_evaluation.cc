@@ -191,6 +191,32 @@ void PlanEvaluator::ListParameters(const DesignResult& plan,
         problem_.identifiability.decisions[column].identified_combination;
     result->parameters.push_back(std::move(entry));
   }
+  ListTerms(planned, static_cast<int>(plan.chosen.size()), result);
+}
+
+// Where the poses bring less than three times what is known before, the
+// deviation is more than half of the prior's; information grows with their
+// number.
+void PlanEvaluator::ListTerms(const Eigen::VectorXd& planned, int num_poses,
+                              PlanResult* result) const {
+  if (!problem_.terms) return;
+  constexpr double kWanted = 3.0;
+  const auto first = static_cast<Eigen::Index>(problem_.columns.size());
+  for (const PlannedTerms::Entry& term : problem_.terms->entries()) {
+    const double share = std::sqrt(
+        planned.segment(first + term.first, term.count).cwiseAbs2().mean());
+    PlannedErrorTerm entry;
+    entry.name = term.name;
+    entry.unit = term.unit;
+    entry.prior_std = term.prior_std;
+    entry.planned_std = share * term.prior_std;
+    const double gained = 1.0 / (share * share) - 1.0;
+    entry.poses_needed =
+        gained > 0.0
+            ? static_cast<int>(std::ceil(num_poses * kWanted / gained))
+            : 0;
+    result->terms.push_back(std::move(entry));
+  }
 }
 
 double PlanEvaluator::BoundOf(int num_poses) const {

@@ -37,7 +37,7 @@ class PlanEvaluator {
  private:
   int threads() const { return model_.num_threads(); }
   double num_parameters() const {
-    return static_cast<double>(problem_.columns.size());
+    return problem_.design.candidates.num_parameters();
   }
 
   Eigen::MatrixXd KnownWith(const PoseRows& rows,
@@ -50,6 +50,8 @@ class PlanEvaluator {
   PlanEvaluation EvaluateRandom(int count, PlanResult* result) const;
   Eigen::VectorXd Deviations(const Eigen::MatrixXd& information) const;
   void ListParameters(const DesignResult& plan, PlanResult* result) const;
+  void ListTerms(const Eigen::VectorXd& planned, int num_poses,
+                 PlanResult* result) const;
   double BoundOf(int num_poses) const;
   std::vector<int> CurveNumbers(int num_poses) const;
   PredictedAccuracy RandomAccuracy(int count) const;

@@ -84,6 +84,15 @@ void VisitFields(Visitor& v, Subject<Visitor, PlannedParameter>& parameter) {
   v.Field("identified_combination", parameter.identified_combination);
 }
 
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, PlannedErrorTerm>& term) {
+  v.Field("name", term.name);
+  v.Field("unit", term.unit);
+  v.Field("prior_std", term.prior_std);
+  v.Field("planned_std", term.planned_std);
+  v.Field("poses_needed", term.poses_needed);
+}
+
 /// A column of PlanResult::joint_values, as the file has it.
 struct PlannedPose {
   Eigen::VectorXd joints;
@@ -135,6 +144,7 @@ void VisitFields(Visitor& v, Subject<Visitor, PlanResult>& result) {
     travel.Field("after", result.travel);
   });
   v.Field("parameters", result.parameters);
+  v.Field("terms", result.terms);
   v.Field("evaluations", result.evaluations);
   v.Field("bound", result.bound);
   v.Field("d_efficiency", result.d_efficiency);

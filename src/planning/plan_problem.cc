@@ -115,8 +115,9 @@ class ProblemMaker {
         config_.job.options.identifiability);
     if (problem_.identifiability.exceeds_rank) return std::move(problem_);
     problem_.columns = FreeColumns(problem_.identifiability);
-    design.candidates =
-        MakePoseRows(model_, values_, planned, problem_.columns);
+    problem_.terms = PlannedTerms::Of(model_, config_.job.options.errors,
+                                      design.joint_values);
+    design.candidates = RowsOf(planned);
     design.minimum_motion = config_.minimum_motion;
     SetKnown();
     SetPositions();
@@ -126,9 +127,13 @@ class ProblemMaker {
  private:
   PoseRows RowsOf(const Eigen::MatrixXd& joint_values,
                   const PoseMeasurement& measurement) const {
-    return MakePoseRows(model_, values_,
-                        MakePlannedData(model_, joint_values, measurement),
-                        problem_.columns);
+    return RowsOf(MakePlannedData(model_, joint_values, measurement));
+  }
+
+  PoseRows RowsOf(const Dataset& planned) const {
+    PoseRows rows = MakePoseRows(model_, values_, planned, problem_.columns);
+    if (problem_.terms) problem_.terms->Append(model_, values_, planned, &rows);
+    return rows;
   }
 
   // M0: priors, and the poses that were measured already.
@@ -149,12 +154,26 @@ class ProblemMaker {
                 .inverse()
                 .matrix()
                 .asDiagonal();
+    AddTerms(&known);
     if (config_.job.data.training.num_poses() == 0) return;
     const Eigen::MatrixXd factor =
         ScaleColumns(model_, problem_.columns,
                      JacobianFactor(model_, values_, config_.job.data.training,
                                     problem_.columns));
-    known += factor.transpose() * factor;
+    known.topLeftCorner(p, p) += factor.transpose() * factor;
+  }
+
+  // Earlier poses count for the parameters alone.
+  void AddTerms(Eigen::MatrixXd* known) {
+    if (!problem_.terms) return;
+    const Eigen::Index p = known->rows();
+    const Eigen::Index size = problem_.terms->size();
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(p + size, p + size);
+    all.topLeftCorner(p, p) = *known;
+    all.bottomRightCorner(size, size) = problem_.terms->known();
+    *known = std::move(all);
+    problem_.scales.conservativeResize(p + size);
+    problem_.scales.tail(size).setConstant(PlannedTerms::kPrior);
   }
 
   void SetPositions() {

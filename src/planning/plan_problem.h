@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "src/kernel/measurement_model.h"
 #include "src/planning/exchange.h"
 #include "src/planning/plan_task.h"
+#include "src/planning/planned_terms.h"
 
 namespace alidade::internal {
 
@@ -17,8 +19,10 @@ namespace alidade::internal {
 struct PlanProblem {
   IdentifiabilityResult identifiability;
   std::vector<int> columns;    ///< free parameters, of the layout
-  Eigen::VectorXd scales;      ///< ColumnScale of each
+  Eigen::VectorXd scales;      ///< ColumnScale of each; of terms their priors
   Eigen::VectorXd prior_stds;  ///< of each; infinite = none
+  /// After the parameters in all rows.
+  std::optional<PlannedTerms> terms;
   DesignProblem design;
   std::int64_t num_looked_at = 0;
   /// Position rows (m) of the first target: of the candidates; of poses over

@@ -130,6 +130,21 @@ std::string ParameterTable(const PlanResult& result) {
   return table.ToText();
 }
 
+// Compliances in mrad/(N m), all others in mrad.
+std::string TermTable(const PlanResult& result) {
+  constexpr double kMilliradian = 1e-3;
+  Table table({"error term", "unit", ">prior", ">planned std",
+               ">poses that halve the prior"});
+  for (const PlannedErrorTerm& term : result.terms) {
+    table.AddRow({term.name, "m" + term.unit,
+                  FormatSignificant(term.prior_std / kMilliradian, 3),
+                  FormatSignificant(term.planned_std / kMilliradian, 3),
+                  term.poses_needed > 0 ? std::to_string(term.poses_needed)
+                                        : "no number"});
+  }
+  return table.ToText();
+}
+
 std::string PoseTable(const PlanResult& result) {
   std::vector<Table::Column> columns = {">pose"};
   const Eigen::Index n = result.joint_values.rows();
@@ -225,6 +240,10 @@ std::string FormatPlan(const PlanResult& result) {
                      FormatPlanSummary(result) + "\n" +
                      Heading("Parameters, predicted standard deviations") +
                      "\n" + ParameterTable(result) + "\n" +
+                     (result.terms.empty()
+                          ? ""
+                          : Heading("Error terms") + "\n" +
+                                TermTable(result) + "\n") +
                      Heading("Poses, in the order to be measured") + "\n" +
                      PoseTable(result) + "\n";
   for (const std::string& warning : result.warnings) {

@@ -9,6 +9,7 @@
 #include "alidade/arm_file.h"
 #include "src/planning/plan_fields.h"
 #include "src/serialization/data_section.h"
+#include "src/serialization/errors_section.h"
 #include "src/serialization/field_records.h"
 #include "src/serialization/identifiability_section.h"
 #include "src/serialization/job_config.h"
@@ -304,6 +305,14 @@ void VisitSources(Visitor& v, PlanReading* reading) {
                                    LayoutOf(job->arm, job->data.references),
                                    &job->options.identifiability);
             });
+  v.Custom(Key("errors").Default("none").Schema(kErrorsSchema),
+           "error terms that the poses are to determine, as in a job "
+           "(\"Error terms of a job\"); `auto` is elasticity and functions of "
+           "all joints. With `job`, those of the job where this is left out",
+           [=](const YamlValue& value, const Units& units) {
+             job->options.errors =
+                 ReadErrorTerms(value, units, job->arm.num_joints());
+           });
 }
 
 struct MinimumMotion {
