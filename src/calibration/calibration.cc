@@ -268,7 +268,9 @@ class Calibrator {
       AddWarning(errors.sentence, &result_);
       return;
     }
-    flexible_ = FitFlexible(rigid, &errors);
+    std::vector<Finding> findings;
+    flexible_ = FitFlexible(rigid, &errors, &findings);
+    for (const Finding& finding : findings) AddWarning(finding, &result_);
     if (!flexible_) return;
     if (task().options.estimate_sigma) {
       MatchSigmas(fitted(), flexible_->values, errors.effective_terms,

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "src/calibration/outlier_pattern.h"
 #include "src/calibration/plausibility.h"
 #include "src/calibration/preparation.h"
 #include "src/calibration/prior_check.h"
@@ -269,6 +270,16 @@ void WarnOfFit(const CalibrationSolution& fit, const FitHistory& history,
   warn(WarnOfWorst(result, result.outliers));
   warn(WarnOfWorst(result, result.validation_outliers));
   warn(WarnOfManyRejected(fit, result));
+  if (!fit.task.data.training.partition) {
+    warn(Listed("rejected observations follow ",
+                PatternOf(fit.task.arm, fit.task.data.training,
+                          result.outliers),
+                fit.terms
+                    ? ": the error terms do not describe all of the arm's errors"
+                    : ": that is no mistake of measurement but an error of the "
+                      "arm; `errors: auto` weighs elasticity and errors of "
+                      "gears"));
+  }
   warn(WarnOfFewForRobust(fit));
   warn(WarnOfPriors(fit, result.identifiability));
   warn(WarnOfEstimate(history));

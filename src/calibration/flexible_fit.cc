@@ -99,6 +99,25 @@ ErrorRung Describe(const CalibrationSolution& rigid, const RungFit& rung,
   return described;
 }
 
+Finding Describe(const BaseJump& jump, const Dataset& data, double sigma) {
+  Finding finding;
+  finding.key = "base_jump";
+  finding.statistic = jump.distance * sigma;
+  finding.level = FindingLevel::kAttention;
+  const std::string where = SourceOf(data, jump.pose);
+  finding.sentence =
+      "the base, or the instrument, moved before " +
+      (where.empty() ? "pose " + std::to_string(jump.pose + 1) : where) +
+      " or so, by " + FormatSignificant(finding.statistic / kMillimetre, 2) +
+      " mm at the target (by chance once in " +
+      FormatSignificant(1.0 / std::max(1e-15, jump.false_alarm), 1) +
+      " data sets)";
+  finding.next =
+      "State where the base stood in a column (`columns: {station: ...}`), or "
+      "calibrate the parts alone.";
+  return finding;
+}
+
 std::string SentenceOf(const ErrorTermsResult& result, bool is_stated) {
   if (is_stated) return "the error terms that were asked for are estimated";
   if (result.rungs.empty()) {
@@ -140,7 +159,8 @@ std::string ErrorTermsObstacle(const CalibrationTask& task) {
 }
 
 std::optional<FlexibleFit> FitFlexible(const CalibrationSolution& rigid,
-                                       ErrorTermsResult* result) {
+                                       ErrorTermsResult* result,
+                                       std::vector<Finding>* findings) {
   const CalibrationTask& task = rigid.task;
   const bool is_stated =
       task.options.errors.selection == ErrorTermSelection::kStated;
@@ -163,6 +183,7 @@ std::optional<FlexibleFit> FitFlexible(const CalibrationSolution& rigid,
     for (const RungFit& rung : fit->rungs) {
       result->rungs.push_back(Describe(rigid, rung, sigma));
     }
+    if (fit->jump) findings->push_back(Describe(*fit->jump, data, sigma));
   }
   result->sentence = SentenceOf(*result, is_stated);
   if (!(result->share > 0.0)) return std::nullopt;

@@ -30,8 +30,10 @@ std::string ErrorTermsObstacle(const CalibrationTask& task);
 /// Estimates the error terms that the job's options ask for, beside the
 /// geometry of `rigid`. `result` says what was tried and what it brought.
 /// Nothing where the arm stays rigid.
+/// Appends to `findings` what speaks against the data.
 std::optional<FlexibleFit> FitFlexible(const CalibrationSolution& rigid,
-                                       ErrorTermsResult* result);
+                                       ErrorTermsResult* result,
+                                       std::vector<Finding>* findings);
 
 /// Where sigmas are estimated: those of all data of the task, until they agree
 /// with the residuals of a fit that is better than the one they are from.

@@ -86,12 +86,13 @@ class ErrorFitter {
     }
     Blend();
     if (!(fit_.stacking.share > 0.0)) {
+      fit_.jump = FindJump(LeftBy(0));
       fit_.values = input_.values;
       return std::move(fit_);
     }
     for (int outer = 1; outer < kOuterIterations; ++outer) {
       Linearize();
-      if (!input_.losses.empty()) WeighBy(LeftByStack());
+      if (!input_.losses.empty()) WeighBy(SquaresOf(LeftByStack()));
       SolveAll();
       Blend();
     }
@@ -99,6 +100,7 @@ class ErrorFitter {
     fit_.values = values_;
     fit_.terms = terms_;
     fit_.weights = weights_;
+    fit_.jump = FindJump(LeftByStack());
     fit_.covariance = JointCovariance();
     return std::move(fit_);
   }
@@ -246,11 +248,7 @@ class ErrorFitter {
   }
 
   std::vector<FoundHarmonic> HarmonicsLeftBy(std::size_t rung) const {
-    Eigen::VectorXd residuals(rows_.residuals.size());
-    for (const TermRows::Observation& one : rows_.observations) {
-      residuals.segment(one.first_row, one.height) =
-          -Left(rows_, fit_.rungs[rung].columns, solutions_[rung], one);
-    }
+    const Eigen::VectorXd residuals = -LeftBy(rung);
     std::vector<bool> is_revolute;
     for (const Joint& joint : arm_.joints) {
       is_revolute.push_back(joint.type == JointType::kRevolute);
@@ -404,28 +402,48 @@ class ErrorFitter {
           TermGram(Data(), rung.columns, AllOf(rows_));
       precisions = ridge.Choose(gram, Equations(), precisions);
       const TermSolution solution = ridge.Solve(gram, precisions);
-      Eigen::VectorXd squares(weights_.size());
-      for (std::size_t k = 0; k < rows_.observations.size(); ++k) {
-        squares[k] = Left(rows_, rung.columns, solution, rows_.observations[k])
-                         .squaredNorm();
-      }
-      WeighBy(squares);
+      WeighBy(SquaresOf(LeftBy(rung.columns, solution)));
     }
   }
 
+  // Residuals of all rows: of an estimate, of a rung, of what is delivered.
+  Eigen::VectorXd LeftBy(const TermColumns& columns,
+                         const TermSolution& solution) const {
+    Eigen::VectorXd left(rows_.residuals.size());
+    for (const TermRows::Observation& one : rows_.observations) {
+      left.segment(one.first_row, one.height) =
+          Left(rows_, columns, solution, one);
+    }
+    return left;
+  }
+  Eigen::VectorXd LeftBy(std::size_t rung) const {
+    return LeftBy(fit_.rungs[rung].columns, solutions_[rung]);
+  }
   Eigen::VectorXd LeftByStack() const {
+    Eigen::VectorXd left = rows_.residuals;
+    for (const TermRows::Observation& one : rows_.observations) {
+      auto some = left.segment(one.first_row, one.height);
+      some += Bent(one, one.pose, rows_.turns);
+      if (one.second_pose >= 0) {
+        some += Bent(one, one.second_pose, rows_.second_turns);
+      }
+    }
+    return left;
+  }
+
+  Eigen::VectorXd SquaresOf(const Eigen::VectorXd& left) const {
     Eigen::VectorXd squares(weights_.size());
     for (std::size_t k = 0; k < rows_.observations.size(); ++k) {
       const TermRows::Observation& one = rows_.observations[k];
-      Eigen::VectorXd left =
-          rows_.residuals.segment(one.first_row, one.height) +
-          Bent(one, one.pose, rows_.turns);
-      if (one.second_pose >= 0) {
-        left += Bent(one, one.second_pose, rows_.second_turns);
-      }
-      squares[k] = left.squaredNorm();
+      squares[static_cast<Eigen::Index>(k)] =
+          left.segment(one.first_row, one.height).squaredNorm();
     }
     return squares;
+  }
+
+  std::optional<BaseJump> FindJump(const Eigen::VectorXd& left) const {
+    if (!arm_.errors.covariates.empty()) return std::nullopt;
+    return FindBaseJump(Data(), left);
   }
 
   // geometry + share (stack - geometry), which is linear in all coefficients.

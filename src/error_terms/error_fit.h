@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "alidade/robust_loss.h"
+#include "src/error_terms/base_jump.h"
 #include "src/error_terms/periodogram.h"
 #include "src/error_terms/stacking.h"
 #include "src/error_terms/term_columns.h"
@@ -61,6 +62,8 @@ struct RungFit {
 
 struct ErrorFit {
   std::vector<FoundHarmonic> harmonics;  ///< of the best rung's residuals
+  /// Of the residuals that are left, where the data have no covariates.
+  std::optional<BaseJump> jump;
   std::vector<RungFit> rungs;  ///< geometry alone first
   StackingResult stacking;
   Eigen::VectorXd values;
