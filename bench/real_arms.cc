@@ -7,7 +7,10 @@
 //        real_arms report SOURCE_DIRECTORY PLAIN.csv IMAGE_DIRECTORY
 //          prints the tables, with the other program's results beside ours
 //        real_arms errors SOURCE_DIRECTORY [SET...]
-//          prints what error terms bring: the table of docs/error_terms.md
+//        real_arms few SOURCE_DIRECTORY [SET...]
+//        real_arms transfer SOURCE_DIRECTORY
+//          print what error terms bring: at 30 % of the poses, from few poses,
+//          from one series of an arm to another (docs/error_terms.md)
 // ALIDADE_DATA names the folder of the data.
 
 #include <algorithm>
@@ -388,6 +391,39 @@ void ReportFewPoses(const std::string& root,
   }
 }
 
+// Mean error over all poses of one series with the arm of another, of which
+// only base and tool are fitted again (mm).
+double ErrorOn(const RealArm& other, const Arm& arm) {
+  JobConfig job = other.job;
+  job.arm = arm;
+  job.options.errors.selection = ErrorTermSelection::kNone;
+  job.options.identifiability.candidates.joints = false;
+  job.options.num_threads = kThreads;
+  return RunJob(job, "real_arms").train.after.mean / kMillimetre;
+}
+
+void ReportTransfer(const std::string& root) {
+  std::cout << "| calibrated on | frames refitted on | geometry | "
+               "with error terms |\n|---|---|---|---|"
+            << std::endl;
+  const std::array<RealArm, 2> series = {Load(root, "ur10_A"),
+                                         Load(root, "ur10_B")};
+  for (const int first : {0, 1}) {
+    std::array<double, 2> errors{};
+    for (const bool with_terms : {false, true}) {
+      JobConfig job = series[first].job;
+      job.options.num_threads = kThreads;
+      job.options.errors.selection =
+          with_terms ? ErrorTermSelection::kAuto : ErrorTermSelection::kNone;
+      errors[with_terms ? 1 : 0] =
+          ErrorOn(series[1 - first], RunJob(job, "real_arms").arm);
+    }
+    std::cout << "| `" << series[first].name << "` | `"
+              << series[1 - first].name << "` | " << Number(errors[0]) << " | "
+              << Number(errors[1]) << " |" << std::endl;
+  }
+}
+
 void ReportErrorTerms(const std::string& root,
                       const std::vector<std::string>& names) {
   std::cout << "| set | left out | geometry, mean | error terms, mean | ratio "
@@ -418,6 +454,10 @@ bool Run(const std::vector<std::string>& arguments) {
     ReportErrorTerms(arguments[1], names.empty() ? JobNames() : names);
     return true;
   }
+  if (arguments.size() == 2 && arguments[0] == "transfer") {
+    ReportTransfer(arguments[1]);
+    return true;
+  }
   if (arguments.size() >= 2 && arguments[0] == "few") {
     std::vector<std::string> names(arguments.begin() + 2, arguments.end());
     ReportFewPoses(arguments[1], names.empty() ? FewPosesNames() : names);
@@ -435,6 +475,7 @@ int main(int argc, char** argv) {
       "real_arms splits SOURCE_DIRECTORY DIRECTORY\n"
       "       real_arms report SOURCE_DIRECTORY PLAIN.csv IMAGE_DIRECTORY\n"
       "       real_arms errors SOURCE_DIRECTORY [SET...]\n"
-      "       real_arms few SOURCE_DIRECTORY [SET...]",
+      "       real_arms few SOURCE_DIRECTORY [SET...]\n"
+      "       real_arms transfer SOURCE_DIRECTORY",
       alidade::internal::Run);
 }
