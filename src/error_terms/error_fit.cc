@@ -64,7 +64,7 @@ class ErrorFitter {
                                 fit_.rungs.size() - 1);
       fit_.stacking.share = 1.0;
     } else {
-      fit_.stacking = Stack(LeaveOut());
+      fit_.stacking = StackOf(LeaveOut());
     }
     for (std::size_t k = 0; k < fit_.rungs.size(); ++k) {
       fit_.rungs[k].weight = fit_.stacking.weights[k];
@@ -219,6 +219,21 @@ class ErrorFitter {
       if (poses[one.pose]) left.push_back(static_cast<int>(k));
     }
     return left;
+  }
+
+  // Of folds that have nothing left (all of their observations were rejected)
+  // there is nothing to learn.
+  StackingResult StackOf(std::vector<FoldErrors> folds) const {
+    folds.erase(std::remove_if(folds.begin(), folds.end(),
+                               [](const FoldErrors& fold) {
+                                 return fold.residuals.empty();
+                               }),
+                folds.end());
+    if (!folds.empty()) return Stack(folds);
+    StackingResult none;
+    none.weights =
+        Eigen::VectorXd::Unit(static_cast<Eigen::Index>(fit_.rungs.size()), 0);
+    return none;
   }
 
   // What all rungs leave of every fold that they are fitted without.
@@ -376,15 +391,43 @@ class ErrorFitter {
     return TermColumns::Union(all);
   }
 
-  // That of a mixture of the rungs: within and between them.
+  // Geometry and coefficients of all rungs.
+  Eigen::VectorXd EstimateOf(std::size_t k, const TermColumns& all) const {
+    const RungFit& rung = fit_.rungs[k];
+    Eigen::VectorXd estimate(
+        static_cast<Eigen::Index>(input_.columns.size()) + all.size());
+    estimate << InUnits(rung.values),
+        all.From(rung.columns) * rung.columns.CoefficientsOf(rung.terms);
+    return estimate;
+  }
+
+  Eigen::VectorXd MeanOfStack(const TermColumns& all) const {
+    Eigen::VectorXd mean = fit_.stacking.weights[0] * EstimateOf(0, all);
+    for (std::size_t k = 1; k < fit_.rungs.size(); ++k) {
+      const double weight = fit_.stacking.weights[k];
+      if (weight > 0.0) mean += weight * EstimateOf(k, all);
+    }
+    return mean;
+  }
+
+  // Of a rung's square distance from the stack. What is delivered lies 1 -
+  // share of the way to the geometry alone: where the evidence is for the stack,
+  // that is its bias; else both may be right.
+  double BetweenWeight(std::size_t k) const {
+    const double share = fit_.stacking.share;
+    const double of_stack = share * fit_.stacking.weights[k];
+    if (k > 0) return of_stack;
+    return of_stack + (1.0 - share) * std::min(share, 1.0 - share);
+  }
+
+  // That of the rungs together: within and between them.
   std::shared_ptr<const TermCovariance> JointCovariance() {
     constexpr double kRounding = 1e-10;
     const TermColumns all = UnionOfColumns();
     const auto p = static_cast<Eigen::Index>(input_.columns.size());
     const Eigen::Index size = p + all.size();
     Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(size, size);
-    Eigen::VectorXd mean(size);
-    mean << InUnits(values_), all.CoefficientsOf(terms_);
+    const Eigen::VectorXd stack = MeanOfStack(all);
     for (std::size_t k = 0; k < fit_.rungs.size(); ++k) {
       const RungFit& rung = fit_.rungs[k];
       const double weight = WeightOf(k, fit_.stacking.share);
@@ -407,16 +450,29 @@ class ErrorFitter {
           from *
           own.bottomRightCorner(rung.columns.size(), rung.columns.size()) *
           from.transpose();
-      Eigen::VectorXd off(size);
-      off << InUnits(rung.values), from * rung.columns.CoefficientsOf(rung.terms);
-      off -= mean;
-      covariance += weight * off * off.transpose();
+      const Eigen::VectorXd off = EstimateOf(k, all) - stack;
+      covariance += BetweenWeight(k) * off * off.transpose();
     }
     SetDeviations(covariance.diagonal().tail(all.size()), all);
     covariance.diagonal() *= 1.0 + kRounding;
     covariance.diagonal().array() += 1e-14;
-    return std::make_shared<TermCovariance>(TermCovariance{
-        all, input_.columns, covariance.llt().matrixL().toDenseMatrix()});
+    return std::make_shared<TermCovariance>(
+        TermCovariance{all, input_.columns,
+                       covariance.llt().matrixL().toDenseMatrix(), Gaps()});
+  }
+
+  std::vector<FunctionGaps> Gaps() const {
+    std::vector<FunctionGaps> gaps;
+    for (std::size_t k = 0; k < fit_.rungs.size(); ++k) {
+      const RungFit& rung = fit_.rungs[k];
+      const double prior = rung.PriorDeviation(TermGroup::kFunction) / kTermUnit;
+      const double variance =
+          WeightOf(k, fit_.stacking.share) * prior * prior;
+      for (const FunctionKnots& knots : rung.columns.functions()) {
+        gaps.push_back({knots, rung.columns.function_length(), variance});
+      }
+    }
+    return gaps;
   }
 
   void SetDeviations(const Eigen::VectorXd& variances, const TermColumns& all) {
@@ -445,7 +501,9 @@ class ErrorFitter {
 Eigen::MatrixXd TermCovariance::Spread(
     const TermRows& rows, const TermRows::Observation& one) const {
   const Eigen::Index p = rows.num_columns();
-  Eigen::MatrixXd spread =
+  Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(one.height, width());
+  auto of_root = spread.leftCols(root.cols());
+  of_root =
       rows.geometry.middleRows(one.first_row, one.height) * root.topRows(p);
   for (const bool second : {false, true}) {
     const int pose = second ? one.second_pose : one.pose;
@@ -459,7 +517,19 @@ Eigen::MatrixXd TermCovariance::Spread(
         [&](int column, int turn, double size) {
           sizes.row(turn) += size * root.row(p + column);
         });
-    spread += turns * sizes;
+    of_root += turns * sizes;
+    Eigen::VectorXd variances = Eigen::VectorXd::Zero(turns.cols());
+    for (const FunctionGaps& gap : gaps) {
+      const int joint = gap.knots.joint;
+      variances[3 * joint + 2] +=
+          gap.VarianceAt(rows.joint_values(joint, pose));
+    }
+    Eigen::Index column = root.cols() + (second ? 1 : 0);
+    for (const FunctionKnots& knots : columns.functions()) {
+      const int turn = 3 * knots.joint + 2;
+      spread.col(column) = std::sqrt(variances[turn]) * turns.col(turn);
+      column += 2;
+    }
   }
   return spread;
 }

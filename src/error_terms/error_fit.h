@@ -28,14 +28,35 @@ struct ErrorFitInput {
   bool selects = true;
 };
 
+/// What a joint's function may be between its knots and beyond them, by its
+/// prior.
+struct FunctionGaps {
+  FunctionKnots knots;
+  double length = 0.0;    ///< of the prior
+  double variance = 0.0;  ///< of the prior (kTermUnit^2)
+
+  double VarianceAt(double joint_value) const {
+    return variance * VarianceBesideKnots(knots, length, joint_value);
+  }
+};
+
 /// What is not known of geometry and terms together.
 struct TermCovariance {
   TermColumns columns;
   std::vector<int> geometry;  ///< columns of the layout
   /// Covariance = root root^T, geometry in mm and mrad first, then coefficients.
   Eigen::MatrixXd root;
+  /// Of each function those of every rung that has a part in it.
+  std::vector<FunctionGaps> gaps = {};
 
-  /// height x size: rows of an observation times the root.
+  /// Of a spread: columns of the root, then two for each function, of an
+  /// observation's first and second pose.
+  Eigen::Index width() const {
+    return root.cols() +
+           2 * static_cast<Eigen::Index>(columns.functions().size());
+  }
+  /// height x width(): S with S S^T the covariance of an observation's rows,
+  /// the rows times the root and what functions do beside their knots.
   Eigen::MatrixXd Spread(const TermRows& rows,
                          const TermRows::Observation& observation) const;
 };

@@ -16,8 +16,8 @@ namespace alidade::internal {
 /// Which error terms are estimated, of all joints.
 struct TermSet {
   std::string name;
-  bool elasticity = false;       ///< about z, x and y
-  double function_length = 0.0;  ///< of joint functions (rad); 0: none
+  bool elasticity = false;          ///< about z, x and y
+  double function_length = 0.0;     ///< of joint functions (rad); 0: none
   std::vector<double> cycles = {};  ///< of harmonics, per turn
   bool scale = false;
   bool backlash = false;
@@ -64,6 +64,11 @@ struct FunctionKnots {
   int offset = 0;
 };
 
+/// Variance of a function about what its knots make of it, for a prior of unit
+/// variance and that length: 0 at knots, 1 far from them.
+double VarianceBesideKnots(const FunctionKnots& knots, double length,
+                           double joint_value);
+
 /// The columns of a set of terms: dense ones first, then the knots of functions
 /// joint by joint. Coefficients are in DenseTerm::unit, and in kTermUnit at
 /// knots.
@@ -71,7 +76,7 @@ class TermColumns {
  public:
   /// Knots enclose `joint_values` (n x poses), and what is so near to them that
   /// a function with the prior of that length is not zero yet. A joint that was
-  /// not moved has none.
+  /// not moved, or by dozens of turns, has none.
   TermColumns(const Arm& arm, const TermSet& set,
               const Eigen::MatrixXd& joint_values);
   /// Of a set with functions on the knots of all others, the finest of them.
@@ -104,12 +109,12 @@ class TermColumns {
     for (const FunctionKnots& knots : functions_) {
       const double place =
           (joint_values[knots.joint] - knots.first) / knots.spacing;
+      if (!(place > -1.0 && place < knots.count)) continue;
       const double below = std::floor(place);
-      if (below < 0.0 || below + 1.0 >= knots.count) continue;
       const int first = num_dense() + knots.offset + static_cast<int>(below);
       const int turn = 3 * knots.joint + 2;
-      visit(first, turn, 1.0 - (place - below));
-      visit(first + 1, turn, place - below);
+      if (below >= 0.0) visit(first, turn, 1.0 - (place - below));
+      if (below + 1.0 < knots.count) visit(first + 1, turn, place - below);
     }
   }
 

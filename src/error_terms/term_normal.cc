@@ -31,8 +31,7 @@ class GramSum {
         width_(p_ + columns.num_dense() + 1),
         dense_(Eigen::MatrixXd::Zero(width_, width_)),
         beside_(Eigen::MatrixXd::Zero(width_, columns.num_knots())),
-        knots_(Eigen::MatrixXd::Zero(columns.num_knots(),
-                                     columns.num_knots())),
+        knots_(Eigen::MatrixXd::Zero(columns.num_knots(), columns.num_knots())),
         batch_(kBatchRows + kMostRows, width_) {}
 
   void Add(int observation) {
@@ -75,6 +74,7 @@ class GramSum {
   // A knot that an observation touches.
   struct Touched {
     int knot;
+    int turn;  // of which pose and joint
     double weight;
     Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostRows, 1> column;
   };
@@ -97,7 +97,8 @@ class GramSum {
             if (knot < 0) {
               block->col(p_ + column) += size * turns.col(turn);
             } else {
-              touched_.push_back({knot, size, root * turns.col(turn)});
+              const int of_pose = turn + (second ? 3 * rows_.num_joints() : 0);
+              touched_.push_back({knot, of_pose, size, root * turns.col(turn)});
             }
           });
     }
@@ -109,7 +110,7 @@ class GramSum {
     Eigen::VectorXd product(width_);
     for (std::size_t a = 0; a < touched_.size(); ++a) {
       // Both knots of a joint share their column.
-      if (a % 2 == 0) {
+      if (a == 0 || touched_[a].turn != touched_[a - 1].turn) {
         product.noalias() = block.transpose() * touched_[a].column;
       }
       beside_.col(touched_[a].knot) += touched_[a].weight * product;
@@ -254,8 +255,8 @@ double TermRidge::Criterion(const Eigen::MatrixXd& gram, double freedom,
   if (!(solution.cost > 0.0) || !std::isfinite(solution.cost)) {
     return std::numeric_limits<double>::infinity();
   }
-  double criterion = freedom * std::log(solution.cost / freedom) +
-                     solution.log_determinant;
+  double criterion =
+      freedom * std::log(solution.cost / freedom) + solution.log_determinant;
   for (int k = 0; k < kNumTermGroups; ++k) {
     criterion -= std::log(10.0) * sizes_[k] * precisions[k];
   }
@@ -294,7 +295,8 @@ LogPrecisions TermRidge::Choose(const Eigen::MatrixXd& gram, double equations,
 
 double TermRidge::Variance(const Eigen::MatrixXd& gram, double equations,
                            const LogPrecisions& precisions) const {
-  return Solve(gram, precisions).cost /
+  // Of exact data rounding may leave less than nothing.
+  return std::max(0.0, Solve(gram, precisions).cost) /
          std::max(1.0, equations - num_geometry());
 }
 

@@ -11,12 +11,12 @@ namespace alidade::internal {
 
 std::vector<double> ReadQuantities(const YamlValue& value, Dimension dimension,
                                    const Units& units);
-std::vector<Harmonic> ReadHarmonics(const YamlValue& value,
-                                    const Units& units);
+std::vector<Harmonic> ReadHarmonics(const YamlValue& value, const Units& units);
 Eigen::MatrixXd ReadCouplingMatrix(const YamlValue& value, const Units& units,
                                    const Arm& arm);
-/// @throws InputError where terms and the arm do not go together.
-void CheckErrors(const YamlMap& map, const Arm& arm);
+/// Makes the direction of gravity one of length 1. @throws InputError where
+/// terms and the arm do not go together.
+void CheckErrors(const YamlMap& map, Arm* arm);
 
 template <typename Visitor>
 void VisitLoad(Visitor& v, Load& load) {
@@ -27,8 +27,7 @@ void VisitLoad(Visitor& v, Load& load) {
 template <typename Visitor>
 void VisitFunction(Visitor& v, Dimension dimension, JointFunction& function) {
   static constexpr char kAsVariable[] = "as the joint";
-  const auto quantity = [&](const char* key, const char* text,
-                            double* member) {
+  const auto quantity = [&](const char* key, const char* text, double* member) {
     v.Custom(Key(key).In(kAsVariable).Required().Schema(kNumberSchema), text,
              [=](const YamlValue& value, const Units& units) {
                *member = value.Quantity(dimension, units);
@@ -47,7 +46,8 @@ void VisitFunction(Visitor& v, Dimension dimension, JointFunction& function) {
   quantity("first", "joint value of the first knot", &function.first);
   quantity("spacing", "between knots, above 0", &function.spacing);
   list(Key("values").Required(),
-       "at the knots; linear between them, zero beyond", &function.values);
+       "at the knots; linear between them, zero from one spacing beyond",
+       &function.values);
   list(Key("deviations").Default("none"), "their standard deviations",
        &function.deviations);
 }
@@ -62,8 +62,11 @@ void VisitJointErrors(Visitor& v, Dimension dimension, JointErrors& joint) {
               VisitFunction(section, dimension, joint.function);
             });
   v.Custom(
-      Key("harmonics").In("angle").Default("`[]`").Schema(
-          R"({"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}})"),
+      Key("harmonics")
+          .In("angle")
+          .Default("`[]`")
+          .Schema(
+              R"({"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}})"),
       "list of `[cycles per turn, cosine, sine]`, added to the joint value",
       [&](const YamlValue& value, const Units& units) {
         joint.harmonics = ReadHarmonics(value, units);
@@ -86,10 +89,9 @@ void VisitErrors(Visitor& v, Arm* arm) {
   v.Items(Key("joints"), "one per joint", errors.joints,
           [arm](auto& item, JointErrors& joint) {
             const std::size_t number = arm->errors.joints.size();
-            const Dimension dimension =
-                number < arm->joints.size()
-                    ? arm->joints[number].dimension()
-                    : Dimension::kAngle;
+            const Dimension dimension = number < arm->joints.size()
+                                            ? arm->joints[number].dimension()
+                                            : Dimension::kAngle;
             VisitJointErrors(item, dimension, joint);
           });
   v.Custom(Key("coupling")
@@ -100,10 +102,11 @@ void VisitErrors(Visitor& v, Arm* arm) {
            [arm](const YamlValue& value, const Units& units) {
              arm->errors.coupling = ReadCouplingMatrix(value, units, *arm);
            });
-  v.Check([arm](const YamlMap& map) { CheckErrors(map, *arm); });
+  v.Check([arm](const YamlMap& map) { CheckErrors(map, arm); });
 }
 
-/// As VisitErrors reads them, in m and rad; empty for a rigid arm.
+/// As VisitErrors reads them, in m and rad; empty for a rigid arm of which no
+/// loads are known.
 std::string FormatErrors(const ErrorTerms& errors);
 
 }  // namespace alidade::internal

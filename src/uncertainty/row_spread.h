@@ -24,7 +24,7 @@ class RowSpread {
   }
 
   Eigen::Index width() const {
-    return covariance_.terms ? covariance_.terms->root.cols()
+    return covariance_.terms ? covariance_.terms->width()
                              : covariance_.size();
   }
   /// `derivatives`: whitened, of observation i.

@@ -16,6 +16,7 @@
 #include "tests/support/measurement_oracle.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"
+#include "tests/support/random_errors.h"
 
 namespace alidade::internal::testing {
 
@@ -162,10 +163,12 @@ inline const std::vector<MeasurementKind>& AllKinds() {
 }
 
 /// A random arm of two targets with rotated frames, five points and two planes,
-/// and one block of exact measurements of every kind.
+/// and one block of exact measurements of every kind. A flexible arm has all
+/// error terms.
 inline MeasuredArm RandomMeasurements(int num_joints, Weighting weighting,
                                       Random* random,
-                                      double prismatic_fraction = 0.3) {
+                                      double prismatic_fraction = 0.3,
+                                      bool is_flexible = false) {
   RandomArmOptions options;
   options.num_targets = kMeasuredTargets;
   options.prismatic_fraction = prismatic_fraction;
@@ -176,6 +179,9 @@ inline MeasuredArm RandomMeasurements(int num_joints, Weighting weighting,
                                   kMeasuredPlanes}),
       {},
       {}};
+  if (is_flexible) {
+    measured.arm.errors = RandomErrors(measured.arm, random);
+  }
   measured.references.points.resize(kMeasuredPoints);
   measured.references.planes.resize(kMeasuredPlanes);
   measured.data.name = "random";
