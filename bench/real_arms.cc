@@ -305,6 +305,10 @@ struct ErrorMeans {
 
   void Add(const CalibrationResult& result) {
     ++done;
+    if (result.error_terms->rungs.empty()) {
+      --done;
+      return;
+    }
     const ErrorRung& first = result.error_terms->rungs.front();
     geometry += first.validation.mean / kMillimetre;
     geometry_max += first.validation.max / kMillimetre;
@@ -313,11 +317,7 @@ struct ErrorMeans {
     max += result.validation->after.max / kMillimetre;
     rotation += result.validation->rotation_after.mean / kDegree;
     share += result.error_terms->share;
-    const PredictionParts& parts = result.uncertainty->validation->parts;
-    predicted += std::sqrt(parts.from_parameters * parts.from_parameters +
-                           parts.from_model * parts.from_model +
-                           parts.from_measurement * parts.from_measurement) /
-                 result.validation->after.rms;
+    predicted += 1.0 / result.uncertainty->validation->rms_z;
   }
   void Divide() {
     for (double* sum : {&geometry, &geometry_max, &geometry_rotation, &mean,
@@ -329,7 +329,8 @@ struct ErrorMeans {
 
 enum class SplitKind { kRandom, kRegion };
 
-ErrorMeans WithErrors(const RealArm& arm, SplitKind kind, int count) {
+ErrorMeans WithErrors(const RealArm& arm, SplitKind kind, int count,
+                      double share = kValidation) {
   ErrorMeans means;
   JobConfig job = arm.job;
   job.options.errors.selection = ErrorTermSelection::kAuto;
@@ -337,8 +338,8 @@ ErrorMeans WithErrors(const RealArm& arm, SplitKind kind, int count) {
   const Dataset& all = arm.job.data.training;
   for (int seed = 1; seed <= count; ++seed) {
     HoldOut split = kind == SplitKind::kRandom
-                        ? HoldOutFraction(all, kValidation, seed)
-                        : HoldOutPoses(all, RegionOf(all, kValidation, seed));
+                        ? HoldOutFraction(all, share, seed)
+                        : HoldOutPoses(all, RegionOf(all, share, seed));
     job.data.training = std::move(split.train);
     job.data.validation = std::move(split.validation);
     const CalibrationResult result = RunJob(job, "real_arms");
@@ -361,6 +362,30 @@ void PrintErrorTerms(const RealArm& arm) {
   };
   print("random", WithErrors(arm, SplitKind::kRandom, kSeeds));
   print("region", WithErrors(arm, SplitKind::kRegion, kRegions));
+}
+
+// The same where only so many poses are fitted.
+void ReportFewPoses(const std::string& root,
+                    const std::vector<std::string>& names) {
+  constexpr std::array<int, 6> kPoses = {10, 12, 15, 20, 30, 50};
+  std::cout << "| set | poses | geometry, mean | error terms, mean | ratio | "
+               "share |\n|---|---|---|---|---|---|"
+            << std::endl;
+  for (const std::string& name : names) {
+    const RealArm arm = Load(root, name);
+    for (const int poses : kPoses) {
+      const double share =
+          1.0 - static_cast<double>(poses) /
+                    static_cast<double>(arm.job.data.training.num_poses());
+      if (share <= 0.05) continue;
+      const ErrorMeans means =
+          WithErrors(arm, SplitKind::kRandom, kSeeds, share);
+      std::cout << "| `" << name << "` | " << poses << " | "
+                << Number(means.geometry) << " | " << Number(means.mean)
+                << " | " << Number(means.mean / means.geometry) << " | "
+                << Number(means.share) << " |" << std::endl;
+    }
+  }
 }
 
 void ReportErrorTerms(const std::string& root,
@@ -393,6 +418,11 @@ bool Run(const std::vector<std::string>& arguments) {
     ReportErrorTerms(arguments[1], names.empty() ? JobNames() : names);
     return true;
   }
+  if (arguments.size() >= 2 && arguments[0] == "few") {
+    std::vector<std::string> names(arguments.begin() + 2, arguments.end());
+    ReportFewPoses(arguments[1], names.empty() ? FewPosesNames() : names);
+    return true;
+  }
   return false;
 }
 
@@ -404,6 +434,7 @@ int main(int argc, char** argv) {
       argc, argv,
       "real_arms splits SOURCE_DIRECTORY DIRECTORY\n"
       "       real_arms report SOURCE_DIRECTORY PLAIN.csv IMAGE_DIRECTORY\n"
-      "       real_arms errors SOURCE_DIRECTORY [SET...]",
+      "       real_arms errors SOURCE_DIRECTORY [SET...]\n"
+      "       real_arms few SOURCE_DIRECTORY [SET...]",
       alidade::internal::Run);
 }

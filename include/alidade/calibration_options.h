@@ -58,13 +58,24 @@ struct ErrorTermOptions {
   std::vector<double> harmonics;  ///< cycles per turn of the joint
   bool scale = false;             ///< of joint values
   bool backlash = false;
+  /// Effects of all covariates of the data on the base.
+  bool covariates = false;
   /// Joints (from 0) that move with the values of others: {joint, other}.
   std::vector<std::pair<int, int>> coupling;
 };
 
+/// How poses that the fit does not use are drawn.
+enum class HoldOutBy {
+  kPose,    ///< one by one
+  kBlock,   ///< runs of consecutive ones, of which twenty are all data
+  kRegion,  ///< those near to each other in joint space
+};
+
 /// Poses that the fit does not use, drawn from the training data by
-/// configuration, so that repeats of a pose stay together.
+/// configuration, so that repeats of a pose stay together. Errors that are
+/// alike at neighbouring poses are seen where neighbours are held out together.
 struct HoldOutOptions {
+  HoldOutBy by = HoldOutBy::kPose;
   double fraction = 0.3;  ///< of the configurations; in (0, 1)
   std::uint64_t seed = 1;
 };

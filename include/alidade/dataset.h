@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "alidade/arm.h"
 #include "alidade/shared_matrix.h"
 
 namespace alidade {
@@ -146,6 +147,10 @@ struct Dataset {
   std::string name;  ///< file it came from, for messages
   /// Joint values, num_joints x poses (rad for revolute, m for prismatic).
   SharedMatrix joint_values;
+  /// What else was recorded of each pose (temperature, tilt, station), names x
+  /// poses, in the units of its column; or empty.
+  std::vector<std::string> covariate_names = {};
+  SharedMatrix covariates = {};
   std::vector<ObservationBlock> blocks;
   /// One entry per pose, or none where the data come from no file.
   PoseSources sources = {};
@@ -190,6 +195,10 @@ struct Dataset {
  private:
   ObservationBlock& PositionBlock();
 };
+
+/// The covariates that an arm's error terms ask for at a pose (error_terms.h);
+/// of what the data do not have the reference.
+Eigen::VectorXd CovariatesAt(const Dataset& data, const Arm& arm, int pose);
 
 /// A row of a data file that holds no measurement.
 struct RejectedRow {

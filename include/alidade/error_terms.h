@@ -2,6 +2,7 @@
 #define ALIDADE_ERROR_TERMS_H_
 
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 namespace alidade {
@@ -44,6 +45,17 @@ struct JointErrors {
   double backlash = 0.0;
 };
 
+/// What a column of the data (temperature, tilt, torque, a station) does, per
+/// unit of it.
+struct CovariateEffect {
+  std::string name;        ///< of the column
+  double reference = 0.0;  ///< its value without effect
+  /// Moves the base in its own axes (m), then turns it about x, y, z (rad).
+  Eigen::Matrix<double, 6, 1> base = Eigen::Matrix<double, 6, 1>::Zero();
+  /// Added to the joint values (rad, m); n, or empty.
+  Eigen::VectorXd joints = {};
+};
+
 /// A mass at a point of a frame.
 struct Load {
   double mass = 1.0;                                 ///< kg
@@ -67,12 +79,19 @@ struct Load {
 /// + kBacklashMoment^2). Elasticity so is that of virtual joints (Pashkevich,
 /// Klimchik and Chablat 2011, "Enhanced stiffness modeling of manipulators with
 /// passive joints"), deflections being small. Rotations t are by
-/// 2 atan(t / 2), which is t but for t^3 / 12.
+/// 2 atan(t / 2), which is t but for t^3 / 12. Where measurements have
+/// covariates c, their effects are
+///
+///   base * Trans(u_1, u_2, u_3) Rot(x, u_4) Rot(y, u_5) Rot(z, u_6) * T(0, 1) ..
+///
+/// with u the sum of effects times c - reference; poses of no measurement have
+/// c = reference.
 struct ErrorTerms {
   std::vector<JointErrors> joints;  ///< one per joint; empty: none of them
   /// What each joint (row) moves with the values of all joints (columns), on
   /// the diagonal its own scale; n x n, in SI; or empty.
   Eigen::MatrixXd coupling;
+  std::vector<CovariateEffect> covariates;
   /// The direction in which things fall, in the base frame; of length 1.
   Eigen::Vector3d gravity = -Eigen::Vector3d::UnitZ();
   /// One per joint, in the joint's frame; empty: 1 kg at the origin of each.
@@ -85,7 +104,15 @@ struct ErrorTerms {
   Eigen::MatrixXd load_geometry;
   Eigen::Vector3d load_target = Eigen::Vector3d::Zero();
 
-  bool empty() const { return joints.empty() && coupling.size() == 0; }
+  bool empty() const {
+    return joints.empty() && coupling.size() == 0 && covariates.empty();
+  }
+  /// Leaves loads and gravity alone.
+  void Clear() {
+    joints.clear();
+    coupling.resize(0, 0);
+    covariates.clear();
+  }
 };
 
 constexpr double kStandardGravity = 9.80665;  // m/s^2
@@ -101,10 +128,14 @@ Eigen::Vector3d MeanTargetOf(const Arm& arm);
 struct PoseErrors {
   Eigen::VectorXd shifts;  ///< added to the joint values (rad, m)
   Eigen::Matrix2Xd tilts;  ///< t_x and t_y of each joint (rad)
+  /// u of the base (m, rad).
+  Eigen::Matrix<double, 6, 1> base = Eigen::Matrix<double, 6, 1>::Zero();
 };
 
-/// The terms of an arm at joint values (n values, rad or m)..
-PoseErrors ErrorsAt(const Arm& arm, const double* joint_values);
+/// The terms of an arm at joint values (n values, rad or m). `covariates`: one
+/// for each of the arm's, or null: those of reference.
+PoseErrors ErrorsAt(const Arm& arm, const double* joint_values,
+                    const double* covariates = nullptr);
 
 /// The moments of the loads about each joint's axis point, in the axes of its
 /// frame (3 x n, N m).

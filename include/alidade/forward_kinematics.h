@@ -128,11 +128,22 @@ void CarryThroughJoint(const Arm& arm, const GeometryView<T>& geometry, int j,
   }
 }
 
+/// Moves a point, or with is_direction only turns a direction, from the base as
+/// covariates move it to the base.
+template <typename T>
+void CarryThroughBase(const PoseErrors& errors, T* v, bool is_direction) {
+  TiltPlane<T>(errors.base[5], v, v + 1);
+  TiltPlane<T>(errors.base[4], v + 2, v);
+  TiltPlane<T>(errors.base[3], v + 1, v + 2);
+  for (int k = 0; k < 3 && !is_direction; ++k) v[k] += errors.base[k];
+}
+
 /// The error terms of an arm at a pose, or nothing for a rigid one.
 class ErrorsOfPose {
  public:
-  ErrorsOfPose(const Arm& arm, const double* joint_values) {
-    if (!arm.errors.empty()) errors_ = ErrorsAt(arm, joint_values);
+  ErrorsOfPose(const Arm& arm, const double* joint_values,
+               const double* covariates = nullptr) {
+    if (!arm.errors.empty()) errors_ = ErrorsAt(arm, joint_values, covariates);
   }
   const PoseErrors* get() const { return errors_ ? &*errors_ : nullptr; }
 
@@ -141,19 +152,23 @@ class ErrorsOfPose {
 };
 
 /// Position of the target's origin in the instrument's frame (m).
-/// `joint_values`: n values, rad or m. Cost: O(n), no allocation but for error
-/// terms.
+/// `joint_values`: n values, rad or m; `covariates`: as ErrorsAt takes them.
+/// Cost: O(n), no allocation but for error terms.
 template <typename T>
 Vector3<T> TargetPosition(const Arm& arm, const GeometryView<T>& geometry,
-                          const double* joint_values) {
+                          const double* joint_values,
+                          const double* covariates = nullptr) {
   Vector3<T> point =
       arm.last_from_target(geometry.target).translation().template cast<T>();
   if (geometry.tool != nullptr) {
     point = Eigen::Map<const Vector3<T>>(geometry.tool);
   }
-  const ErrorsOfPose errors(arm, joint_values);
+  const ErrorsOfPose errors(arm, joint_values, covariates);
   for (int j = arm.num_joints() - 1; j >= 0; --j) {
     CarryThroughJoint(arm, geometry, j, joint_values[j], errors.get(), &point);
+  }
+  if (errors.get() != nullptr) {
+    CarryThroughBase(*errors.get(), point.data(), false);
   }
   point = arm.instrument_from_base.linear().template cast<T>() * point;
   if (geometry.base == nullptr) {
@@ -169,7 +184,8 @@ Vector3<T> TargetPosition(const Arm& arm, const GeometryView<T>& geometry,
 template <typename T>
 Vector3<T> TargetPose(const Arm& arm, const GeometryView<T>& geometry,
                       const double* joint_values,
-                      Eigen::Matrix<T, 3, 3>* instrument_from_target) {
+                      Eigen::Matrix<T, 3, 3>* instrument_from_target,
+                      const double* covariates = nullptr) {
   const Eigen::Isometry3d& tool = arm.last_from_target(geometry.target);
   Vector3<T> point = tool.translation().template cast<T>();
   Eigen::Matrix<T, 3, 3> rotation = tool.linear().template cast<T>();
@@ -178,10 +194,16 @@ Vector3<T> TargetPose(const Arm& arm, const GeometryView<T>& geometry,
     const Vector3<T> turn = Eigen::Map<const Vector3<T>>(geometry.tool + 3);
     rotation = RotationFromVector<T>(turn) * rotation;
   }
-  const ErrorsOfPose errors(arm, joint_values);
+  const ErrorsOfPose errors(arm, joint_values, covariates);
   for (int j = arm.num_joints() - 1; j >= 0; --j) {
     CarryThroughJoint(arm, geometry, j, joint_values[j], errors.get(), &point,
                       &rotation);
+  }
+  if (errors.get() != nullptr) {
+    CarryThroughBase(*errors.get(), point.data(), false);
+    for (int k = 0; k < 3; ++k) {
+      CarryThroughBase(*errors.get(), rotation.col(k).data(), true);
+    }
   }
   Eigen::Matrix<T, 3, 3> base =
       arm.instrument_from_base.linear().template cast<T>();

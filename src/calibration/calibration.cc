@@ -97,9 +97,7 @@ Prepared Prepare(CalibrationTask task) {
   prepared.task = std::move(task);
   if (prepared.task.options.errors.selection != ErrorTermSelection::kNone) {
     // They are estimated anew.
-    ErrorTerms& errors = prepared.task.arm.errors;
-    errors.joints.clear();
-    errors.coupling.resize(0, 0);
+    prepared.task.arm.errors.Clear();
   }
   prepared.frames_fitted = FitFrames(&prepared.task);
   const CalibrationTask& given = prepared.task;

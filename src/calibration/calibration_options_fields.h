@@ -50,10 +50,25 @@ void VisitFields(Visitor& v, Subject<Visitor, ErrorTermOptions>& options) {
   v.Field(Key("backlash"), options.backlash,
           "half a step by the sign of the moment about a revolute joint's "
           "axis");
+  v.Field(Key("covariates"), options.covariates,
+          "the base moves with each covariate of the data (`columns`: "
+          "`covariates`, `station`)");
 }
+
+template <>
+inline constexpr std::array kWords<HoldOutBy> = {
+    std::pair{HoldOutBy::kPose, "pose"},
+    std::pair{HoldOutBy::kBlock, "block"},
+    std::pair{HoldOutBy::kRegion, "region"},
+};
 
 template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, HoldOutOptions>& options) {
+  v.Field(Key("by"), options.by,
+          "what `fraction` holds out: each `pose` by itself, `block`s of "
+          "consecutive ones (of twenty), or whole `region`s of joint space, "
+          "which shows what the calibration is worth where nothing was "
+          "measured");
   v.Field(Key("fraction").Above(0).Below(1).Default(""), options.fraction,
           "so much of the configurations is held out. Rows with equal joint "
           "values are one configuration and stay together, and so do the two "

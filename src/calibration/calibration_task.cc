@@ -6,7 +6,7 @@
 #include "alidade/error.h"
 #include "alidade/parameter_layout.h"
 #include "src/calibration/data_check.h"
-#include "src/kernel/holdout.h"
+#include "src/calibration/data_split.h"
 
 namespace alidade::internal {
 
@@ -55,14 +55,7 @@ void CheckAndHoldOut(CalibrationTask* task) {
   CalibrationData& data = task->data;
   if (task->options.holdout && !data.validation) {
     const HoldOutOptions& options = *task->options.holdout;
-    HoldOut split = HoldOutFraction(data.training, options.fraction,
-                                    options.seed, task->communicator);
-    if (split.train.global_poses() == 0 ||
-        split.validation.global_poses() == 0) {
-      throw InputError({},
-                       "holdout.fraction leaves no configuration on one side: "
-                       "the data have too few different ones for it");
-    }
+    HoldOut split = SplitData(data.training, options, task->communicator);
     data.training = std::move(split.train);
     data.validation = std::move(split.validation);
   }

@@ -18,7 +18,9 @@ namespace {
 // Lengths of the joint functions that are weighed, rad.
 constexpr double kLengths[] = {0.1, 0.3, 1.5};
 
-std::vector<TermSet> SetsOf(const ErrorTermOptions& options) {
+std::vector<TermSet> SetsOf(const ErrorTermOptions& options,
+                            const Dataset& data) {
+  const bool has_covariates = !data.covariate_names.empty();
   if (options.selection == ErrorTermSelection::kStated) {
     TermSet set;
     set.name = "stated terms";
@@ -28,17 +30,27 @@ std::vector<TermSet> SetsOf(const ErrorTermOptions& options) {
     set.scale = options.scale;
     set.backlash = options.backlash;
     set.coupling = options.coupling;
+    set.covariates = has_covariates && options.covariates;
     return {set};
   }
   TermSet elastic;
   elastic.name = "elasticity";
   elastic.elasticity = true;
   std::vector<TermSet> sets = {elastic};
+  if (has_covariates) {
+    sets.push_back(elastic);
+    sets.back().name += " + covariates";
+    sets.back().covariates = true;
+  }
   for (const double length : kLengths) {
     TermSet set = elastic;
     set.name = "elasticity + functions of length " +
                FormatSignificant(length, 2) + " rad";
     set.function_length = length;
+    sets.push_back(set);
+    if (!has_covariates) continue;
+    set.name += " + covariates";
+    set.covariates = true;
     sets.push_back(set);
   }
   return sets;
@@ -139,7 +151,7 @@ std::optional<FlexibleFit> FitFlexible(const CalibrationSolution& rigid,
                       rigid.values,
                       rigid.problem.priors,
                       TunedLosses(task.options.loss),
-                      SetsOf(task.options.errors),
+                      SetsOf(task.options.errors, data),
                       !is_stated};
   std::optional<ErrorFit> fit = FitErrorTerms(input);
   if (fit) {

@@ -24,8 +24,14 @@ void PutFrame(const Eigen::Isometry3d& frame, ByteWriter* writer) {
 }
 
 void PutErrors(const ErrorTerms& errors, ByteWriter* writer) {
-  const auto& [joints, coupling, gravity, links, payload, load_geometry,
-               load_target] = errors;
+  const auto& [joints, coupling, covariates, gravity, links, payload,
+               load_geometry, load_target] = errors;
+  for (const auto& [name, reference, base, on_joints] : covariates) {
+    writer->PutText(name);
+    writer->Put(reference);
+    writer->PutMatrix(base);
+    writer->PutMatrix(on_joints);
+  }
   writer->Put(joints.size());
   for (const auto& [compliance, function, harmonics, backlash] : joints) {
     writer->PutMatrix(compliance);
@@ -106,9 +112,11 @@ void PutBlock(const ObservationBlock& block, ByteWriter* writer) {
 
 void PutData(const Dataset& data, ByteWriter* writer) {
   // Names, files and lines are for messages of the reader; a part is not kept.
-  const auto& [name, joint_values, blocks, sources, files, shards, partition] =
-      data;
+  const auto& [name, joint_values, covariate_names, covariates, blocks, sources,
+               files, shards, partition] = data;
   writer->PutMatrix(joint_values);
+  writer->PutTexts(covariate_names);
+  writer->PutMatrix(covariates);
   writer->Put(blocks.size());
   for (const ObservationBlock& block : blocks) PutBlock(block, writer);
   writer->Put(shards.size());

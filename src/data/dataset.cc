@@ -170,6 +170,21 @@ ObservationBlock& Dataset::PositionBlock() {
   return blocks[0];
 }
 
+Eigen::VectorXd CovariatesAt(const Dataset& data, const Arm& arm, int pose) {
+  const std::vector<CovariateEffect>& effects = arm.errors.covariates;
+  Eigen::VectorXd values(static_cast<Eigen::Index>(effects.size()));
+  for (Eigen::Index k = 0; k < values.size(); ++k) {
+    const CovariateEffect& effect = effects[static_cast<std::size_t>(k)];
+    const auto found = std::find(data.covariate_names.begin(),
+                                 data.covariate_names.end(), effect.name);
+    values[k] = found == data.covariate_names.end()
+                    ? effect.reference
+                    : data.covariates(found - data.covariate_names.begin(),
+                                      pose);
+  }
+  return values;
+}
+
 std::string SourceOf(const Dataset& data, int pose) {
   if (data.sources.empty()) return "";
   const PoseSource source = data.sources[pose];

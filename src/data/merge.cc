@@ -1,5 +1,7 @@
 #include "src/data/merge.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <utility>
@@ -107,6 +109,23 @@ ObservationBlock MergeBlocks(const std::vector<PartBlock>& parts,
   return all;
 }
 
+// Of all parts, which have the same or none at all.
+void MergeCovariates(const std::vector<Dataset>& parts, Eigen::Index num_poses,
+                     Dataset* all) {
+  all->covariate_names = parts.front().covariate_names;
+  if (all->covariate_names.empty()) return;
+  MatrixBuilder covariates(
+      static_cast<Eigen::Index>(all->covariate_names.size()), num_poses);
+  Eigen::Index first = 0;
+  for (const Dataset& part : parts) {
+    CHECK(part.covariate_names == all->covariate_names);
+    covariates.map().middleCols(first, part.num_poses()) =
+        part.covariates.map();
+    first += part.num_poses();
+  }
+  all->covariates = covariates.Freeze();
+}
+
 Dataset MergeDatasets(std::vector<Dataset> parts) {
   if (parts.size() == 1) return std::move(parts.front());
   Dataset all;
@@ -117,6 +136,7 @@ Dataset MergeDatasets(std::vector<Dataset> parts) {
       std::all_of(parts.begin(), parts.end(), [](const Dataset& part) {
         return part.num_poses() == 0 || !part.sources.empty();
       });
+  MergeCovariates(parts, num_poses, &all);
   std::vector<std::vector<PartBlock>> by_kind;
   Eigen::Index first = 0;
   for (const Dataset& part : parts) {

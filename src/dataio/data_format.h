@@ -29,6 +29,9 @@ struct ColumnMapping {
   std::string plane;
   std::string target;
   std::string set;
+  /// Columns of numbers that are kept as they are, for error terms.
+  std::vector<std::string> covariates;
+  std::string station;  ///< where the instrument or the arm stood
   /// Positions of several targets in one row: names, and headers of x, y, z.
   std::vector<std::pair<std::string, std::vector<std::string>>> targets;
 };
@@ -68,6 +71,7 @@ inline double DefaultRotationSigma(double sigma) { return sigma / 0.2; }
 struct LoadedData {
   Dataset data;
   std::vector<std::string> sets;  ///< one per pose; empty: no such column
+  std::vector<std::string> stations = {};  ///< likewise
   std::vector<RejectedRow> rejected;
 };
 

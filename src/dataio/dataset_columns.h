@@ -30,6 +30,9 @@ struct DatasetColumns {
   int plane = 0;
   int target = 0;
   int set = 0;
+  int station = 0;
+  int covariates = 0;
+  int num_covariates = 0;
   std::vector<int> point;             ///< the parts of its name
   std::vector<int> target_positions;  ///< x of each mapped target
 };

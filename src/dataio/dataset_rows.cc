@@ -57,7 +57,10 @@ DatasetRows::DatasetRows(const DataTable& table, const DatasetColumns& columns,
                           : DefaultRotationSigma(format_.sigma)),
       motors_(arm_.num_joints(), table.num_rows()),
       lines_(table.num_rows()),
-      sets_(header_.Has(columns.set) ? table.num_rows() : 0) {
+      covariates_(columns.num_covariates,
+                  columns.num_covariates > 0 ? table.num_rows() : 0),
+      sets_(header_.Has(columns.set) ? table.num_rows() : 0),
+      stations_(header_.Has(columns.station) ? table.num_rows() : 0) {
   const auto num_targets =
       static_cast<Eigen::Index>(columns.target_positions.size());
   if (groups_.position || groups_.orientation()) {
@@ -122,6 +125,10 @@ void DatasetRows::Read(const TableRow& row) {
   const std::int64_t i = row.index();
   lines_[i] = row.line();
   if (!sets_.empty()) sets_[i] = row.Text(columns_.set);
+  if (!stations_.empty()) stations_[i] = row.Text(columns_.station);
+  for (int k = 0; k < columns_.num_covariates; ++k) {
+    covariates_.map()(k, i) = row.Number(columns_.covariates + k);
+  }
   double* const motors = motors_.map().col(i).data();
   for (int j = 0; j < arm_.num_joints(); ++j) motors[j] = row.Number(j);
   for (std::size_t k = 0; k < tables_.size(); ++k) {
@@ -465,6 +472,9 @@ LoadedData DatasetRows::Finish(References* references) {
     if (is_pose[i]) {
       data.sources.push_back({0, lines_[i]});
       if (!sets_.empty()) loaded.sets.push_back(std::move(sets_[i]));
+      if (!stations_.empty()) {
+        loaded.stations.push_back(std::move(stations_[i]));
+      }
       if (!kept) continue;
       numbers.poses[i] = static_cast<int>(kept->size());
       kept->push_back(static_cast<Eigen::Index>(i));
@@ -481,6 +491,11 @@ LoadedData DatasetRows::Finish(References* references) {
   data.files = {header_.path()};
   data.joint_values =
       JointsFromMotors(arm_, KeepColumns(kept, arm_.num_joints(), &motors_));
+  if (columns_.num_covariates > 0) {
+    data.covariate_names = format_.columns.covariates;
+    data.covariates =
+        KeepColumns(kept, columns_.num_covariates, &covariates_);
+  }
   data.blocks = MakeBlocks(std::move(numbers), data.num_poses(), references);
   return loaded;
 }

@@ -1,6 +1,5 @@
 #include "src/error_terms/error_fit.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -35,6 +34,18 @@ Eigen::VectorXd Left(const TermRows& rows, const TermColumns& columns,
          ApplyTerms(rows, columns, solution.terms, one);
 }
 
+// Of each covariate that varies, none yet.
+std::vector<CovariateEffect> EffectsOf(const Dataset& data) {
+  std::vector<CovariateEffect> effects;
+  for (std::size_t k = 0; k < data.covariate_names.size(); ++k) {
+    const auto row = data.covariates.map().row(static_cast<Eigen::Index>(k));
+    if (row.maxCoeff() > row.minCoeff()) {
+      effects.push_back({data.covariate_names[k], row.mean()});
+    }
+  }
+  return effects;
+}
+
 class ErrorFitter {
  public:
   explicit ErrorFitter(const ErrorFitInput& input)
@@ -42,14 +53,15 @@ class ErrorFitter {
         arm_(input.model.nominal()),
         folds_(MakeTrainingFolds(input.data)),
         values_(input.values) {
-    arm_.errors.joints.clear();
-    arm_.errors.coupling.resize(0, 0);
+    arm_.errors.Clear();
+    arm_.errors.covariates = EffectsOf(input.data);
     terms_ = arm_.errors;
     std::vector<TermSet> sets = input.sets;
     sets.insert(sets.begin(), TermSet{"geometry"});
     for (TermSet& set : sets) {
       fit_.rungs.push_back(
-          {set, TermColumns(arm_, set, input.data.joint_values.map())});
+          {set, TermColumns(arm_, set, input.data.joint_values.map(),
+                            Deviations())});
     }
   }
 
@@ -64,7 +76,9 @@ class ErrorFitter {
                                 fit_.rungs.size() - 1);
       fit_.stacking.share = 1.0;
     } else {
-      fit_.stacking = StackOf(LeaveOut());
+      LeaveOut(0);
+      TryHarmonics();
+      fit_.stacking = StackOf(fold_errors_);
     }
     for (std::size_t k = 0; k < fit_.rungs.size(); ++k) {
       fit_.rungs[k].weight = fit_.stacking.weights[k];
@@ -89,6 +103,23 @@ class ErrorFitter {
   }
 
  private:
+  // Of the covariates about their references.
+  Eigen::VectorXd Deviations() const {
+    const Dataset& data = input_.data;
+    Eigen::VectorXd deviations(
+        static_cast<Eigen::Index>(arm_.errors.covariates.size()));
+    deviations.setZero();
+    for (int pose = 0; pose < data.num_poses(); ++pose) {
+      const Eigen::VectorXd values = CovariatesAt(data, arm_, pose);
+      for (Eigen::Index k = 0; k < values.size(); ++k) {
+        const double off =
+            values[k] - arm_.errors.covariates[static_cast<std::size_t>(k)].reference;
+        deviations[k] += off * off;
+      }
+    }
+    return (deviations / static_cast<double>(data.num_poses())).cwiseSqrt();
+  }
+
   Eigen::VectorXd InUnits(const Eigen::VectorXd& values) const {
     Eigen::VectorXd units(static_cast<Eigen::Index>(input_.columns.size()));
     for (Eigen::Index k = 0; k < units.size(); ++k) {
@@ -121,7 +152,7 @@ class ErrorFitter {
     const MeasurementModel model(arm_, input_.model.references(),
                                  input_.model.execution());
     rows_ = MakeTermRows(model, values_, input_.data, input_.columns);
-    if (arm_.errors.empty()) return;
+    if (!has_terms_) return;
     for (const TermRows::Observation& one : rows_.observations) {
       auto residual = rows_.residuals.segment(one.first_row, one.height);
       residual -= Bent(one, one.pose, rows_.turns);
@@ -136,10 +167,13 @@ class ErrorFitter {
                        const TermRows::RowMatrix& turns) const {
     if (pose < 0) return Eigen::VectorXd::Zero(one.height);
     const PoseErrors errors =
-        ErrorsAt(arm_, rows_.joint_values.col(pose).data());
-    Eigen::Matrix3Xd sizes(3, errors.shifts.size());
-    sizes.topRows<2>() = errors.tilts;
-    sizes.row(2) = errors.shifts.transpose();
+        ErrorsAt(arm_, rows_.joint_values.col(pose).data(),
+                 CovariatesAt(input_.data, arm_, pose).data());
+    const Eigen::Index n = errors.shifts.size();
+    Eigen::Matrix3Xd sizes(3, n + 2);
+    sizes.topLeftCorner(2, n) = errors.tilts;
+    sizes.row(2).head(n) = errors.shifts.transpose();
+    sizes.rightCols<2>() = errors.base.reshaped(3, 2);
     return turns.middleRows(one.first_row, one.height) *
            (sizes.reshaped() / kTermUnit);
   }
@@ -168,31 +202,91 @@ class ErrorFitter {
 
   WeightedRows Data() const { return {rows_, weights_}; }
 
+  void Solve(const TermRidge& ridge, std::size_t k) {
+    RungFit& rung = fit_.rungs[k];
+    solutions_[k] = ridge.Solve(grams_[k], rung.precisions);
+    // Of exact data rounding may leave less than nothing.
+    rung.variance = std::max(0.0, solutions_[k].cost) /
+                    std::max(1.0, Equations() - ridge.num_geometry());
+  }
+
+  void Choose(std::size_t k, const LogPrecisions& from) {
+    RungFit& rung = fit_.rungs[k];
+    const TermRidge ridge = RidgeOf(rung);
+    grams_[k] = TermGram(Data(), rung.columns, AllOf(rows_));
+    rung.precisions = ridge.Choose(grams_[k], Equations(), from);
+    Solve(ridge, k);
+  }
+
   // Each rung's scales, and its estimate from all data. The elastic one starts
   // those that have it too.
   void ChooseScales() {
-    const double equations = Equations();
     grams_.resize(fit_.rungs.size());
     solutions_.resize(fit_.rungs.size());
     LogPrecisions start = {};
-    const auto choose = [&](std::size_t k, const LogPrecisions& from) {
-      RungFit& rung = fit_.rungs[k];
-      const TermRidge ridge = RidgeOf(rung);
-      grams_[k] = TermGram(Data(), rung.columns, AllOf(rows_));
-      rung.precisions = ridge.Choose(grams_[k], equations, from);
-      rung.variance = ridge.Variance(grams_[k], equations, rung.precisions);
-      solutions_[k] = ridge.Solve(grams_[k], rung.precisions);
-    };
     const std::size_t first = std::min<std::size_t>(2, fit_.rungs.size());
-    for (std::size_t k = 0; k < first; ++k) choose(k, start);
+    for (std::size_t k = 0; k < first; ++k) Choose(k, start);
     if (first == 2) start = fit_.rungs[1].precisions;
     ParallelFor(input_.model.num_threads(),
                 static_cast<std::int64_t>(fit_.rungs.size() - first), 1,
                 [&](std::int64_t begin, std::int64_t end) {
                   for (std::int64_t k = begin; k < end; ++k) {
-                    choose(first + static_cast<std::size_t>(k), start);
+                    Choose(first + static_cast<std::size_t>(k), start);
                   }
                 });
+  }
+
+  std::size_t Best() const {
+    return static_cast<std::size_t>(
+        std::min_element(fit_.rungs.begin(), fit_.rungs.end(),
+                         [](const RungFit& a, const RungFit& b) {
+                           return a.random_error < b.random_error;
+                         }) -
+        fit_.rungs.begin());
+  }
+
+  std::vector<FoundHarmonic> HarmonicsLeftBy(std::size_t rung) const {
+    Eigen::VectorXd residuals(rows_.residuals.size());
+    for (const TermRows::Observation& one : rows_.observations) {
+      residuals.segment(one.first_row, one.height) =
+          -Left(rows_, fit_.rungs[rung].columns, solutions_[rung], one);
+    }
+    std::vector<bool> is_revolute;
+    for (const Joint& joint : arm_.joints) {
+      is_revolute.push_back(joint.type == JointType::kRevolute);
+    }
+    return FindHarmonics(Data(), residuals, is_revolute,
+                         input_.model.num_threads());
+  }
+
+  // Another rung: the best one with the harmonics that it lacks; and again,
+  // since weaker ones show when the strongest are gone.
+  void TryHarmonics() {
+    constexpr int kRounds = 3;
+    for (int round = 0; round < kRounds; ++round) {
+      const std::size_t best = Best();
+      const std::vector<FoundHarmonic> found = HarmonicsLeftBy(best);
+      if (found.empty()) return;
+      TermSet set = fit_.rungs[best].set;
+      if (round == 0) set.name += " + gear harmonics";
+      for (const FoundHarmonic& harmonic : found) {
+        set.joint_cycles.emplace_back(harmonic.joint, harmonic.cycles);
+      }
+      fit_.harmonics.insert(fit_.harmonics.end(), found.begin(), found.end());
+      const LogPrecisions start = fit_.rungs[best].precisions;
+      RungFit rung{set, TermColumns(arm_, set, input_.data.joint_values.map(),
+                                    Deviations())};
+      if (round == 0) {
+        fit_.rungs.push_back(std::move(rung));
+        grams_.emplace_back();
+        solutions_.emplace_back();
+      } else {
+        fit_.rungs.back() = std::move(rung);
+      }
+      Choose(fit_.rungs.size() - 1, start);
+      LeaveOut(fit_.rungs.size() - 1);
+      if (Best() + 1 != fit_.rungs.size()) return;
+    }
   }
 
   // The same scales at another linearisation.
@@ -204,9 +298,7 @@ class ErrorFitter {
                     RungFit& rung = fit_.rungs[k];
                     const TermRidge ridge = RidgeOf(rung);
                     grams_[k] = TermGram(Data(), rung.columns, AllOf(rows_));
-                    solutions_[k] = ridge.Solve(grams_[k], rung.precisions);
-                    rung.variance =
-                        ridge.Variance(grams_[k], Equations(), rung.precisions);
+                    Solve(ridge, static_cast<std::size_t>(k));
                   }
                 });
   }
@@ -236,22 +328,22 @@ class ErrorFitter {
     return none;
   }
 
-  // What all rungs leave of every fold that they are fitted without.
-  std::vector<FoldErrors> LeaveOut() {
-    const std::size_t num_folds = folds_.left_out.size();
-    const auto rungs = static_cast<Eigen::Index>(fit_.rungs.size());
-    std::vector<FoldErrors> folds(num_folds);
+  // What the rungs from `first` on leave of every fold that they are fitted
+  // without.
+  void LeaveOut(std::size_t first) {
+    fold_errors_.resize(folds_.left_out.size());
     ParallelFor(input_.model.num_threads(),
-                static_cast<std::int64_t>(num_folds), 1,
+                static_cast<std::int64_t>(fold_errors_.size()), 1,
                 [&](std::int64_t begin, std::int64_t end) {
                   for (std::int64_t f = begin; f < end; ++f) {
-                    folds[f] = LeaveOut(static_cast<std::size_t>(f), rungs);
+                    LeaveOut(first, static_cast<std::size_t>(f),
+                             &fold_errors_[f]);
                   }
                 });
-    for (std::size_t k = 0; k < fit_.rungs.size(); ++k) {
+    for (std::size_t k = first; k < fit_.rungs.size(); ++k) {
       std::array<double, 2> sums{};
       std::array<double, 2> counts{};
-      for (const FoldErrors& fold : folds) {
+      for (const FoldErrors& fold : fold_errors_) {
         for (const Eigen::MatrixXd& residual : fold.residuals) {
           const int kind = fold.is_region ? 0 : 1;
           sums[kind] += residual.col(k).norm();
@@ -261,22 +353,26 @@ class ErrorFitter {
       fit_.rungs[k].region_error = sums[0] / std::max(1.0, counts[0]);
       fit_.rungs[k].random_error = sums[1] / std::max(1.0, counts[1]);
     }
-    return folds;
   }
 
-  FoldErrors LeaveOut(std::size_t f, Eigen::Index rungs) const {
-    FoldErrors fold;
-    fold.is_region = f < TrainingFolds::kRegions;
+  void LeaveOut(std::size_t first, std::size_t f, FoldErrors* fold) const {
+    fold->is_region = f < TrainingFolds::kRegions;
     const std::vector<int> left = LeftOut(folds_.left_out[f]);
     std::vector<int> counted;
     for (const int observation : left) {
-      const TermRows::Observation& one = rows_.observations[observation];
-      if (one.num_lengths == 0) continue;
-      counted.push_back(observation);
-      fold.poses.push_back(one.pose);
-      fold.residuals.emplace_back(one.num_lengths, rungs);
+      if (rows_.observations[observation].num_lengths > 0) {
+        counted.push_back(observation);
+      }
     }
-    for (Eigen::Index k = 0; k < rungs; ++k) {
+    fold->residuals.resize(counted.size());
+    fold->poses.resize(counted.size());
+    const auto rungs = static_cast<Eigen::Index>(fit_.rungs.size());
+    for (std::size_t i = 0; i < counted.size(); ++i) {
+      const TermRows::Observation& one = rows_.observations[counted[i]];
+      fold->poses[i] = one.pose;
+      fold->residuals[i].conservativeResize(one.num_lengths, rungs);
+    }
+    for (auto k = static_cast<Eigen::Index>(first); k < rungs; ++k) {
       const RungFit& rung = fit_.rungs[k];
       const Eigen::MatrixXd gram =
           grams_[k] - TermGram(Data(), rung.columns, left);
@@ -284,11 +380,10 @@ class ErrorFitter {
           RidgeOf(rung).Solve(gram, rung.precisions);
       for (std::size_t i = 0; i < counted.size(); ++i) {
         const TermRows::Observation& one = rows_.observations[counted[i]];
-        fold.residuals[i].col(k) =
+        fold->residuals[i].col(k) =
             Left(rows_, rung.columns, solution, one).head(one.num_lengths);
       }
     }
-    return fold;
   }
 
   // Weights of the observations by what the loss makes of their residuals, in
@@ -365,6 +460,7 @@ class ErrorFitter {
       rung.terms = rung.columns.TermsOf(solutions_[k].terms, terms_, n);
     }
     values_ = Moved(step);
+    has_terms_ = true;
     terms_ = all.TermsOf(coefficients, terms_, n);
   }
 
@@ -391,47 +487,14 @@ class ErrorFitter {
     return TermColumns::Union(all);
   }
 
-  // Geometry and coefficients of all rungs.
-  Eigen::VectorXd EstimateOf(std::size_t k, const TermColumns& all) const {
-    const RungFit& rung = fit_.rungs[k];
-    Eigen::VectorXd estimate(
-        static_cast<Eigen::Index>(input_.columns.size()) + all.size());
-    estimate << InUnits(rung.values),
-        all.From(rung.columns) * rung.columns.CoefficientsOf(rung.terms);
-    return estimate;
-  }
-
-  Eigen::VectorXd MeanOfStack(const TermColumns& all) const {
-    Eigen::VectorXd mean = fit_.stacking.weights[0] * EstimateOf(0, all);
-    for (std::size_t k = 1; k < fit_.rungs.size(); ++k) {
-      const double weight = fit_.stacking.weights[k];
-      if (weight > 0.0) mean += weight * EstimateOf(k, all);
-    }
-    return mean;
-  }
-
-  // Of a rung's square distance from the stack. What is delivered lies 1 -
-  // share of the way to the geometry alone: where the evidence is for the stack,
-  // that is its bias; else both may be right.
-  double BetweenWeight(std::size_t k) const {
-    const double share = fit_.stacking.share;
-    const double of_stack = share * fit_.stacking.weights[k];
-    if (k > 0) return of_stack;
-    return of_stack + (1.0 - share) * std::min(share, 1.0 - share);
-  }
-
-  // That of the rungs together: within and between them.
   std::shared_ptr<const TermCovariance> JointCovariance() {
-    constexpr double kRounding = 1e-10;
-    const TermColumns all = UnionOfColumns();
-    const auto p = static_cast<Eigen::Index>(input_.columns.size());
-    const Eigen::Index size = p + all.size();
-    Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(size, size);
-    const Eigen::VectorXd stack = MeanOfStack(all);
+    std::vector<RungEstimate> estimates;
     for (std::size_t k = 0; k < fit_.rungs.size(); ++k) {
       const RungFit& rung = fit_.rungs[k];
+      estimates.push_back({rung.columns, fit_.stacking.weights[k]});
       const double weight = WeightOf(k, fit_.stacking.share);
       if (!(weight > 0.0)) continue;
+      RungEstimate& estimate = estimates.back();
       const Eigen::MatrixXd inverse =
           RidgeOf(rung).Covariance(grams_[k], rung.precisions);
       fit_.effective +=
@@ -439,40 +502,20 @@ class ErrorFitter {
                        .topLeftCorner(inverse.rows(), inverse.cols())
                        .cwiseProduct(inverse)
                        .sum();
-      const Eigen::MatrixXd own = weight * rung.variance * inverse;
-      const Eigen::MatrixXd from = all.From(rung.columns);
-      const Eigen::MatrixXd beside = from * own.bottomLeftCorner(
-                                                rung.columns.size(), p);
-      covariance.topLeftCorner(p, p) += own.topLeftCorner(p, p);
-      covariance.bottomLeftCorner(all.size(), p) += beside;
-      covariance.topRightCorner(p, all.size()) += beside.transpose();
-      covariance.bottomRightCorner(all.size(), all.size()) +=
-          from *
-          own.bottomRightCorner(rung.columns.size(), rung.columns.size()) *
-          from.transpose();
-      const Eigen::VectorXd off = EstimateOf(k, all) - stack;
-      covariance += BetweenWeight(k) * off * off.transpose();
+      estimate.values.resize(inverse.rows());
+      estimate.values << InUnits(rung.values),
+          rung.columns.CoefficientsOf(rung.terms);
+      estimate.covariance = rung.variance * inverse;
+      const double prior =
+          rung.PriorDeviation(TermGroup::kFunction) / kTermUnit;
+      estimate.function_variance = prior * prior;
     }
-    SetDeviations(covariance.diagonal().tail(all.size()), all);
-    covariance.diagonal() *= 1.0 + kRounding;
-    covariance.diagonal().array() += 1e-14;
-    return std::make_shared<TermCovariance>(
-        TermCovariance{all, input_.columns,
-                       covariance.llt().matrixL().toDenseMatrix(), Gaps()});
-  }
-
-  std::vector<FunctionGaps> Gaps() const {
-    std::vector<FunctionGaps> gaps;
-    for (std::size_t k = 0; k < fit_.rungs.size(); ++k) {
-      const RungFit& rung = fit_.rungs[k];
-      const double prior = rung.PriorDeviation(TermGroup::kFunction) / kTermUnit;
-      const double variance =
-          WeightOf(k, fit_.stacking.share) * prior * prior;
-      for (const FunctionKnots& knots : rung.columns.functions()) {
-        gaps.push_back({knots, rung.columns.function_length(), variance});
-      }
-    }
-    return gaps;
+    const TermColumns all = UnionOfColumns();
+    std::shared_ptr<const TermCovariance> covariance = CovarianceOfStack(
+        estimates, fit_.stacking.share, all, input_.columns);
+    SetDeviations(
+        covariance->root.bottomRows(all.size()).rowwise().squaredNorm(), all);
+    return covariance;
   }
 
   void SetDeviations(const Eigen::VectorXd& variances, const TermColumns& all) {
@@ -489,50 +532,16 @@ class ErrorFitter {
   const TrainingFolds folds_;
   Eigen::VectorXd values_;
   ErrorTerms terms_;
+  bool has_terms_ = false;
   TermRows rows_;
   Eigen::VectorXd weights_;
   std::vector<Eigen::MatrixXd> grams_;
   std::vector<TermSolution> solutions_;
+  std::vector<FoldErrors> fold_errors_;
   ErrorFit fit_;
 };
 
 }  // namespace
-
-Eigen::MatrixXd TermCovariance::Spread(
-    const TermRows& rows, const TermRows::Observation& one) const {
-  const Eigen::Index p = rows.num_columns();
-  Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(one.height, width());
-  auto of_root = spread.leftCols(root.cols());
-  of_root =
-      rows.geometry.middleRows(one.first_row, one.height) * root.topRows(p);
-  for (const bool second : {false, true}) {
-    const int pose = second ? one.second_pose : one.pose;
-    if (pose < 0) continue;
-    const TermRows::RowMatrix& all = second ? rows.second_turns : rows.turns;
-    const auto turns = all.middleRows(one.first_row, one.height);
-    // What the terms do to each turn, in unit deviations.
-    Eigen::MatrixXd sizes = Eigen::MatrixXd::Zero(turns.cols(), root.cols());
-    columns.ForEachAt(
-        rows.joint_values.col(pose).data(), rows.moments.col(pose).data(),
-        [&](int column, int turn, double size) {
-          sizes.row(turn) += size * root.row(p + column);
-        });
-    of_root += turns * sizes;
-    Eigen::VectorXd variances = Eigen::VectorXd::Zero(turns.cols());
-    for (const FunctionGaps& gap : gaps) {
-      const int joint = gap.knots.joint;
-      variances[3 * joint + 2] +=
-          gap.VarianceAt(rows.joint_values(joint, pose));
-    }
-    Eigen::Index column = root.cols() + (second ? 1 : 0);
-    for (const FunctionKnots& knots : columns.functions()) {
-      const int turn = 3 * knots.joint + 2;
-      spread.col(column) = std::sqrt(variances[turn]) * turns.col(turn);
-      column += 2;
-    }
-  }
-  return spread;
-}
 
 double RungFit::PriorDeviation(TermGroup group) const {
   const double unit = group == TermGroup::kOwnAxis ||

@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "alidade/robust_loss.h"
+#include "src/error_terms/periodogram.h"
 #include "src/error_terms/stacking.h"
 #include "src/error_terms/term_columns.h"
+#include "src/error_terms/term_covariance.h"
 #include "src/error_terms/term_normal.h"
 #include "src/kernel/measurement_model.h"
 
@@ -23,42 +25,10 @@ struct ErrorFitInput {
   const Eigen::VectorXd& priors;  ///< as CalibrationProblem has them
   std::vector<RobustLoss> losses;
   std::vector<TermSet> sets;  ///< rungs beside the geometry alone
-  /// Rungs are put together by their evidence within the data (stacking.h);
-  /// else there is one, and it is taken.
+  /// Rungs are put together by their evidence within the data (stacking.h), the
+  /// best of them with the harmonics that its residuals have too; else there is
+  /// one, and it is taken.
   bool selects = true;
-};
-
-/// What a joint's function may be between its knots and beyond them, by its
-/// prior.
-struct FunctionGaps {
-  FunctionKnots knots;
-  double length = 0.0;    ///< of the prior
-  double variance = 0.0;  ///< of the prior (kTermUnit^2)
-
-  double VarianceAt(double joint_value) const {
-    return variance * VarianceBesideKnots(knots, length, joint_value);
-  }
-};
-
-/// What is not known of geometry and terms together.
-struct TermCovariance {
-  TermColumns columns;
-  std::vector<int> geometry;  ///< columns of the layout
-  /// Covariance = root root^T, geometry in mm and mrad first, then coefficients.
-  Eigen::MatrixXd root;
-  /// Of each function those of every rung that has a part in it.
-  std::vector<FunctionGaps> gaps = {};
-
-  /// Of a spread: columns of the root, then two for each function, of an
-  /// observation's first and second pose.
-  Eigen::Index width() const {
-    return root.cols() +
-           2 * static_cast<Eigen::Index>(columns.functions().size());
-  }
-  /// height x width(): S with S S^T the covariance of an observation's rows,
-  /// the rows times the root and what functions do beside their knots.
-  Eigen::MatrixXd Spread(const TermRows& rows,
-                         const TermRows::Observation& observation) const;
 };
 
 /// One set of terms, fitted to all data.
@@ -79,6 +49,7 @@ struct RungFit {
 };
 
 struct ErrorFit {
+  std::vector<FoundHarmonic> harmonics;  ///< of the best rung's residuals
   std::vector<RungFit> rungs;  ///< geometry alone first
   StackingResult stacking;
   Eigen::VectorXd values;
@@ -92,7 +63,7 @@ struct ErrorFit {
 };
 
 /// Fewer configurations decide nothing.
-constexpr int kFewestForErrorTerms = 20;
+constexpr int kFewestForErrorTerms = 10;
 
 /// Estimates the geometry and the error terms together: for each set their
 /// scales by restricted likelihood on all data, folds by regions and at random,

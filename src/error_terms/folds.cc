@@ -106,19 +106,18 @@ std::vector<bool> RegionOf(const Dataset& data, double fraction,
   return all.Poses(RegionIn(all, fraction, seed));
 }
 
-std::vector<bool> BlocksOf(const Dataset& data, double fraction, int blocks,
+std::vector<bool> BlocksOf(const Dataset& data, double fraction,
                            std::uint64_t seed) {
+  constexpr int kRuns = 20;
   const Configurations all = ConfigurationsOf(data);
   const auto count = static_cast<int>(all.size());
-  // Runs of equal length, of which so many are drawn.
-  const int runs = std::max(
-      1, static_cast<int>(std::lround(static_cast<double>(blocks) / fraction)));
+  const int runs = std::min(kRuns, std::max(1, count));
+  const auto wanted = static_cast<int>(
+      std::clamp(std::round(fraction * runs), 1.0, runs - 1.0));
   const std::vector<int> order = Dealt(runs, runs, seed);
   std::vector<bool> taken(count);
   for (int k = 0; k < count; ++k) {
-    const auto run = static_cast<int>(static_cast<std::int64_t>(k) * runs /
-                                      std::max(1, count));
-    taken[k] = order[run] < blocks;
+    taken[k] = order[static_cast<std::int64_t>(k) * runs / count] < wanted;
   }
   return all.Poses(taken);
 }

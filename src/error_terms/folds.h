@@ -16,9 +16,9 @@ namespace alidade::internal {
 std::vector<bool> RegionOf(const Dataset& data, double fraction,
                            std::uint64_t seed);
 
-/// Poses of `blocks` runs of consecutive configurations, drawn at random, that
-/// come to `fraction` of all.
-std::vector<bool> BlocksOf(const Dataset& data, double fraction, int blocks,
+/// Poses of runs of consecutive configurations, of which twenty are all, drawn
+/// at random until `fraction` of them is met, but not all.
+std::vector<bool> BlocksOf(const Dataset& data, double fraction,
                            std::uint64_t seed);
 
 /// What cross-validation within training data leaves out, by poses.

@@ -101,6 +101,7 @@ double TOfMean(const std::vector<double>& values) {
 StackingResult Stack(const std::vector<FoldErrors>& folds) {
   constexpr double kClip = 4.0;
   constexpr double kEvidence = 2.0;
+  constexpr double kDegree = 3.0;
   StackingResult result;
   std::vector<Eigen::MatrixXd> products;
   for (const FoldErrors& fold : folds) products.push_back(ProductsOf(fold));
@@ -131,7 +132,7 @@ StackingResult Stack(const std::vector<FoldErrors>& folds) {
   result.t_random = TOfMean(gains);
   const double t = std::min(result.t_regions, result.t_random);
   if (t > kEvidence) {
-    result.share = 1.0 - (kEvidence / t) * (kEvidence / t);
+    result.share = 1.0 - std::pow(kEvidence / t, kDegree);
   }
   return result;
 }

@@ -28,7 +28,7 @@ struct StackingResult {
 /// Weights of least squared residual over all folds, each observation weighted
 /// by min(1, median / its smallest residual over the rungs) (Wolpert 1992,
 /// "Stacked generalization"; Breiman 1996, "Stacked regressions"), and how far
-/// they are trusted: 1 - (2 / t)^2, not below 0, with t the smaller of
+/// they are trusted: 1 - (2 / t)^3, not below 0, with t the smaller of
 ///
 ///   t of log(mean error of geometry / of the stack) over regions,
 ///   paired t of both over the poses of random folds, differences clipped at

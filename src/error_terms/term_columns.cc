@@ -19,7 +19,7 @@ constexpr double kFadingLengths = 2.75;
 // on a grid that all finer ones refine.
 double SpacingFor(double length, Eigen::Index num_poses) {
   constexpr double kFinest = 0.02;
-  constexpr Eigen::Index kFew = 300;
+  constexpr Eigen::Index kFew = 700;
   const double part = num_poses < kFew ? 0.601 : 0.201;
   double spacing = kFinest;
   for (const double coarser : {0.06, 0.24}) {
@@ -51,6 +51,13 @@ Harmonic* HarmonicOf(double cycles, JointErrors* joint) {
 
 // Where terms hold the coefficient of a dense one; the place is made.
 double* PlaceOf(const DenseTerm& term, ErrorTerms* terms) {
+  if (term.regressor == DenseTerm::Regressor::kCovariate) {
+    const auto n = static_cast<int>(terms->joints.size());
+    CovariateEffect& effect = terms->covariates[term.other];
+    if (term.joint >= n) return &effect.base[3 * (term.joint - n) + term.axis];
+    if (effect.joints.size() == 0) effect.joints.setZero(n);
+    return &effect.joints[term.joint];
+  }
   JointErrors& joint = terms->joints[term.joint];
   switch (term.regressor) {
     case DenseTerm::Regressor::kMoment:
@@ -63,6 +70,8 @@ double* PlaceOf(const DenseTerm& term, ErrorTerms* terms) {
       return &terms->coupling(term.joint, term.other);
     case DenseTerm::Regressor::kMomentSign:
       return &joint.backlash;
+    case DenseTerm::Regressor::kCovariate:
+      break;
   }
   return nullptr;
 }
@@ -71,6 +80,10 @@ ErrorTerms Prepared(const ErrorTerms& like, int num_joints, bool has_coupling) {
   ErrorTerms terms = like;
   terms.joints.assign(num_joints, JointErrors());
   terms.coupling.resize(0, 0);
+  for (CovariateEffect& effect : terms.covariates) {
+    effect.base.setZero();
+    effect.joints.resize(0);
+  }
   if (has_coupling) terms.coupling.setZero(num_joints, num_joints);
   return terms;
 }
@@ -91,6 +104,8 @@ const char* NameOf(TermGroup group) {
       return "scale and coupling";
     case TermGroup::kBacklash:
       return "backlash";
+    case TermGroup::kCovariate:
+      return "covariates";
   }
   return "";
 }
@@ -113,10 +128,12 @@ double VarianceBesideKnots(const FunctionKnots& knots, double length,
 }
 
 TermColumns::TermColumns(const Arm& arm, const TermSet& set,
-                         const Eigen::MatrixXd& joint_values)
+                         const Eigen::MatrixXd& joint_values,
+                         const Eigen::VectorXd& covariate_deviations)
     : function_length_(set.function_length) {
   if (set.elasticity) AddElasticity(arm);
   AddShifts(arm, set);
+  AddCovariates(arm, set, covariate_deviations);
   if (set.function_length > 0.0) AddFunctions(arm, joint_values);
 }
 
@@ -148,6 +165,10 @@ void TermColumns::AddShifts(const Arm& arm, const TermSet& set) {
       add(TermGroup::kBacklash, j, DenseTerm::Regressor::kMomentSign, 0.0, 0);
     }
   }
+  for (const auto& [joint, cycles] : set.joint_cycles) {
+    add(TermGroup::kHarmonic, joint, DenseTerm::Regressor::kCosine, cycles, 0);
+    add(TermGroup::kHarmonic, joint, DenseTerm::Regressor::kSine, cycles, 0);
+  }
   for (int j = 0; j < arm.num_joints() && set.scale; ++j) {
     add(TermGroup::kCoupling, j, DenseTerm::Regressor::kJointValue, 0.0, j);
   }
@@ -155,6 +176,22 @@ void TermColumns::AddShifts(const Arm& arm, const TermSet& set) {
     add(TermGroup::kCoupling, joint, DenseTerm::Regressor::kJointValue, 0.0,
         other);
   }
+}
+
+void TermColumns::AddCovariates(const Arm& arm, const TermSet& set,
+                                const Eigen::VectorXd& deviations) {
+  const auto add = [&](int covariate, int joint, int axis) {
+    dense_.push_back({TermGroup::kCovariate, joint, axis,
+                      DenseTerm::Regressor::kCovariate, 0.0, covariate,
+                      kTermUnit / deviations[covariate]});
+  };
+  const auto count = static_cast<int>(deviations.size());
+  for (int k = 0; k < count && set.covariates; ++k) {
+    for (int direction = 0; direction < 6; ++direction) {
+      add(k, arm.num_joints() + direction / 3, direction % 3);
+    }
+  }
+  for (const auto& [covariate, joint] : set.on_joints) add(covariate, joint, 2);
 }
 
 void TermColumns::AddFunctions(const Arm& arm,
@@ -238,20 +275,21 @@ Eigen::MatrixXd TermColumns::Precision(const FunctionKnots& knots) const {
       Eigen::MatrixXd::Identity(knots.count, knots.count));
 }
 
-double TermColumns::Regressor(const DenseTerm& term, const double* joint_values,
-                              const double* moments) {
-  const double q = joint_values[term.joint];
+double TermColumns::Regressor(const DenseTerm& term, const PoseNumbers& pose) {
+  const auto value = [&] { return pose.joint_values[term.joint]; };
   switch (term.regressor) {
     case DenseTerm::Regressor::kMoment:
-      return moments[3 * term.joint + term.axis];
+      return pose.moments[3 * term.joint + term.axis];
     case DenseTerm::Regressor::kCosine:
-      return std::cos(term.cycles * q);
+      return std::cos(term.cycles * value());
     case DenseTerm::Regressor::kSine:
-      return std::sin(term.cycles * q);
+      return std::sin(term.cycles * value());
     case DenseTerm::Regressor::kJointValue:
-      return joint_values[term.other];
+      return pose.joint_values[term.other];
     case DenseTerm::Regressor::kMomentSign:
-      return SmoothSign(moments[3 * term.joint + 2]);
+      return SmoothSign(pose.moments[3 * term.joint + 2]);
+    case DenseTerm::Regressor::kCovariate:
+      return pose.covariates[term.other];
   }
   return 0.0;
 }
@@ -296,11 +334,13 @@ Eigen::VectorXd TermColumns::CoefficientsOf(const ErrorTerms& terms) const {
   return coefficients;
 }
 
-Eigen::MatrixXd TermColumns::From(const TermColumns& other) const {
-  Eigen::MatrixXd from = Eigen::MatrixXd::Zero(size(), other.size());
+Eigen::SparseMatrix<double> TermColumns::From(const TermColumns& other) const {
+  std::vector<Eigen::Triplet<double>> entries;
   for (int k = 0; k < other.num_dense(); ++k) {
     for (int mine = 0; mine < num_dense(); ++mine) {
-      if (SameTerm(dense_[mine], other.dense_[k])) from(mine, k) = 1.0;
+      if (SameTerm(dense_[mine], other.dense_[k])) {
+        entries.emplace_back(mine, k, 1.0);
+      }
     }
   }
   for (const FunctionKnots& theirs : other.functions_) {
@@ -313,13 +353,16 @@ Eigen::MatrixXd TermColumns::From(const TermColumns& other) const {
         for (const double knot : {below, below + 1.0}) {
           const double share = 1.0 - std::abs(place - knot);
           if (knot < 0.0 || knot >= theirs.count || share <= 0.0) continue;
-          from(num_dense() + mine.offset + k,
-               other.num_dense() + theirs.offset + static_cast<int>(knot)) =
-              share;
+          entries.emplace_back(
+              num_dense() + mine.offset + k,
+              other.num_dense() + theirs.offset + static_cast<int>(knot),
+              share);
         }
       }
     }
   }
+  Eigen::SparseMatrix<double> from(size(), other.size());
+  from.setFromTriplets(entries.begin(), entries.end());
   return from;
 }
 

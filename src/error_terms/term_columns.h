@@ -2,6 +2,7 @@
 #define ALIDADE_SRC_ERROR_TERMS_TERM_COLUMNS_H_
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -19,14 +20,14 @@ struct TermSet {
   bool elasticity = false;          ///< about z, x and y
   double function_length = 0.0;     ///< of joint functions (rad); 0: none
   std::vector<double> cycles = {};  ///< of harmonics, per turn
+  /// Joint (from 0) and cycles per turn of harmonics of single joints.
+  std::vector<std::pair<int, double>> joint_cycles = {};
   bool scale = false;
   bool backlash = false;
   std::vector<std::pair<int, int>> coupling = {};  ///< joint by joint, from 0
-
-  bool empty() const {
-    return !elasticity && function_length == 0.0 && cycles.empty() && !scale &&
-           !backlash && coupling.empty();
-  }
+  bool covariates = false;  ///< of all that the data have, on the base
+  /// Covariate (of the arm's, from 0) on a joint (from 0).
+  std::vector<std::pair<int, int>> on_joints = {};
 };
 
 /// Terms of one kind share the standard deviation of their prior.
@@ -37,21 +38,29 @@ enum class TermGroup {
   kHarmonic,
   kCoupling,  ///< and scale
   kBacklash,
+  kCovariate,
 };
-constexpr int kNumTermGroups = 6;
+constexpr int kNumTermGroups = 7;
 
 /// "compliance about the joint's axis" ...
 const char* NameOf(TermGroup group);
 
 /// A term that is a turn of a joint times one number of the pose.
 struct DenseTerm {
-  enum class Regressor { kMoment, kCosine, kSine, kJointValue, kMomentSign };
+  enum class Regressor {
+    kMoment,
+    kCosine,
+    kSine,
+    kJointValue,
+    kMomentSign,
+    kCovariate
+  };
   TermGroup group;
-  int joint;
-  int axis;  ///< of the turn; 2 moves the joint
+  int joint;  ///< n: moves of the base, n + 1: its turns
+  int axis;   ///< of the turn; 2 moves the joint
   Regressor regressor;
   double cycles = 0.0;  ///< of a harmonic
-  int other = 0;        ///< joint whose value it goes with
+  int other = 0;        ///< joint whose value, or covariate, it goes with
   double unit = 1e-3;   ///< of the coefficient, in SI
 };
 
@@ -74,11 +83,14 @@ double VarianceBesideKnots(const FunctionKnots& knots, double length,
 /// knots.
 class TermColumns {
  public:
+  TermColumns() = default;  ///< none
   /// Knots enclose `joint_values` (n x poses), and what is so near to them that
   /// a function with the prior of that length is not zero yet. A joint that was
-  /// not moved, or by dozens of turns, has none.
+  /// not moved, or by dozens of turns, has none. Effects are per standard
+  /// deviation of a covariate.
   TermColumns(const Arm& arm, const TermSet& set,
-              const Eigen::MatrixXd& joint_values);
+              const Eigen::MatrixXd& joint_values,
+              const Eigen::VectorXd& covariate_deviations);
   /// Of a set with functions on the knots of all others, the finest of them.
   static TermColumns Union(const std::vector<TermColumns>& others);
 
@@ -92,23 +104,21 @@ class TermColumns {
   /// deviation of one unit.
   Eigen::MatrixXd Precision(const FunctionKnots& knots) const;
 
-  /// What the turn of a dense term is multiplied by.
-  static double Regressor(const DenseTerm& term, const double* joint_values,
-                          const double* moments);
+  /// What the turn of a dense term is multiplied by at a pose.
+  static double Regressor(const DenseTerm& term, const PoseNumbers& pose);
 
   /// Calls visit(column, turn, size) for every column that is not zero at a
   /// pose: it is `size` times the turn 3 joint + axis, per kTermUnit.
   template <typename Visit>
-  void ForEachAt(const double* joint_values, const double* moments,
-                 const Visit& visit) const {
+  void ForEachAt(const PoseNumbers& pose, const Visit& visit) const {
     for (int k = 0; k < num_dense(); ++k) {
       const DenseTerm& term = dense_[k];
       visit(k, 3 * term.joint + term.axis,
-            term.unit / kTermUnit * Regressor(term, joint_values, moments));
+            term.unit / kTermUnit * Regressor(term, pose));
     }
     for (const FunctionKnots& knots : functions_) {
       const double place =
-          (joint_values[knots.joint] - knots.first) / knots.spacing;
+          (pose.joint_values[knots.joint] - knots.first) / knots.spacing;
       if (!(place > -1.0 && place < knots.count)) continue;
       const double below = std::floor(place);
       const int first = num_dense() + knots.offset + static_cast<int>(below);
@@ -125,14 +135,14 @@ class TermColumns {
   Eigen::VectorXd CoefficientsOf(const ErrorTerms& terms) const;
   /// size() x others: coefficients here from those of columns that these can
   /// express.
-  Eigen::MatrixXd From(const TermColumns& other) const;
+  Eigen::SparseMatrix<double> From(const TermColumns& other) const;
 
  private:
-  TermColumns() = default;
-
   void AddElasticity(const Arm& arm);
   void AddShifts(const Arm& arm, const TermSet& set);
   void AddFunctions(const Arm& arm, const Eigen::MatrixXd& joint_values);
+  void AddCovariates(const Arm& arm, const TermSet& set,
+                     const Eigen::VectorXd& deviations);
 
   std::vector<DenseTerm> dense_;
   std::vector<FunctionKnots> functions_;

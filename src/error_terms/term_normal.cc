@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 namespace alidade::internal {
@@ -91,8 +92,7 @@ class GramSum {
       if (pose < 0) continue;
       const auto turns = TurnsOf(rows_, one, second);
       columns_.ForEachAt(
-          rows_.joint_values.col(pose).data(), rows_.moments.col(pose).data(),
-          [&](int column, int turn, double size) {
+          rows_.NumbersOf(pose), [&](int column, int turn, double size) {
             const int knot = column - columns_.num_dense();
             if (knot < 0) {
               block->col(p_ + column) += size * turns.col(turn);
@@ -163,8 +163,7 @@ Eigen::VectorXd ApplyTerms(const TermRows& rows, const TermColumns& columns,
     const int pose = second ? one.second_pose : one.pose;
     if (pose < 0) continue;
     Eigen::VectorXd sizes = Eigen::VectorXd::Zero(rows.turns.cols());
-    columns.ForEachAt(rows.joint_values.col(pose).data(),
-                      rows.moments.col(pose).data(),
+    columns.ForEachAt(rows.NumbersOf(pose),
                       [&](int column, int turn, double size) {
                         sizes[turn] += size * coefficients[column];
                       });
@@ -195,25 +194,35 @@ std::vector<TermGroup> TermRidge::Groups() const {
   return groups;
 }
 
+void TermRidge::AddDensePrecisions(const LogPrecisions& precisions,
+                                   Eigen::MatrixXd* matrix) const {
+  const Eigen::Index p = num_geometry();
+  matrix->diagonal().head(p) += geometry_precisions_;
+  matrix->diagonal().head(p).array() += kLeastPrecision;
+  for (int k = 0; k < columns_.num_dense(); ++k) {
+    const auto group = static_cast<int>(columns_.dense()[k].group);
+    (*matrix)(p + k, p + k) += std::pow(10.0, precisions[group]);
+  }
+}
+
+void TermRidge::AddFunctionPrecisions(double log_precision, Eigen::Index first,
+                                      Eigen::MatrixXd* matrix) const {
+  const double scale = std::pow(10.0, log_precision);
+  for (std::size_t f = 0; f < function_precisions_.size(); ++f) {
+    const FunctionKnots& knots = columns_.functions()[f];
+    matrix->block(first + knots.offset, first + knots.offset, knots.count,
+                  knots.count) += scale * function_precisions_[f];
+  }
+}
+
 Eigen::MatrixXd TermRidge::Penalised(const Eigen::MatrixXd& gram,
                                      const LogPrecisions& precisions) const {
   const Eigen::Index p = num_geometry();
   const Eigen::Index size = p + columns_.size();
   Eigen::MatrixXd matrix = gram.topLeftCorner(size, size);
-  matrix.diagonal().head(p) += geometry_precisions_;
-  matrix.diagonal().head(p).array() += kLeastPrecision;
-  for (int k = 0; k < columns_.num_dense(); ++k) {
-    const auto group = static_cast<int>(columns_.dense()[k].group);
-    matrix(p + k, p + k) += std::pow(10.0, precisions[group]);
-  }
-  const double scale =
-      std::pow(10.0, precisions[static_cast<int>(TermGroup::kFunction)]);
-  const Eigen::Index first = p + columns_.num_dense();
-  for (std::size_t f = 0; f < function_precisions_.size(); ++f) {
-    const FunctionKnots& knots = columns_.functions()[f];
-    matrix.block(first + knots.offset, first + knots.offset, knots.count,
-                 knots.count) += scale * function_precisions_[f];
-  }
+  AddDensePrecisions(precisions, &matrix);
+  AddFunctionPrecisions(precisions[static_cast<int>(TermGroup::kFunction)],
+                        p + columns_.num_dense(), &matrix);
   return matrix;
 }
 
@@ -249,14 +258,52 @@ Eigen::MatrixXd TermRidge::Covariance(const Eigen::MatrixXd& gram,
       Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols()));
 }
 
-double TermRidge::Criterion(const Eigen::MatrixXd& gram, double freedom,
+TermRidge::Eliminated TermRidge::Eliminate(const Eigen::MatrixXd& gram,
+                                           double log_precision) const {
+  const Eigen::Index dense = num_geometry() + columns_.num_dense();
+  const Eigen::Index knots = columns_.num_knots();
+  const Eigen::Index size = dense + knots;
+  Eliminated rest;
+  rest.matrix = gram.topLeftCorner(dense, dense);
+  rest.gradient = gram.col(size).head(dense);
+  rest.gradient.head(num_geometry()) +=
+      geometry_precisions_.cwiseProduct(deviations_);
+  rest.cost = gram(size, size) +
+              geometry_precisions_.dot(deviations_.cwiseAbs2());
+  if (knots == 0) return rest;
+  Eigen::MatrixXd matrix = gram.block(dense, dense, knots, knots);
+  AddFunctionPrecisions(log_precision, 0, &matrix);
+  const Eigen::LLT<Eigen::MatrixXd> factor(matrix);
+  rest.is_definite = factor.info() == Eigen::Success;
+  if (!rest.is_definite) return rest;
+  // L^-1 of what the knots have with all others and with the residual.
+  Eigen::MatrixXd beside(knots, dense + 1);
+  beside << gram.block(dense, 0, knots, dense), gram.block(dense, size, knots, 1);
+  factor.matrixL().solveInPlace(beside);
+  rest.matrix.noalias() -=
+      beside.leftCols(dense).transpose() * beside.leftCols(dense);
+  rest.gradient.noalias() -=
+      beside.leftCols(dense).transpose() * beside.col(dense);
+  rest.cost -= beside.col(dense).squaredNorm();
+  rest.log_determinant =
+      2.0 * factor.matrixLLT().diagonal().array().log().sum();
+  return rest;
+}
+
+double TermRidge::Criterion(const Eliminated& rest, double freedom,
                             const LogPrecisions& precisions) const {
-  const TermSolution solution = Solve(gram, precisions);
-  if (!(solution.cost > 0.0) || !std::isfinite(solution.cost)) {
+  Eigen::MatrixXd matrix = rest.matrix;
+  AddDensePrecisions(precisions, &matrix);
+  const Eigen::LLT<Eigen::MatrixXd> factor(matrix);
+  if (!rest.is_definite || factor.info() != Eigen::Success) {
     return std::numeric_limits<double>::infinity();
   }
+  const double cost =
+      rest.cost - rest.gradient.dot(factor.solve(rest.gradient));
+  if (!(cost > 0.0)) return std::numeric_limits<double>::infinity();
   double criterion =
-      freedom * std::log(solution.cost / freedom) + solution.log_determinant;
+      freedom * std::log(cost / freedom) + rest.log_determinant +
+      2.0 * factor.matrixLLT().diagonal().array().log().sum();
   for (int k = 0; k < kNumTermGroups; ++k) {
     criterion -= std::log(10.0) * sizes_[k] * precisions[k];
   }
@@ -269,8 +316,18 @@ LogPrecisions TermRidge::Choose(const Eigen::MatrixXd& gram, double equations,
   constexpr double kHighest = 7.0;
   constexpr double kWorthwhile = 1e-3;
   const double freedom = std::max(1.0, equations - num_geometry());
+  std::map<double, Eliminated> eliminated;
+  const auto criterion_at = [&](const LogPrecisions& at) {
+    const double of_functions = at[static_cast<int>(TermGroup::kFunction)];
+    auto found = eliminated.find(of_functions);
+    if (found == eliminated.end()) {
+      found = eliminated.emplace(of_functions, Eliminate(gram, of_functions))
+                  .first;
+    }
+    return Criterion(found->second, freedom, at);
+  };
   LogPrecisions at = start;
-  double best = Criterion(gram, freedom, at);
+  double best = criterion_at(at);
   for (const double step : {2.0, 1.0, 0.5}) {
     for (bool moved = true; moved;) {
       moved = false;
@@ -280,7 +337,7 @@ LogPrecisions TermRidge::Choose(const Eigen::MatrixXd& gram, double equations,
           double& value = trial[static_cast<int>(group)];
           value += move;
           if (value < kLowest || value > kHighest) continue;
-          const double criterion = Criterion(gram, freedom, trial);
+          const double criterion = criterion_at(trial);
           if (!(criterion < best - kWorthwhile)) continue;
           at = trial;
           best = criterion;
@@ -291,13 +348,6 @@ LogPrecisions TermRidge::Choose(const Eigen::MatrixXd& gram, double equations,
     }
   }
   return at;
-}
-
-double TermRidge::Variance(const Eigen::MatrixXd& gram, double equations,
-                           const LogPrecisions& precisions) const {
-  // Of exact data rounding may leave less than nothing.
-  return std::max(0.0, Solve(gram, precisions).cost) /
-         std::max(1.0, equations - num_geometry());
 }
 
 }  // namespace alidade::internal

@@ -71,16 +71,28 @@ class TermRidge {
   /// 1971), by coordinate search with steps 2, 1, 0.5 from `start`.
   LogPrecisions Choose(const Eigen::MatrixXd& gram, double equations,
                        const LogPrecisions& start) const;
-  /// The residual's variance at its profile.
-  double Variance(const Eigen::MatrixXd& gram, double equations,
-                  const LogPrecisions& precisions) const;
   /// Groups that have columns.
   std::vector<TermGroup> Groups() const;
 
  private:
+  // What is left of a problem once the knots are eliminated, for one precision
+  // of the functions: all others may then change at little cost.
+  struct Eliminated {
+    Eigen::MatrixXd matrix;    // Schur complement, without precisions
+    Eigen::VectorXd gradient;  // of geometry and dense terms
+    double cost = 0.0;
+    double log_determinant = 0.0;
+    bool is_definite = true;
+  };
+
   Eigen::MatrixXd Penalised(const Eigen::MatrixXd& gram,
                             const LogPrecisions& precisions) const;
-  double Criterion(const Eigen::MatrixXd& gram, double freedom,
+  void AddFunctionPrecisions(double log_precision, Eigen::Index first,
+                             Eigen::MatrixXd* matrix) const;
+  void AddDensePrecisions(const LogPrecisions& precisions,
+                          Eigen::MatrixXd* matrix) const;
+  Eliminated Eliminate(const Eigen::MatrixXd& gram, double log_precision) const;
+  double Criterion(const Eliminated& rest, double freedom,
                    const LogPrecisions& precisions) const;
 
   const TermColumns& columns_;

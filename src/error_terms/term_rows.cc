@@ -114,6 +114,16 @@ class RowsMaker {
     const int n = arm_.num_joints();
     rows_.joint_values = data_.joint_values.map();
     rows_.moments.resize(3 * n, data_.num_poses());
+    const std::vector<CovariateEffect>& effects = arm_.errors.covariates;
+    rows_.covariates.resize(static_cast<Eigen::Index>(effects.size()),
+                            data_.num_poses());
+    for (int pose = 0; pose < data_.num_poses(); ++pose) {
+      rows_.covariates.col(pose) = CovariatesAt(data_, arm_, pose);
+    }
+    for (Eigen::Index k = 0; k < rows_.covariates.rows(); ++k) {
+      rows_.covariates.row(k).array() -=
+          effects[static_cast<std::size_t>(k)].reference;
+    }
     turns_.resize(static_cast<std::size_t>(data_.num_poses()));
     ParallelFor(model_.num_threads(), data_.num_poses(), kPosesAtOnce,
                 [&](std::int64_t begin, std::int64_t end) {
@@ -152,7 +162,9 @@ class RowsMaker {
             values_.segment<3>(
                 layout.Column(ParameterKind::kBaseRotation, 0)))
             .inverse();
-    turns->setZero(num_rows_, 3 * arm_.num_joints());
+    const int n = arm_.num_joints();
+    turns->setZero(num_rows_, 3 * (n + 2));
+    const Eigen::Matrix3d base_axes = arm_.instrument_from_base.linear();
     const auto visit = [&](int, Eigen::Index i,
                            const Eigen::Ref<const Eigen::MatrixXd>& moves) {
       const TermRows::Observation& one =
@@ -160,8 +172,12 @@ class RowsMaker {
       const int pose = second ? one.second_pose : one.pose;
       if (pose < 0) return;
       const double sign = second ? -kTermUnit : kTermUnit;
+      turns->block(one.first_row, 3 * n, one.height, 3) =
+          sign * moves.leftCols<3>() * base_axes;
+      turns->block(one.first_row, 3 * n + 3, one.height, 3) =
+          sign * moves.middleCols<3>(3) * from_axes * base_axes;
       const PoseTurns& at = turns_[static_cast<std::size_t>(pose)];
-      for (int j = 0; j < arm_.num_joints(); ++j) {
+      for (int j = 0; j < n; ++j) {
         const Eigen::Vector3d lever = base - at.points.col(j);
         for (int k = 0; k < 3; ++k) {
           const Eigen::Vector3d axis = at.axes.col(3 * j + k);

@@ -9,6 +9,13 @@
 
 namespace alidade::internal {
 
+/// What terms depend on at one pose.
+struct PoseNumbers {
+  const double* joint_values;
+  const double* moments;
+  const double* covariates;  ///< less their references
+};
+
 /// The whitened rows of a data set at some values of a model, from which
 /// the columns of all error terms are made. A term turns all behind a joint
 /// about an axis of its frame (or moves a prismatic joint) by its coefficient
@@ -32,14 +39,21 @@ struct TermRows {
 
   std::vector<Observation> observations;
   RowMatrix geometry;         ///< rows x columns of the model, per mm and mrad
-  RowMatrix turns;            ///< rows x 3 n: x, y, z of each joint, per mrad
+  /// Rows x 3 (n + 2): x, y, z of each joint; moves of the base along its axes
+  /// and turns about them; per mm and mrad.
+  RowMatrix turns;
   RowMatrix second_turns;     ///< the same of second poses; or empty
   Eigen::VectorXd residuals;  ///< predicted - measured
   Eigen::MatrixXd joint_values;  ///< n x poses
   Eigen::MatrixXd moments;       ///< 3 n x poses (N m)
+  Eigen::MatrixXd covariates;    ///< less their references, of the arm's
 
   int num_columns() const { return static_cast<int>(geometry.cols()); }
   int num_joints() const { return static_cast<int>(joint_values.rows()); }
+  PoseNumbers NumbersOf(int pose) const {
+    return {joint_values.col(pose).data(), moments.col(pose).data(),
+            covariates.col(pose).data()};
+  }
 };
 
 /// What coefficients of geometry and turns are multiples of (m, rad).

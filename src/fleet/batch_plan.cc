@@ -46,7 +46,7 @@ std::vector<std::string> JobsOfFolder(const std::string& folder) {
   if (jobs.empty()) {
     throw InputError({folder, 0, 0, ""},
                      "no job in this folder, expected files of the format "
-                     "alidade-job-1 that end in .yaml");
+                     "alidade-job-2 that end in .yaml");
   }
   std::sort(jobs.begin(), jobs.end());
   return jobs;

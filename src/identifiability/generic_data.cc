@@ -199,6 +199,8 @@ Dataset EvenSubset(Communicator* communicator, const Dataset& data,
   subset.name = data.name;
   subset.files = data.files;
   subset.joint_values = data.joint_values;
+  subset.covariate_names = data.covariate_names;
+  subset.covariates = data.covariates;
   subset.sources = data.sources;
   std::vector<bool> is_needed(data.num_poses(), false);
   for (const ObservationBlock& block : data.blocks) {

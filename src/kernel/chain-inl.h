@@ -125,14 +125,27 @@ HWY_INLINE void Tilt(V tilt, V3* a, V3* b) {
   Turn(hn::Mul(hn::Sub(one, quarter), scale), hn::Mul(tilt, scale), a, b);
 }
 
+HWY_INLINE void MoveBase(const double* motion, Frame* frame) {
+  const auto load = [motion](int k) {
+    return hn::Load(kTag, motion + std::ptrdiff_t{k} * kTile);
+  };
+  frame->origin = AddScaled(load(0), frame->x, frame->origin);
+  frame->origin = AddScaled(load(1), frame->y, frame->origin);
+  frame->origin = AddScaled(load(2), frame->z, frame->origin);
+  Tilt(load(3), &frame->y, &frame->z);
+  Tilt(load(4), &frame->z, &frame->x);
+  Tilt(load(5), &frame->x, &frame->y);
+}
+
 // Walks one vector of poses from the base to the last frame. `joints` are the
-// tile's sines and cosines from the first lane of the vector on, `tilts`
-// likewise or null.
+// tile's sines and cosines from the first lane of the vector on, `tilts` and
+// `base_motion` likewise or null.
 HWY_INLINE Frame WalkChain(const Constants& constants, const Columns& columns,
                            const double* joints, const double* tilts,
-                           double* scratch) {
+                           const double* base_motion, double* scratch) {
   const std::size_t lanes = hn::Lanes(kTag);
   Frame frame = FrameOf(constants.base_rotation, constants.base_translation);
+  if (base_motion != nullptr) MoveBase(base_motion, &frame);
   for (int j = 0; j < columns.num_joints(); ++j) {
     const JointConstants& joint = constants.joints[j];
     const Columns::OfJoint& wanted = columns.joint(j);

@@ -252,6 +252,10 @@ Dataset SelectPoses(const Dataset& data,
   selected.name = data.name;
   selected.files = data.files;
   selected.joint_values = GatherColumns(data.joint_values, poses);
+  if (!data.covariate_names.empty()) {
+    selected.covariate_names = data.covariate_names;
+    selected.covariates = GatherColumns(data.covariates, poses);
+  }
   Gather(data.sources, poses, &selected.sources);
   std::vector<int> new_pose(data.num_poses(), -1);
   for (std::size_t i = 0; i < poses.size(); ++i) {

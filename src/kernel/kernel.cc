@@ -175,6 +175,11 @@ HWY_INLINE void WriteMeasured(const Job& job, int t, const V3& p,
   }
 }
 
+// An array from a lane on; null stays null.
+HWY_INLINE const double* At(const double* array, int lane) {
+  return array == nullptr ? nullptr : array + lane;
+}
+
 template <MeasurementKind kKind>
 HWY_INLINE void EvaluateVector(const Job& job, int t) {
   const Tile& tile = job.tile;
@@ -192,7 +197,7 @@ HWY_INLINE void EvaluateVector(const Job& job, int t) {
   }
   const Frame last =
       WalkChain(job.constants, job.columns, tile.joints + t,
-                writer.is_tilted ? tile.tilts + t : nullptr, job.scratch);
+                At(tile.tilts, t), At(tile.base_motion, t), job.scratch);
   const Eigen::Vector3d& tool = job.constants.targets[tile.target].translation;
   const V3 p = PointOf(last, tool);
   WriteMeasured<kKind>(job, t, p, &writer);
@@ -204,7 +209,7 @@ HWY_INLINE void EvaluateVector(const Job& job, int t) {
   if constexpr (kKind == MeasurementKind::kDifference) {
     const Frame other =
         WalkChain(job.constants, job.columns, tile.second_joints + t,
-                  writer.is_tilted ? tile.second_tilts + t : nullptr,
+                  At(tile.second_tilts, t), At(tile.second_base_motion, t),
                   job.scratch);
     const V3 q = PointOf(other, tool);
     WriteError((p - q) - Load3(tile.measured + t, kTile), writer.weights,

@@ -83,6 +83,7 @@ class WhitenedPosition {
     Eigen::MatrixXd whitener = whitener_;
     Whiten(block, i, 1, whitener);
     whitener_ = whitener;
+    covariates_ = CovariatesAt(data, *arm_, block.pose(i));
     is_diagonal_ = block.whiteners.empty() || block.whiteners[i].size() == 0;
   }
 
@@ -91,7 +92,7 @@ class WhitenedPosition {
                   const T* r, T* residual) const {
     const Vector3<T> predicted = TargetPosition<T>(
         *arm_, {beta, alpha, d, theta, r, nullptr, nullptr, target_},
-        joint_values_);
+        joint_values_, covariates_.data());
     const Vector3<T> error = predicted - position_.cast<T>();
     for (int row = 0; row < 3; ++row) {
       residual[row] = error[row] * whitener_(row, row);
@@ -106,6 +107,7 @@ class WhitenedPosition {
  private:
   const Arm* arm_;
   const double* joint_values_;
+  Eigen::VectorXd covariates_;
   int target_;
   Eigen::Vector3d position_;
   Eigen::Matrix3d whitener_;

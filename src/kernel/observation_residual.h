@@ -131,14 +131,16 @@ class ObservationResidual {
 
   template <typename T>
   Vector3<T> Position(const GeometryView<T>& geometry, int pose) const {
-    return TargetPosition(model_->nominal(), geometry, JointValues(pose));
+    return TargetPosition(model_->nominal(), geometry, JointValues(pose),
+                          CovariatesAt(*data_, model_->nominal(), pose).data());
   }
 
   template <typename T>
   void EvaluatePose(const GeometryView<T>& geometry, T* residual) const {
     Eigen::Matrix<T, 3, 3> rotation;
     const Vector3<T> position = TargetPose(
-        model_->nominal(), geometry, JointValues(block_->pose(i_)), &rotation);
+        model_->nominal(), geometry, JointValues(block_->pose(i_)), &rotation,
+        CovariatesAt(*data_, model_->nominal(), block_->pose(i_)).data());
     Store<T>(position - Measured<T>(), residual);
     const Eigen::Vector3d measured = block_->measured.col(i_).tail<3>();
     const Eigen::Matrix3d back = RotationFromVector<double>(-measured);

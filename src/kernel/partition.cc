@@ -213,11 +213,20 @@ Dataset JoinRanks(const std::vector<Dataset>& parts, Dataset mine) {
   Eigen::Index num_poses = 0;
   for (const Dataset& part : parts) num_poses += part.num_poses();
   MatrixBuilder joint_values(mine.num_joints(), num_poses);
+  all.covariate_names = std::move(mine.covariate_names);
+  const bool has_covariates = !all.covariate_names.empty();
+  MatrixBuilder covariates(
+      static_cast<Eigen::Index>(all.covariate_names.size()),
+      has_covariates ? num_poses : 0);
   std::vector<std::vector<PartBlock>> blocks(mine.blocks.size());
   Eigen::Index first = 0;
   for (const Dataset& part : parts) {
     joint_values.map().middleCols(first, part.num_poses()) =
         part.joint_values.map();
+    if (has_covariates) {
+      covariates.map().middleCols(first, part.num_poses()) =
+          part.covariates.map();
+    }
     all.sources.Append(part.sources, 0);
     for (std::size_t k = 0; k < blocks.size(); ++k) {
       blocks[k].push_back({&part.blocks[k], static_cast<int>(first)});
@@ -225,6 +234,7 @@ Dataset JoinRanks(const std::vector<Dataset>& parts, Dataset mine) {
     first += part.num_poses();
   }
   all.joint_values = joint_values.Freeze();
+  all.covariates = covariates.Freeze();
   for (const std::vector<PartBlock>& parts_of_kind : blocks) {
     all.blocks.push_back(MergeBlocks(parts_of_kind, num_poses));
   }
@@ -312,6 +322,7 @@ Dataset GatherData(Communicator* communicator, const Dataset& data,
   if (!data.partition) return mine;
   ByteWriter writer;
   writer.PutMatrix(mine.joint_values);
+  writer.PutMatrix(mine.covariates);
   PutSources(mine.sources, &writer);
   for (const ObservationBlock& block : mine.blocks) PutBlock(block, &writer);
   std::vector<Dataset> parts;
@@ -319,6 +330,7 @@ Dataset GatherData(Communicator* communicator, const Dataset& data,
     ByteReader reader(bytes);
     parts.emplace_back();
     parts.back().joint_values = reader.GetMatrix();
+    parts.back().covariates = reader.GetMatrix();
     parts.back().sources = GetSources(&reader);
     for (const ObservationBlock& block : mine.blocks) {
       parts.back().blocks.push_back(GetBlock(block.kind, &reader));

@@ -67,7 +67,13 @@ Tiles::Tiles(const Arm& arm, const Dataset& data, std::size_t cache_bytes,
 std::size_t Tiles::JointArrays(MeasurementKind kind) const {
   if (kind == MeasurementKind::kPointDistance) return 0;
   return (kind == MeasurementKind::kDifference ? 2 : 1) *
-         (flexible_ ? 4 : 2) * is_revolute_.size();
+         (2 * is_revolute_.size() + ErrorArrays());
+}
+
+std::size_t Tiles::ErrorArrays() const {
+  constexpr std::size_t kBase = 6;
+  if (!flexible_) return 0;
+  return 2 * is_revolute_.size() + (HasCovariates() ? kBase : 0);
 }
 
 void Tiles::AppendGroup(const Group& group) {
@@ -227,6 +233,10 @@ Tile Tiles::Layout(std::int64_t tile, const double* arrays) const {
     const std::size_t turns = 2 * is_revolute_.size() * kTile;
     result.tilts = result.joints + turns;
     result.second_tilts = result.second_joints + turns;
+    if (HasCovariates()) {
+      result.base_motion = result.tilts + turns;
+      result.second_base_motion = result.second_tilts + turns;
+    }
   }
   result.measured = arrays + joint_arrays * kTile;
   if (group.shared_sigmas == nullptr) {
@@ -279,20 +289,27 @@ void Tiles::FillJoints(const Group& group, Eigen::Index first, int count,
     }
     if (!flexible_ && is_revolute_[j]) kernel::SineAndCosine(sines, cosines);
   }
-  if (flexible_) AddErrors(count, arrays);
+  if (flexible_) AddErrors(poses, count, arrays);
 }
 
 // From the joint values, where their sines are to be.
-void Tiles::AddErrors(int count, double* arrays) const {
+void Tiles::AddErrors(const std::array<Eigen::Index, kTile>& poses, int count,
+                      double* arrays) const {
   const std::size_t n = is_revolute_.size();
   double* const tilts = arrays + 2 * n * kTile;
-  std::fill(tilts, tilts + 2 * n * kTile, 0.0);
+  double* const base = tilts + 2 * n * kTile;
+  std::fill(tilts, tilts + ErrorArrays() * kTile, 0.0);
   Eigen::VectorXd q(static_cast<Eigen::Index>(n));
   for (int lane = 0; lane < count; ++lane) {
     for (std::size_t j = 0; j < n; ++j) {
       q[static_cast<Eigen::Index>(j)] = arrays[2 * j * kTile + lane];
     }
-    const PoseErrors errors = ErrorsAt(*flexible_, q.data());
+    const PoseErrors errors = ErrorsAt(
+        *flexible_, q.data(),
+        CovariatesAt(data_, *flexible_, static_cast<int>(poses[lane])).data());
+    for (int k = 0; HasCovariates() && k < 6; ++k) {
+      base[IndexOf(k, lane)] = errors.base[k];
+    }
     for (std::size_t j = 0; j < n; ++j) {
       const auto column = static_cast<Eigen::Index>(j);
       arrays[2 * j * kTile + lane] += errors.shifts[column];

@@ -2,6 +2,7 @@
 #define ALIDADE_SRC_KERNEL_TILES_H_
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -31,6 +32,9 @@ struct Tile {
   /// them; null for a rigid arm.
   const double* tilts = nullptr;
   const double* second_tilts = nullptr;
+  /// Six arrays that covariates move the base by; null where there are none.
+  const double* base_motion = nullptr;
+  const double* second_base_motion = nullptr;
   /// An array for each row (m); of kPose three of the position (m) and nine of
   /// the measured rotation matrix, row by row.
   const double* measured = nullptr;
@@ -104,7 +108,13 @@ class Tiles {
   Tile Fill(std::int64_t tile, double* arrays) const;
   void FillJoints(const Group& group, Eigen::Index first, int count,
                   bool second, double* arrays) const;
-  void AddErrors(int count, double* arrays) const;
+  void AddErrors(const std::array<Eigen::Index, kTile>& poses, int count,
+                 double* arrays) const;
+  bool HasCovariates() const {
+    return flexible_ && !flexible_->errors.covariates.empty();
+  }
+  /// Arrays of tilts and base of one pose.
+  std::size_t ErrorArrays() const;
   void FillMeasured(const Group& group, Eigen::Index first, int count,
                     double* measured) const;
   void FillSigmas(const Group& group, Eigen::Index first, int count,

@@ -109,7 +109,8 @@ Eigen::Matrix3Xd LoadMoments(const Arm& arm, const double* joint_values) {
   return RigidWalk(arm, joint_values).Moments(arm.errors);
 }
 
-PoseErrors ErrorsAt(const Arm& arm, const double* joint_values) {
+PoseErrors ErrorsAt(const Arm& arm, const double* joint_values,
+                    const double* covariates) {
   const ErrorTerms& errors = arm.errors;
   const int n = arm.num_joints();
   PoseErrors at;
@@ -118,6 +119,13 @@ PoseErrors ErrorsAt(const Arm& arm, const double* joint_values) {
   if (errors.coupling.size() > 0) {
     at.shifts =
         errors.coupling * Eigen::Map<const Eigen::VectorXd>(joint_values, n);
+  }
+  for (std::size_t k = 0; covariates != nullptr && k < errors.covariates.size();
+       ++k) {
+    const CovariateEffect& effect = errors.covariates[k];
+    const double value = covariates[k] - effect.reference;
+    at.base += value * effect.base;
+    if (effect.joints.size() > 0) at.shifts += value * effect.joints;
   }
   if (errors.joints.empty()) return at;
   for (int j = 0; j < n; ++j) {

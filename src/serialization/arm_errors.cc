@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
+#include <cstdio>
 
 #include "src/common/number_text.h"
 
@@ -63,6 +65,22 @@ std::string FormatJoint(const JointErrors& joint, int number) {
 }
 
 }  // namespace
+
+std::string QuoteYaml(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+      std::array<char, 8> escape;
+      std::snprintf(escape.data(), escape.size(), "\\x%02x",
+                    static_cast<unsigned>(c));
+      quoted += escape.data();
+    } else {
+      if (c == '"' || c == '\\') quoted += '\\';
+      quoted += c;
+    }
+  }
+  return quoted + "\"";
+}
 
 std::vector<double> ReadQuantities(const YamlValue& value, Dimension dimension,
                                    const Units& units) {
@@ -161,6 +179,17 @@ std::string FormatErrors(const ErrorTerms& errors) {
     text += "  coupling:\n";
     for (const auto& row : errors.coupling.rowwise()) {
       text += "    - " + FormatList(row.eval()) + "\n";
+    }
+  }
+  if (!errors.covariates.empty()) text += "  covariates:\n";
+  for (const CovariateEffect& effect : errors.covariates) {
+    text += fmt::format(
+        "    - name: {}\n      reference: {}\n      move: {}\n      turn: {}\n",
+        QuoteYaml(effect.name), ShortestNumber(effect.reference),
+        FormatList(Eigen::Vector3d(effect.base.head<3>())),
+        FormatList(Eigen::Vector3d(effect.base.tail<3>())));
+    if (effect.joints.size() > 0) {
+      text += "      joints: " + FormatList(effect.joints) + "\n";
     }
   }
   return text;

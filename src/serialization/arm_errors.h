@@ -5,9 +5,13 @@
 #include <vector>
 
 #include "alidade/arm.h"
+#include "src/serialization/config_file.h"
 #include "src/serialization/field_records.h"
 
 namespace alidade::internal {
+
+/// As a quoted text of YAML.
+std::string QuoteYaml(const std::string& text);
 
 std::vector<double> ReadQuantities(const YamlValue& value, Dimension dimension,
                                    const Units& units);
@@ -75,6 +79,29 @@ void VisitJointErrors(Visitor& v, Dimension dimension, JointErrors& joint) {
           "half of the step with the sign of the moment about the axis");
 }
 
+template <typename Visitor>
+void VisitCovariate(Visitor& v, const Arm& arm, CovariateEffect& effect) {
+  v.Field(Key("name").Required(), effect.name, "of the column");
+  v.Field(Key("reference"), effect.reference, "its value without effect");
+  v.Custom(Key("move").In("length").Default("0").Schema(kVectorSchema),
+           "`[x, y, z]` of the base per unit of the column",
+           [&](const YamlValue& value, const Units& units) {
+             effect.base.head<3>() =
+                 ReadVector(value, LengthKey("move"), units);
+           });
+  v.Custom(Key("turn").In("angle").Default("0").Schema(kVectorSchema),
+           "`[rx, ry, rz]` of the base, after the move",
+           [&](const YamlValue& value, const Units& units) {
+             effect.base.tail<3>() = ReadVector(value, AngleKey("turn"), units);
+           });
+  v.Custom(Key("joints").In("as the joints").Default("0").Schema(kNumbersSchema),
+           "n numbers, added to the joint values",
+           [&](const YamlValue& value, const Units& units) {
+             effect.joints =
+                 ReadJointQuantities(value, units, arm, "one per joint");
+           });
+}
+
 /// The `errors` of an arm file. @pre the arm has its joints.
 template <typename Visitor>
 void VisitErrors(Visitor& v, Arm* arm) {
@@ -102,6 +129,14 @@ void VisitErrors(Visitor& v, Arm* arm) {
            [arm](const YamlValue& value, const Units& units) {
              arm->errors.coupling = ReadCouplingMatrix(value, units, *arm);
            });
+  v.Items(Key("covariates"),
+          "effects of columns of the data, per unit of each", errors.covariates,
+          [arm](auto& item, CovariateEffect& effect) {
+            VisitCovariate(item, *arm, effect);
+            item.Check([&](const YamlMap& map) {
+              RefuseRepeatedName(map, effect, arm->errors.covariates);
+            });
+          });
   v.Check([arm](const YamlMap& map) { CheckErrors(map, arm); });
 }
 

@@ -47,22 +47,6 @@ std::string FormatLimit(double limit) {
   return ShortestNumber(limit);
 }
 
-std::string QuoteYaml(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
-      std::array<char, 8> escape;
-      std::snprintf(escape.data(), escape.size(), "\\x%02x",
-                    static_cast<unsigned>(c));
-      quoted += escape.data();
-    } else {
-      if (c == '"' || c == '\\') quoted += '\\';
-      quoted += c;
-    }
-  }
-  return quoted + "\"";
-}
-
 std::string FormatComment(const std::string& comment) {
   std::string text;
   std::istringstream lines(comment);

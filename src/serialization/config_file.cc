@@ -66,7 +66,8 @@ YamlValue ReadConfigFile(const std::string& path, FileFormat expected) {
   YamlValue root = ReadYaml(path);
   const FileFormat format = ReadFormat(root);
   if (format != expected) {
-    FormatEntry(root).Fail("found " + Quote(WordOf(format)) + ", expected " +
+    FormatEntry(root).Fail("found " + Quote(FormatEntry(root).Text()) +
+                           ", expected " +
                            Quote(WordOf(expected)) + " here" +
                            ReaderOf(format));
   }

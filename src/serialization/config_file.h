@@ -23,6 +23,7 @@ template <>
 inline constexpr std::array kWords<FileFormat> = {
     std::pair{FileFormat::kArm, "alidade-arm-1"},
     std::pair{FileFormat::kDeviations, "alidade-deviations-1"},
+    std::pair{FileFormat::kJob, "alidade-job-2"},
     std::pair{FileFormat::kJob, "alidade-job-1"},
     std::pair{FileFormat::kSimulation, "alidade-simulation-1"},
     std::pair{FileFormat::kPlan, "alidade-plan-1"},
@@ -38,7 +39,11 @@ YamlValue ReadConfigFile(const std::string& path, FileFormat expected);
 /// The first keys of every file.
 template <typename Visitor>
 void VisitHead(Visitor& v, FileFormat format) {
-  v.Custom(Key("format").Required().Schema(kTextSchema), WordOf(format),
+  v.Custom(Key("format").Required().Schema(kTextSchema),
+           format == FileFormat::kJob
+               ? "`alidade-job-2`; `alidade-job-1` is the same, but that "
+                 "`errors` is `none` where it is left out"
+               : WordOf(format),
            ReadElsewhere);
   v.Custom(
       Key("units").Required().Schema(

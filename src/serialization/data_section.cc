@@ -136,6 +136,16 @@ void VisitColumns(Visitor& v, const Arm& arm, ColumnMapping* mapping) {
   header("plane", "a header", &mapping->plane);
   header("target", "a header", &mapping->target);
   header("set", "a header", &mapping->set);
+  v.Custom(Key("covariates").Schema(kNamesSchema),
+           "list of headers: numbers whose effect on the base error terms may "
+           "have (temperature, time, tilt), in every row",
+           [=](const YamlValue& value) {
+             mapping->covariates = ReadHeaders(value.List());
+           });
+  header("station",
+         "a header: texts that say where, or on which day, the row was "
+         "measured; error terms may move the base from one to the next",
+         &mapping->station);
   v.Custom(
       Key("targets").Schema(
           R"({"type": "object", "additionalProperties": {"type": "array", "items": {"type": "string"}}})"),
@@ -211,6 +221,44 @@ void VisitData(Visitor& v, const Arm& arm, DataFormat* format,
   v.Check([&](const YamlMap& map) { CheckTarget(map, arm, *format); });
 }
 
+// A covariate of each station but the first, 1 there and 0 elsewhere.
+void AddStations(const std::vector<std::string>& stations, Dataset* data) {
+  std::vector<std::string> names;
+  for (const std::string& station : stations) {
+    if (std::find(names.begin(), names.end(), station) == names.end()) {
+      names.push_back(station);
+    }
+  }
+  if (names.size() < 2) return;
+  const auto before = static_cast<Eigen::Index>(data->covariate_names.size());
+  const auto more = static_cast<Eigen::Index>(names.size()) - 1;
+  MatrixBuilder all(before + more, data->num_poses());
+  all.map().setZero();
+  if (before > 0) all.map().topRows(before) = data->covariates.map();
+  for (Eigen::Index pose = 0; pose < data->num_poses(); ++pose) {
+    const auto number =
+        std::find(names.begin(), names.end(), stations[pose]) - names.begin();
+    if (number > 0) all.map()(before + number - 1, pose) = 1.0;
+  }
+  for (std::size_t k = 1; k < names.size(); ++k) {
+    data->covariate_names.push_back("station " + names[k]);
+  }
+  data->covariates = all.Freeze();
+}
+
+// Data that are joined have the same covariates.
+void RequireSameCovariates(const std::vector<LoadedData>& parts) {
+  for (const LoadedData& part : parts) {
+    if (part.data.covariate_names == parts.front().data.covariate_names) {
+      continue;
+    }
+    throw InputError({part.data.name, 0, 0, ""},
+                     "has other `covariates` than " +
+                         parts.front().data.name +
+                         ", expected the same in all files of `data`");
+  }
+}
+
 // All parts as one. A pose of a part without sets is in the set "".
 LoadedData Merge(std::vector<LoadedData> parts, int num_joints) {
   LoadedData all;
@@ -218,7 +266,22 @@ LoadedData Merge(std::vector<LoadedData> parts, int num_joints) {
     all.data.joint_values = Eigen::MatrixXd(num_joints, 0);
     return all;
   }
+  RequireSameCovariates(parts);
   std::vector<Dataset> data;
+  const bool has_stations =
+      std::any_of(parts.begin(), parts.end(), [](const LoadedData& part) {
+        return !part.stations.empty();
+      });
+  for (LoadedData& part : parts) {
+    if (!has_stations) break;
+    // A file without such a column is one station.
+    if (part.stations.empty()) {
+      part.stations.assign(static_cast<std::size_t>(part.data.num_poses()),
+                           part.data.name);
+    }
+    std::move(part.stations.begin(), part.stations.end(),
+              std::back_inserter(all.stations));
+  }
   const bool has_sets =
       std::any_of(parts.begin(), parts.end(),
                   [](const LoadedData& part) { return !part.sets.empty(); });
@@ -236,6 +299,7 @@ LoadedData Merge(std::vector<LoadedData> parts, int num_joints) {
   for (const Dataset& part : data) num_poses += part.num_poses();
   RequireFewRows(data.back().name, num_poses);
   all.data = MergeDatasets(std::move(data));
+  if (has_stations) AddStations(all.stations, &all.data);
   return all;
 }
 
@@ -377,6 +441,12 @@ LoadedData ReadData(const YamlValue& value, const MeasurementSigmas& sigmas,
     ReadEntry(entry, defaults, context, job, &assignment, &parts);
   }
   LoadedData all = Merge(std::move(parts), job->arm.num_joints());
+  if (job->communicator->Sum(all.data.covariate_names.empty() ? 0 : 1) > 0 &&
+      is_partitioned) {
+    value.Fail(
+        "covariates and stations need all data in one process: run without "
+        "mpirun");
+  }
   if (is_partitioned) {
     PartitionLoaded(job->communicator, known, &all, &job->data.references);
   }

@@ -74,7 +74,8 @@ ErrorTermOptions ReadErrorTerms(const YamlValue& value, const Units& units,
   ReadFields(value, units,
              [&](auto& v) { VisitTerms(v, num_joints, &options); });
   const bool is_empty = !options.elasticity && !options.scale &&
-                        !options.backlash && options.function_length == 0.0 &&
+                        !options.backlash && !options.covariates &&
+                        options.function_length == 0.0 &&
                         options.harmonics.empty() && options.coupling.empty();
   if (is_empty) {
     value.Fail("asks for no term, expected `none` or one of " +

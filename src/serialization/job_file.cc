@@ -289,7 +289,7 @@ void VisitMeasurements(Visitor& v, JobReading* reading) {
             "are as stated");
         section.Check([&](const YamlMap& map) { CheckMethod(map, *job); });
       });
-  v.Custom(Key("errors").Default("none").Schema(kErrorsSchema),
+  v.Custom(Key("errors").Default("auto").Schema(kErrorsSchema),
            "errors of the arm that are not rigid geometry: `none`, `auto` (what "
            "the measurements have evidence for), or a map of terms (\"Error "
            "terms of a job\", below). `none` leaves those of the arm as they "
@@ -420,6 +420,10 @@ JobConfig Load(const YamlValue& root, bool with_validation,
   job.path = root.document().files.front();
   job.options.num_threads = execution.num_threads;
   job.communicator = execution.communicator;
+  if (root.Find("format") &&
+      root.Find("format")->Text() == WordOf(FileFormat::kJob)) {
+    job.options.errors.selection = ErrorTermSelection::kAuto;
+  }
   JobReading reading{&context, &job, with_validation};
   ReadFields(root, context.units, [&](auto& v) { VisitJob(v, &reading); });
   job.input_files = context.files.paths();

@@ -8,7 +8,7 @@
 #include "src/common/bytes.h"
 #include "src/common/names.h"
 #include "src/common/numbers.h"
-#include "src/kernel/holdout.h"
+#include "src/calibration/data_split.h"
 #include "src/kernel/partition.h"
 #include "src/serialization/partitioned_data.h"
 
@@ -22,14 +22,11 @@ void Take(HoldOut split, JobConfig* job) {
 
 void TakeFraction(const YamlValue& fraction, const HoldOutOptions& options,
                   JobConfig* job) {
-  HoldOut split = HoldOutFraction(job->data.training, options.fraction,
-                                  options.seed, job->communicator);
-  if (split.train.global_poses() == 0 || split.validation.global_poses() == 0) {
-    fraction.Fail(
-        "leaves no configuration on one side: the data set has too few "
-        "different ones for it");
+  try {
+    Take(SplitData(job->data.training, options, job->communicator), job);
+  } catch (const InputError& error) {
+    fraction.Fail(error.message());
   }
-  Take(std::move(split), job);
   job->options.holdout = options;
 }
 

@@ -140,7 +140,7 @@ TEST(FlexibleTest, AutomaticTermsAreFoundAndTold) {
   ASSERT_TRUE(result.error_terms.has_value());
   const ErrorTermsResult& terms = *result.error_terms;
   EXPECT_GT(terms.share, 0.9);
-  ASSERT_EQ(terms.rungs.size(), 5U);
+  ASSERT_GE(terms.rungs.size(), 5U);
   EXPECT_EQ(terms.rungs[0].name, "geometry");
   EXPECT_EQ(terms.rungs[0].num_terms, 0);
   EXPECT_EQ(terms.rungs[1].num_terms, 15);
@@ -186,11 +186,11 @@ TEST(FlexibleTest, RigidArmsStayAsTheyAre) {
 
 TEST(FlexibleTest, FewPosesAreSaidToDecideNothing) {
   const CalibrationResult result = Calibrate(
-      NominalArm(), DataOf(FlexibleArm(), 19), With(ErrorTermSelection::kAuto));
+      NominalArm(), DataOf(FlexibleArm(), 9), With(ErrorTermSelection::kAuto));
   ASSERT_TRUE(result.error_terms.has_value());
   EXPECT_EQ(result.error_terms->share, 0.0);
   EXPECT_TRUE(result.error_terms->rungs.empty());
-  EXPECT_THAT(result.error_terms->sentence, HasSubstr("fewer than 20"));
+  EXPECT_THAT(result.error_terms->sentence, HasSubstr("fewer than 10"));
   EXPECT_TRUE(result.arm.errors.empty());
 }
 

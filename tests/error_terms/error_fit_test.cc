@@ -177,7 +177,7 @@ TEST(FitErrorTermsTest, StackOfRungsIsBetterThanTheGeometry) {
   const std::optional<ErrorFit> fit = FitWith(measured, Rungs(), true);
   ASSERT_TRUE(fit.has_value());
   EXPECT_GT(fit->stacking.share, 0.9);
-  ASSERT_EQ(fit->rungs.size(), 3U);
+  ASSERT_GE(fit->rungs.size(), 3U);
   EXPECT_EQ(fit->rungs[0].set.name, "geometry");
   EXPECT_TRUE(fit->rungs[0].terms.joints[0].function.empty());
   EXPECT_GT(fit->rungs[2].weight, 0.7);
@@ -221,7 +221,7 @@ TEST(FitErrorTermsTest, RigidArmStaysRigid) {
 TEST(FitErrorTermsTest, FewConfigurationsDecideNothing) {
   Random random(163);
   const Arm arm = MakeArm(&random);
-  Measured measured = Make(19, TrueTerms(arm, true), arm, &random);
+  Measured measured = Make(kFewestForErrorTerms - 1, TrueTerms(arm, true), arm, &random);
   EXPECT_FALSE(FitWith(measured, Rungs(), true).has_value());
   // Repeats are no more configurations.
   const Eigen::MatrixXd q = measured.data.joint_values.map().replicate(1, 3);

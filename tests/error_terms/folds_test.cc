@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <vector>
 
@@ -63,7 +64,7 @@ TEST(FoldsTest, RepeatsStayTogether) {
   const TrainingFolds folds = MakeTrainingFolds(data);
   std::vector<std::vector<bool>> all = folds.left_out;
   all.push_back(RegionOf(data, 0.3, 4));
-  all.push_back(BlocksOf(data, 0.3, 4, 4));
+  all.push_back(BlocksOf(data, 0.3, 4));
   for (const std::vector<bool>& taken : all) {
     ASSERT_EQ(taken.size(), 150U);
     for (int k = 0; k < 50; ++k) {
@@ -95,15 +96,12 @@ TEST(FoldsTest, RandomFoldsCoverEachPoseOnce) {
 
 TEST(FoldsTest, BlocksAreRunsOfPoses) {
   const Dataset data = DataOf(400, 1);
-  for (const int blocks : {1, 3, 5}) {
-    const std::vector<bool> taken = BlocksOf(data, 0.25, blocks, 9);
-    EXPECT_NEAR(Count(taken), 100, 2);
-    int starts = 0;
-    for (int k = 0; k < 400; ++k) {
-      starts += taken[k] && (k == 0 || !taken[k - 1]) ? 1 : 0;
-    }
-    EXPECT_GE(starts, 1);
-    EXPECT_LE(starts, blocks);
+  for (const double fraction : {0.001, 0.25, 0.5, 0.999}) {
+    const std::vector<bool> taken = BlocksOf(data, fraction, 9);
+    const double met = std::clamp(fraction, 0.05, 0.95);
+    EXPECT_EQ(Count(taken), static_cast<int>(std::lround(400 * met)));
+    // Of twenty runs of twenty each.
+    for (int k = 0; k < 400; ++k) EXPECT_EQ(taken[k], taken[k / 20 * 20]);
   }
 }
 
@@ -111,8 +109,8 @@ TEST(FoldsTest, SeedDecides) {
   const Dataset data = DataOf(200, 1);
   EXPECT_EQ(RegionOf(data, 0.25, 5), RegionOf(data, 0.25, 5));
   EXPECT_NE(RegionOf(data, 0.25, 5), RegionOf(data, 0.25, 6));
-  EXPECT_EQ(BlocksOf(data, 0.25, 3, 5), BlocksOf(data, 0.25, 3, 5));
-  EXPECT_NE(BlocksOf(data, 0.25, 3, 5), BlocksOf(data, 0.25, 3, 6));
+  EXPECT_EQ(BlocksOf(data, 0.25, 5), BlocksOf(data, 0.25, 5));
+  EXPECT_NE(BlocksOf(data, 0.25, 5), BlocksOf(data, 0.25, 6));
   EXPECT_EQ(MakeTrainingFolds(data).left_out, MakeTrainingFolds(data).left_out);
   std::set<std::vector<bool>> different;
   for (const std::vector<bool>& fold : MakeTrainingFolds(data).left_out) {

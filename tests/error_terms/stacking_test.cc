@@ -124,7 +124,7 @@ TEST(StackTest, ShareIsOfTheSmallerEvidence) {
     const StackingResult result =
         Stack(DrawFolds(Eigen::Vector2d(1.0, size), 0.3, &random));
     const double t = std::min(result.t_regions, result.t_random);
-    const double expected = t > 2.0 ? 1.0 - 4.0 / (t * t) : 0.0;
+    const double expected = t > 2.0 ? 1.0 - 8.0 / (t * t * t) : 0.0;
     EXPECT_DOUBLE_EQ(result.share, expected);
   }
   // A gain in random folds alone, lost where regions are left out.

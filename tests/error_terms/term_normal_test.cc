@@ -134,7 +134,8 @@ class TermNormalTest : public ::testing::Test {
 TEST_F(TermNormalTest, GramIsThatOfTheDenseRows) {
   for (const double length : {0.0, 0.4, 1.5}) {
     const TermColumns columns(measured_.arm, testing::AllTerms(length),
-                              measured_.data.joint_values.map());
+                              measured_.data.joint_values.map(),
+                            testing::Deviations());
     for (const std::vector<int>& some :
          {All(), std::vector<int>{0, 5, 17, 30}, std::vector<int>{}}) {
       const Eigen::MatrixXd dense = DenseOf(data(), columns, some).All();
@@ -156,13 +157,14 @@ TEST_F(TermNormalTest, GramIsThatOfTheDenseRows) {
 TEST_F(TermNormalTest, RidgeIsGeneralisedLeastSquares) {
   const double length = 0.8;
   const TermColumns columns(measured_.arm, testing::AllTerms(length),
-                            measured_.data.joint_values.map());
+                            measured_.data.joint_values.map(),
+                            testing::Deviations());
   const Eigen::VectorXd none = Eigen::VectorXd::Constant(6, kNone);
   const TermRidge ridge(columns, Eigen::VectorXd::Zero(6), none);
   const Eigen::MatrixXd gram = TermGram(data(), columns, All());
   const double unit = std::log10(gram.diagonal().head(6).mean());
   const LogPrecisions precisions = {unit - 1.0, unit,       unit - 2.0,
-                                    unit + 1.0, unit - 1.5, unit};
+                                    unit + 1.0, unit - 1.5, unit, unit - 0.5};
   const DenseRows dense = DenseOf(data(), columns, All());
   const Kriging expected(dense, PriorCovariance(columns, length, precisions),
                          100.0);
@@ -173,15 +175,14 @@ TEST_F(TermNormalTest, RidgeIsGeneralisedLeastSquares) {
   EXPECT_LT((solution.terms - expected.terms).norm(),
             1e-7 * expected.terms.norm());
   EXPECT_NEAR(solution.cost, expected.cost, 1e-8 * expected.cost);
-  EXPECT_NEAR(ridge.Variance(gram, 100.0, precisions), expected.cost / 94.0,
-              1e-8 * expected.cost);
 }
 
 TEST_F(TermNormalTest, PriorsOfTheGeometryHoldItsDeviations) {
   TermSet set;
   set.elasticity = true;
   const TermColumns columns(measured_.arm, set,
-                            measured_.data.joint_values.map());
+                            measured_.data.joint_values.map(),
+                            testing::Deviations());
   const Eigen::MatrixXd gram = TermGram(data(), columns, All());
   Eigen::VectorXd deviations(6);
   for (double& value : deviations) value = random_.Uniform(-1.0, 1.0);
@@ -189,7 +190,7 @@ TEST_F(TermNormalTest, PriorsOfTheGeometryHoldItsDeviations) {
   priors[2] = 1e-9;
   priors[3] = 1e-3;
   const TermRidge ridge(columns, deviations, priors);
-  const LogPrecisions precisions = {3.0, 3.0, 0.0, 0.0, 0.0, 0.0};
+  const LogPrecisions precisions = {3.0, 3.0};
   const TermSolution solution = ridge.Solve(gram, precisions);
   EXPECT_NEAR(solution.geometry[2], -deviations[2], 1e-8);
   // The same by rows of their own.
@@ -218,11 +219,12 @@ TEST_F(TermNormalTest, CovarianceIsTheInverseOfThePenalisedMatrix) {
   set.elasticity = true;
   set.scale = true;
   const TermColumns columns(measured_.arm, set,
-                            measured_.data.joint_values.map());
+                            measured_.data.joint_values.map(),
+                            testing::Deviations());
   const Eigen::MatrixXd gram = TermGram(data(), columns, All());
   const TermRidge ridge(columns, Eigen::VectorXd::Zero(6),
                         Eigen::VectorXd::Constant(6, 10.0));
-  const LogPrecisions precisions = {2.0, 1.0, 0.0, 0.0, 1.5, 0.0};
+  const LogPrecisions precisions = {2.0, 1.0, 0.0, 0.0, 1.5};
   Eigen::MatrixXd penalised =
       gram.topLeftCorner(6 + columns.size(), 6 + columns.size());
   penalised.diagonal().head(6).array() += 1e-2;
@@ -243,7 +245,8 @@ TEST_F(TermNormalTest, HopelessMatrixHasInfiniteCost) {
   TermSet set;
   set.elasticity = true;
   const TermColumns columns(measured_.arm, set,
-                            measured_.data.joint_values.map());
+                            measured_.data.joint_values.map(),
+                            testing::Deviations());
   const Eigen::Index size = 6 + columns.size() + 1;
   const TermRidge ridge(columns, Eigen::VectorXd::Zero(6),
                         Eigen::VectorXd::Constant(6, kNone));
@@ -270,7 +273,8 @@ class ScaleTest : public ::testing::TestWithParam<int> {
     TermSet set;
     set.elasticity = true;
     set.function_length = kLength;
-    columns_.emplace(arm_, set, data_.joint_values.map());
+    columns_.emplace(arm_, set, data_.joint_values.map(),
+                     Eigen::VectorXd());
     const MeasurementModel model(arm_, 1);
     rows_ = MakeTermRows(model, model.NominalValues(), data_,
                          testing::AllColumnsOf(model.layout()));
@@ -316,8 +320,8 @@ TEST_P(ScaleTest, ChosenPrecisionsAreOfLargestLikelihoodAndNearTheTruth) {
   // Six knots and more a joint tell a variance to a factor of about 2; the
   // grid is half a decade.
   EXPECT_NEAR(chosen[function], truth[function], 0.8);
-  EXPECT_NEAR(ridge.Variance(gram, 3.0 * kPoses, chosen), kNoise * kNoise,
-              0.25 * kNoise * kNoise);
+  EXPECT_NEAR(ridge.Solve(gram, chosen).cost / (3.0 * kPoses - 12.0),
+              kNoise * kNoise, 0.25 * kNoise * kNoise);
   // No neighbour is more likely, by the other formula.
   const DenseRows dense = DenseOf(data, *columns_, all);
   const auto criterion = [&](const LogPrecisions& at) {

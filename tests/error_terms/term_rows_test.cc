@@ -72,7 +72,8 @@ TEST(TermRowsTest, ColumnsAreDerivativesOfTheResiduals) {
     Random random(130, stream);
     const MeasuredArm measured = testing::MeasuredForTerms(&random);
     const TermColumns columns(measured.arm, testing::AllTerms(1.0),
-                              measured.data.joint_values.map());
+                              measured.data.joint_values.map(),
+                            testing::Deviations());
     // Coefficients of 0.05 turn by up to some 1e-4 rad: the differences are
     // good to the square of that, and to rounding over it.
     ExpectDerivatives(measured, columns, Eigen::VectorXd::Zero(columns.size()),
@@ -84,7 +85,8 @@ TEST(TermRowsTest, ColumnsAreThoseOfTheBentArm) {
   Random random(131);
   const MeasuredArm measured = testing::MeasuredForTerms(&random);
   const TermColumns columns(measured.arm, testing::AllTerms(1.0),
-                            measured.data.joint_values.map());
+                            measured.data.joint_values.map(),
+                            testing::Deviations());
   Eigen::VectorXd at(columns.size());
   for (double& value : at) value = random.Uniform(-5.0, 5.0);
   // Turns by some centiradians; the columns' axes are good to their squares,
@@ -133,7 +135,8 @@ TEST(TermColumnsTest, CoefficientsComeBackFromTheirTerms) {
   Random random(134);
   const MeasuredArm measured = testing::MeasuredForTerms(&random);
   const TermColumns columns(measured.arm, testing::AllTerms(0.3),
-                            measured.data.joint_values.map());
+                            measured.data.joint_values.map(),
+                            testing::Deviations());
   Eigen::VectorXd coefficients(columns.size());
   for (double& value : coefficients) value = random.Uniform(-1.0, 1.0);
   const ErrorTerms terms =
@@ -143,6 +146,9 @@ TEST(TermColumnsTest, CoefficientsComeBackFromTheirTerms) {
   EXPECT_TRUE(terms.joints[1].function.empty()) << "of a prismatic joint";
   EXPECT_EQ(terms.joints[1].compliance.z(), 0.0);
   EXPECT_EQ(terms.joints[0].harmonics.size(), 2U);
+  EXPECT_EQ(terms.joints[3].harmonics.size(), 3U);
+  EXPECT_NE(terms.covariates[1].base[5], 0.0);
+  EXPECT_NE(terms.covariates[2].joints[3], 0.0);
   EXPECT_NE(terms.coupling(2, 1), 0.0);
   EXPECT_NE(terms.coupling(1, 1), 0.0);
   EXPECT_EQ(terms.coupling(1, 2), 0.0);
@@ -154,14 +160,15 @@ TEST(TermColumnsTest, CoarserFunctionsAreThoseOfTheUnion) {
   const auto columns_of = [&](double length) {
     TermSet set;
     set.function_length = length;
-    return TermColumns(measured.arm, set, measured.data.joint_values.map());
+    return TermColumns(measured.arm, set, measured.data.joint_values.map(),
+                       testing::Deviations());
   };
   const TermColumns coarse = columns_of(1.5);
   const TermColumns fine = columns_of(0.1);
   TermSet elastic;
   elastic.elasticity = true;
   const TermColumns all = TermColumns::Union(
-      {TermColumns(measured.arm, elastic, measured.data.joint_values.map()),
+      {TermColumns(measured.arm, elastic, measured.data.joint_values.map(), {}),
        fine, coarse});
   EXPECT_EQ(all.num_dense(), 11);
   Eigen::VectorXd coefficients(coarse.size());
@@ -185,17 +192,18 @@ TEST(TermColumnsTest, KnotsAreWhereTheFunctionIs) {
   TermSet set;
   set.function_length = 0.3;
   const TermColumns columns(measured.arm, set,
-                            measured.data.joint_values.map());
+                            measured.data.joint_values.map(),
+                            testing::Deviations());
   Eigen::VectorXd coefficients(columns.size());
   for (double& value : coefficients) value = random.Uniform(-1.0, 1.0);
   const ErrorTerms terms = columns.TermsOf(coefficients, {}, 4);
   const JointFunction& function = terms.joints[0].function;
-  const Eigen::VectorXd moments = Eigen::VectorXd::Zero(12);
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(12);
   for (int k = -150; k < 250; ++k) {
     const Eigen::Vector4d q(function.first + 0.11 * function.spacing * k, 0.0,
                             1e6, -1e6);
     double shift = 0.0;
-    columns.ForEachAt(q.data(), moments.data(),
+    columns.ForEachAt({q.data(), none.data(), none.data()},
                       [&](int column, int turn, double size) {
                         EXPECT_EQ(turn, 2);
                         shift += size * coefficients[column] * kTermUnit;
@@ -210,7 +218,8 @@ TEST(TermColumnsTest, PrecisionIsTheInverseOfMaternsCovariance) {
   TermSet set;
   set.function_length = 0.3;
   const TermColumns columns(measured.arm, set,
-                            measured.data.joint_values.map());
+                            measured.data.joint_values.map(),
+                            testing::Deviations());
   const FunctionKnots& knots = columns.functions().front();
   Eigen::MatrixXd covariance(knots.count, knots.count);
   for (int a = 0; a < knots.count; ++a) {
@@ -234,7 +243,7 @@ TEST(TermColumnsTest, JointThatNeverMovesHasNoFunction) {
   q.row(2).setConstant(0.7);
   TermSet set;
   set.function_length = 0.3;
-  const TermColumns columns(measured.arm, set, q);
+  const TermColumns columns(measured.arm, set, q, testing::Deviations());
   ASSERT_EQ(columns.functions().size(), 2U);
   EXPECT_EQ(columns.functions()[1].joint, 3);
 }

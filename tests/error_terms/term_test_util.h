@@ -21,16 +21,26 @@ inline TermSet AllTerms(double function_length) {
   set.cycles = {1.0, 2.5};
   set.scale = true;
   set.backlash = true;
+  set.joint_cycles = {{3, 20.0}};
   set.coupling = {{2, 1}, {0, 3}};
+  set.covariates = true;
+  set.on_joints = {{0, 1}, {2, 3}};
   return set;
 }
+
+/// Of the covariates of MeasuredForTerms.
+inline Eigen::VectorXd Deviations() { return Eigen::Vector3d(0.7, 1.3, 2.0); }
 
 /// Loads and gravity of random error terms, moments of the geometry of the
 /// values, and no terms yet.
 inline ErrorTerms LoadsAt(const MeasuredArm& measured, Random* random) {
   ErrorTerms errors = RandomErrors(measured.arm, random);
-  errors.joints.clear();
-  errors.coupling.resize(0, 0);
+  errors.Clear();
+  errors.covariates = measured.arm.errors.covariates;
+  for (CovariateEffect& effect : errors.covariates) {
+    effect.base.setZero();
+    effect.joints.resize(0);
+  }
   const Arm at = measured.layout.WithValues(measured.arm, measured.values);
   for (int j = 0; j < at.num_joints(); ++j) {
     const Joint& joint = at.joints[j];
@@ -52,6 +62,7 @@ inline MeasuredArm MeasuredForTerms(Random* random) {
   }
   q.row(1) *= 0.1;
   measured.data.joint_values = q;
+  AddCovariates(&measured, random);
   measured.arm.errors = LoadsAt(measured, random);
   return measured;
 }

@@ -82,6 +82,10 @@ MeasuredArm ManyPoses(int times, Random* random, bool is_flexible = false) {
   Eigen::MatrixXd noisy = measured.data.joint_values.map();
   for (double& value : noisy.reshaped()) value += random->Uniform(-0.5, 0.5);
   measured.data.joint_values = std::move(noisy);
+  if (is_flexible) {
+    measured.data.covariates =
+        measured.data.covariates.map().replicate(1, times).eval();
+  }
   for (ObservationBlock& block : measured.data.blocks) {
     const auto size = static_cast<int>(block.size());
     const ObservationBlock once = block;

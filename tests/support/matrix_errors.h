@@ -100,8 +100,9 @@ inline Vector3l MatrixMoment(const Arm& arm, const RigidFrames& frames, int j) {
   return frames.after[j].topLeftCorner<3, 3>().transpose() * moment;
 }
 
-inline std::vector<MatrixJointError> MatrixErrors(const Arm& arm,
-                                                  const double* q) {
+/// `covariates`: one for each of the arm's, or null.
+inline std::vector<MatrixJointError> MatrixErrors(
+    const Arm& arm, const double* q, const double* covariates = nullptr) {
   const ErrorTerms& errors = arm.errors;
   const int n = arm.num_joints();
   std::vector<MatrixJointError> all(n);
@@ -110,6 +111,13 @@ inline std::vector<MatrixJointError> MatrixErrors(const Arm& arm,
   for (int j = 0; j < n; ++j) {
     for (int k = 0; k < n && errors.coupling.size() > 0; ++k) {
       all[j].shift += static_cast<long double>(errors.coupling(j, k)) * q[k];
+    }
+    for (std::size_t k = 0; k < errors.covariates.size(); ++k) {
+      const CovariateEffect& effect = errors.covariates[k];
+      if (covariates == nullptr || effect.joints.size() == 0) continue;
+      all[j].shift += (static_cast<long double>(covariates[k]) -
+                       effect.reference) *
+                      effect.joints[j];
     }
     if (errors.joints.empty()) continue;
     const JointErrors& joint = errors.joints[j];
@@ -129,6 +137,20 @@ inline std::vector<MatrixJointError> MatrixErrors(const Arm& arm,
                         std::sqrt(moment.z() * moment.z() + 0.25L);
   }
   return all;
+}
+
+/// How covariates move the base.
+inline Matrix4l BaseMotion(const Arm& arm, const double* covariates) {
+  Eigen::Matrix<long double, 6, 1> u = Eigen::Matrix<long double, 6, 1>::Zero();
+  for (std::size_t k = 0; k < arm.errors.covariates.size(); ++k) {
+    const CovariateEffect& effect = arm.errors.covariates[k];
+    if (covariates == nullptr) continue;
+    u += (static_cast<long double>(covariates[k]) - effect.reference) *
+         effect.base.cast<long double>();
+  }
+  const auto angle = [&](int k) { return 2.0L * std::atan(0.5L * u[k]); };
+  return Translation(u.head<3>()) * RotationX(angle(3)) * RotationY(angle(4)) *
+         RotationZ(angle(5));
 }
 
 /// Rot(x, t_x) Rot(y, t_y), by 2 atan(t / 2).

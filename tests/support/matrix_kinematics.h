@@ -93,13 +93,15 @@ inline Matrix4l FrameMatrix(const Eigen::Isometry3d& nominal,
 inline Matrix4l MatrixTargetFrame(const Arm& nominal,
                                   const ParameterLayout& layout,
                                   const VectorXl& values,
-                                  const double* joint_values, int target = 0) {
+                                  const double* joint_values, int target = 0,
+                                  const double* covariates = nullptr) {
   Matrix4l frame =
       FrameMatrix(nominal.instrument_from_base, values,
                   layout.Column(ParameterKind::kBaseTranslation, 0),
-                  layout.Column(ParameterKind::kBaseRotation, 0));
+                  layout.Column(ParameterKind::kBaseRotation, 0)) *
+      BaseMotion(nominal, covariates);
   const std::vector<MatrixJointError> errors =
-      MatrixErrors(nominal, joint_values);
+      MatrixErrors(nominal, joint_values, covariates);
   for (int j = 0; j < nominal.num_joints(); ++j) {
     frame = frame *
             JointMatrix(nominal, layout, values, j, joint_values[j], errors[j]);
