@@ -360,8 +360,8 @@ void PrintErrorTerms(const RealArm& arm) {
               << Number(means.mean / means.geometry) << " | "
               << Number(means.geometry_max) << " | " << Number(means.max)
               << " | " << Number(means.geometry_rotation) << " | "
-              << Number(means.rotation) << " | " << Number(means.share)
-              << " | " << Number(means.predicted) << " |" << std::endl;
+              << Number(means.rotation) << " | " << Number(means.share) << " | "
+              << Number(means.predicted) << " |" << std::endl;
   };
   print("random", WithErrors(arm, SplitKind::kRandom, kSeeds));
   print("region", WithErrors(arm, SplitKind::kRegion, kRegions));

@@ -207,7 +207,7 @@ struct CrossValidation {
 /// One set of error terms that was weighed against others.
 struct ErrorRung {
   std::string name;  ///< "geometry", "elasticity", "elasticity + functions" ...
-  int num_terms = 0;  ///< coefficients besides the geometry
+  int num_terms = 0;    ///< coefficients besides the geometry
   double weight = 0.0;  ///< in what is delivered
   /// Standard deviations of the coefficients' priors, found from the training
   /// poses: compliances about the joint's axis and the others (rad / (N m)),
@@ -229,8 +229,8 @@ struct ErrorTermsResult {
   /// How much of the step from geometry alone to the stack of rungs is taken,
   /// by its evidence: 0 = nothing, the arm is rigid.
   double share = 0.0;
-  double t_regions = 0.0;  ///< evidence of the gain in regions left out
-  double t_random = 0.0;   ///< in random folds
+  double t_regions = 0.0;        ///< evidence of the gain in regions left out
+  double t_random = 0.0;         ///< in random folds
   double effective_terms = 0.0;  ///< coefficients that the data decide
   std::string sentence;
   std::vector<ErrorRung> rungs;

@@ -12,9 +12,9 @@ struct Arm;
 /// A function of a joint's value: linear between equidistant knots, zero beyond
 /// the first and the last of them.
 struct JointFunction {
-  double first = 0.0;    ///< joint value of the first knot (rad, m)
-  double spacing = 0.0;  ///< between knots (rad, m), > 0 where there are any
-  Eigen::VectorXd values;      ///< at the knots (rad, m)
+  double first = 0.0;      ///< joint value of the first knot (rad, m)
+  double spacing = 0.0;    ///< between knots (rad, m), > 0 where there are any
+  Eigen::VectorXd values;  ///< at the knots (rad, m)
   Eigen::VectorXd deviations;  ///< their standard deviations; may be empty
 
   bool empty() const { return values.size() == 0; }
@@ -82,7 +82,8 @@ struct Load {
 /// 2 atan(t / 2), which is t but for t^3 / 12. Where measurements have
 /// covariates c, their effects are
 ///
-///   base * Trans(u_1, u_2, u_3) Rot(x, u_4) Rot(y, u_5) Rot(z, u_6) * T(0, 1) ..
+///   base * Trans(u_1, u_2, u_3) Rot(x, u_4) Rot(y, u_5) Rot(z, u_6) * T(0, 1)
+///   ..
 ///
 /// with u the sum of effects times c - reference; poses of no measurement have
 /// c = reference.

@@ -275,8 +275,8 @@ class Calibrator {
     if (task().options.estimate_sigma) {
       MatchSigmas(fitted(), flexible_->values, errors.effective_terms,
                   &prepared_.task);
-      result_.sigma = MedianLengthSigma(task().data.training,
-                                        task().communicator);
+      result_.sigma =
+          MedianLengthSigma(task().data.training, task().communicator);
       result_.estimated_sigma = result_.sigma;
       result_.estimated_rotation_sigma = MedianSigma(
           RowClass::kRotation, task().data.training, task().communicator);

@@ -271,14 +271,13 @@ void WarnOfFit(const CalibrationSolution& fit, const FitHistory& history,
   warn(WarnOfWorst(result, result.validation_outliers));
   warn(WarnOfManyRejected(fit, result));
   if (!fit.task.data.training.partition) {
-    warn(Listed("rejected observations follow ",
-                PatternOf(fit.task.arm, fit.task.data.training,
-                          result.outliers),
-                fit.terms
-                    ? ": the error terms do not describe all of the arm's errors"
-                    : ": that is no mistake of measurement but an error of the "
-                      "arm; `errors: auto` weighs elasticity and errors of "
-                      "gears"));
+    warn(Listed(
+        "rejected observations follow ",
+        PatternOf(fit.task.arm, fit.task.data.training, result.outliers),
+        fit.terms ? ": the error terms do not describe all of the arm's errors"
+                  : ": that is no mistake of measurement but an error of the "
+                    "arm; `errors: auto` weighs elasticity and errors of "
+                    "gears"));
   }
   warn(WarnOfFewForRobust(fit));
   warn(WarnOfPriors(fit, result.identifiability));

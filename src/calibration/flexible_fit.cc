@@ -179,7 +179,8 @@ std::optional<FlexibleFit> FitFlexible(const CalibrationSolution& rigid,
     result->t_regions = fit->stacking.t_regions;
     result->t_random = fit->stacking.t_random;
     result->effective_terms = fit->effective;
-    const double sigma = MedianSigma(RowClass::kLength, data, task.communicator);
+    const double sigma =
+        MedianSigma(RowClass::kLength, data, task.communicator);
     for (const RungFit& rung : fit->rungs) {
       result->rungs.push_back(Describe(rigid, rung, sigma));
     }
@@ -198,15 +199,13 @@ std::optional<FlexibleFit> FitFlexible(const CalibrationSolution& rigid,
 void MatchSigmas(const MeasurementModel& model, const Eigen::VectorXd& values,
                  double effective, CalibrationTask* task) {
   const Dataset& training = task->data.training;
-  const double left =
-      std::max(0.1, 1.0 - effective / static_cast<double>(
-                                          training.num_equations()));
+  const double left = std::max(
+      0.1, 1.0 - effective / static_cast<double>(training.num_equations()));
   const bool is_robust = task->options.loss != LossKind::kNone;
   std::vector<std::pair<RowClass, double>> factors;
   for (const RowClass which : {RowClass::kLength, RowClass::kRotation}) {
     const Dataset rows = RowsOfClass(training, which);
-    const SharedVector squares =
-        SquaredNorms(model.Errors(values, rows), rows);
+    const SharedVector squares = SquaredNorms(model.Errors(values, rows), rows);
     const Eigen::VectorXi dimensions = Dimensions(rows);
     double sum = 0.0;
     double count = 0.0;

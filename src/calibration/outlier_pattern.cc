@@ -74,8 +74,8 @@ std::string PatternOf(const Arm& arm, const Dataset& data,
   std::string pattern;
   for (int k = 0; k < 2 * n; ++k) {
     const Eigen::VectorXd row = features.row(k);
-    const double z = std::abs(RankSumZ({row.data(), row.data() + row.size()},
-                                       is_in));
+    const double z =
+        std::abs(RankSumZ({row.data(), row.data() + row.size()}, is_in));
     if (z <= largest) continue;
     largest = z;
     pattern = (k < n ? "the value of joint " : "the gravity moment of joint ") +

@@ -177,10 +177,10 @@ Eigen::VectorXd CovariatesAt(const Dataset& data, const Arm& arm, int pose) {
     const CovariateEffect& effect = effects[static_cast<std::size_t>(k)];
     const auto found = std::find(data.covariate_names.begin(),
                                  data.covariate_names.end(), effect.name);
-    values[k] = found == data.covariate_names.end()
-                    ? effect.reference
-                    : data.covariates(found - data.covariate_names.begin(),
-                                      pose);
+    values[k] =
+        found == data.covariate_names.end()
+            ? effect.reference
+            : data.covariates(found - data.covariate_names.begin(), pose);
   }
   return values;
 }

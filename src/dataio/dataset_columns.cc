@@ -299,9 +299,8 @@ DatasetColumns MakeDatasetColumns(const Arm& arm, const DataFormat& format) {
   columns.set = AddText("set", mapping.set, specs);
   columns.station = AddText("station", mapping.station, specs);
   columns.num_covariates = static_cast<int>(mapping.covariates.size());
-  columns.covariates =
-      Add(mapping.covariates, ColumnType::kPlain, CellRule::kRequired,
-          mapping.covariates, specs);
+  columns.covariates = Add(mapping.covariates, ColumnType::kPlain,
+                           CellRule::kRequired, mapping.covariates, specs);
   columns.covariance =
       Add({"cov_xx", "cov_xy", "cov_xz", "cov_yy", "cov_yz", "cov_zz"},
           ColumnType::kSquareLength, CellRule::kMeasured, {}, specs);

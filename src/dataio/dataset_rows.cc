@@ -493,8 +493,7 @@ LoadedData DatasetRows::Finish(References* references) {
       JointsFromMotors(arm_, KeepColumns(kept, arm_.num_joints(), &motors_));
   if (columns_.num_covariates > 0) {
     data.covariate_names = format_.columns.covariates;
-    data.covariates =
-        KeepColumns(kept, columns_.num_covariates, &covariates_);
+    data.covariates = KeepColumns(kept, columns_.num_covariates, &covariates_);
   }
   data.blocks = MakeBlocks(std::move(numbers), data.num_poses(), references);
   return loaded;

@@ -69,11 +69,11 @@ class DatasetRows {
   std::deque<ObservationTable> tables_;  // in the order of a row
   std::vector<Reader> readers_;          // of each
   MatrixBuilder motors_;
-  std::vector<int> lines_;           // 0: the filter leaves the row out
+  std::vector<int> lines_;  // 0: the filter leaves the row out
   MatrixBuilder covariates_;
   std::vector<std::string> sets_;      // empty: no column
   std::vector<std::string> stations_;  // likewise
-  std::vector<std::string> points_;  // names by row; empty: no such kinds
+  std::vector<std::string> points_;    // names by row; empty: no such kinds
   std::vector<std::string> planes_;
   std::vector<int> links_;         // rows that differences are to, from 1
   std::vector<int> link_columns_;  // where they are named

@@ -9,8 +9,8 @@ namespace alidade::internal {
 
 /// The arm's base, or the instrument, moved between two poses.
 struct BaseJump {
-  int pose = 0;            ///< the first after it
-  double distance = 0.0;   ///< in whitened rows: root mean square that it moves
+  int pose = 0;           ///< the first after it
+  double distance = 0.0;  ///< in whitened rows: root mean square that it moves
   double false_alarm = 1.0;
 };
 

@@ -1,6 +1,5 @@
 #include "src/error_terms/error_fit.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -72,14 +71,13 @@ class ErrorFitter {
     if (!input_.losses.empty()) Reweight();
     ChooseScales();
     if (!input_.selects) {
-      fit_.stacking.weights =
-          Eigen::VectorXd::Unit(static_cast<Eigen::Index>(fit_.rungs.size()),
-                                fit_.rungs.size() - 1);
+      fit_.stacking.weights = Eigen::VectorXd::Unit(
+          static_cast<Eigen::Index>(fit_.rungs.size()), fit_.rungs.size() - 1);
       fit_.stacking.share = 1.0;
     } else {
       LeaveOut(0);
       TryHarmonics();
-      fit_.stacking = Stack(fold_errors_);
+      fit_.stacking = StackOf(fold_errors_);
     }
     for (std::size_t k = 0; k < fit_.rungs.size(); ++k) {
       fit_.rungs[k].weight = fit_.stacking.weights[k];
@@ -116,7 +114,8 @@ class ErrorFitter {
       const Eigen::VectorXd values = CovariatesAt(data, arm_, pose);
       for (Eigen::Index k = 0; k < values.size(); ++k) {
         const double off =
-            values[k] - arm_.errors.covariates[static_cast<std::size_t>(k)].reference;
+            values[k] -
+            arm_.errors.covariates[static_cast<std::size_t>(k)].reference;
         deviations[k] += off * off;
       }
     }
@@ -208,8 +207,9 @@ class ErrorFitter {
   void Solve(const TermRidge& ridge, std::size_t k) {
     RungFit& rung = fit_.rungs[k];
     solutions_[k] = ridge.Solve(grams_[k], rung.precisions);
-    rung.variance =
-        solutions_[k].cost / std::max(1.0, Equations() - ridge.num_geometry());
+    // Of exact data rounding may leave less than nothing.
+    rung.variance = std::max(0.0, solutions_[k].cost) /
+                    std::max(1.0, Equations() - ridge.num_geometry());
   }
 
   void Choose(std::size_t k, const LogPrecisions& from) {
@@ -311,6 +311,21 @@ class ErrorFitter {
     return left;
   }
 
+  // Of folds that have nothing left (all of their observations were rejected)
+  // there is nothing to learn.
+  StackingResult StackOf(std::vector<FoldErrors> folds) const {
+    folds.erase(std::remove_if(folds.begin(), folds.end(),
+                               [](const FoldErrors& fold) {
+                                 return fold.residuals.empty();
+                               }),
+                folds.end());
+    if (!folds.empty()) return Stack(folds);
+    StackingResult none;
+    none.weights =
+        Eigen::VectorXd::Unit(static_cast<Eigen::Index>(fit_.rungs.size()), 0);
+    return none;
+  }
+
   // What the rungs from `first` on leave of every fold that they are fitted
   // without.
   void LeaveOut(std::size_t first) {
@@ -359,8 +374,7 @@ class ErrorFitter {
       const RungFit& rung = fit_.rungs[k];
       const Eigen::MatrixXd gram =
           grams_[k] - TermGram(Data(), rung.columns, left);
-      const TermSolution solution =
-          RidgeOf(rung).Solve(gram, rung.precisions);
+      const TermSolution solution = RidgeOf(rung).Solve(gram, rung.precisions);
       for (std::size_t i = 0; i < counted.size(); ++i) {
         const TermRows::Observation& one = rows_.observations[counted[i]];
         fold->residuals[i].col(k) =
@@ -393,13 +407,12 @@ class ErrorFitter {
 
   // By the richest rung of moderate size, so that what bends is no outlier.
   void Reweight() {
-    const RungFit& rung = fit_.rungs[std::min<std::size_t>(
-        1, fit_.rungs.size() - 1)];
+    const RungFit& rung =
+        fit_.rungs[std::min<std::size_t>(1, fit_.rungs.size() - 1)];
     const TermRidge ridge = RidgeOf(rung);
     LogPrecisions precisions = {};
     for (int round = 0; round < kReweightings; ++round) {
-      const Eigen::MatrixXd gram =
-          TermGram(Data(), rung.columns, AllOf(rows_));
+      const Eigen::MatrixXd gram = TermGram(Data(), rung.columns, AllOf(rows_));
       precisions = ridge.Choose(gram, Equations(), precisions);
       const TermSolution solution = ridge.Solve(gram, precisions);
       WeighBy(SquaresOf(LeftBy(rung.columns, solution)));
@@ -490,19 +503,14 @@ class ErrorFitter {
     return TermColumns::Union(all);
   }
 
-  // That of a mixture of the rungs: within and between them.
   std::shared_ptr<const TermCovariance> JointCovariance() {
-    constexpr double kRounding = 1e-10;
-    const TermColumns all = UnionOfColumns();
-    const auto p = static_cast<Eigen::Index>(input_.columns.size());
-    const Eigen::Index size = p + all.size();
-    Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(size, size);
-    Eigen::VectorXd mean(size);
-    mean << InUnits(values_), all.CoefficientsOf(terms_);
+    std::vector<RungEstimate> estimates;
     for (std::size_t k = 0; k < fit_.rungs.size(); ++k) {
       const RungFit& rung = fit_.rungs[k];
+      estimates.push_back({rung.columns, fit_.stacking.weights[k]});
       const double weight = WeightOf(k, fit_.stacking.share);
       if (!(weight > 0.0)) continue;
+      RungEstimate& estimate = estimates.back();
       const Eigen::MatrixXd inverse =
           RidgeOf(rung).Covariance(grams_[k], rung.precisions);
       fit_.effective +=
@@ -510,36 +518,28 @@ class ErrorFitter {
                        .topLeftCorner(inverse.rows(), inverse.cols())
                        .cwiseProduct(inverse)
                        .sum();
-      const Eigen::MatrixXd own = weight * rung.variance * inverse;
-      const Eigen::SparseMatrix<double> from = all.From(rung.columns);
-      const Eigen::MatrixXd beside = from * own.bottomLeftCorner(
-                                                rung.columns.size(), p);
-      covariance.topLeftCorner(p, p) += own.topLeftCorner(p, p);
-      covariance.bottomLeftCorner(all.size(), p) += beside;
-      covariance.topRightCorner(p, all.size()) += beside.transpose();
-      const Eigen::MatrixXd half =
-          from *
-          own.bottomRightCorner(rung.columns.size(), rung.columns.size());
-      covariance.bottomRightCorner(all.size(), all.size()) +=
-          half * from.transpose();
-      Eigen::VectorXd off(size);
-      off << InUnits(rung.values), from * rung.columns.CoefficientsOf(rung.terms);
-      off -= mean;
-      covariance += weight * off * off.transpose();
+      estimate.values.resize(inverse.rows());
+      estimate.values << InUnits(rung.values),
+          rung.columns.CoefficientsOf(rung.terms);
+      estimate.covariance = rung.variance * inverse;
+      const double prior =
+          rung.PriorDeviation(TermGroup::kFunction) / kTermUnit;
+      estimate.function_variance = prior * prior;
     }
-    SetDeviations(covariance.diagonal().tail(all.size()), all);
-    covariance.diagonal() *= 1.0 + kRounding;
-    covariance.diagonal().array() += 1e-14;
-    return std::make_shared<TermCovariance>(TermCovariance{
-        all, input_.columns, covariance.llt().matrixL().toDenseMatrix()});
+    const TermColumns all = UnionOfColumns();
+    std::shared_ptr<const TermCovariance> covariance =
+        CovarianceOfStack(estimates, fit_.stacking.share, all, input_.columns);
+    SetDeviations(
+        covariance->root.bottomRows(all.size()).rowwise().squaredNorm(), all);
+    return covariance;
   }
 
   void SetDeviations(const Eigen::VectorXd& variances, const TermColumns& all) {
     for (const FunctionKnots& knots : all.functions()) {
       fit_.terms.joints[knots.joint].function.deviations =
-          kTermUnit * variances.segment(all.num_dense() + knots.offset,
-                                        knots.count)
-                          .cwiseSqrt();
+          kTermUnit *
+          variances.segment(all.num_dense() + knots.offset, knots.count)
+              .cwiseSqrt();
     }
   }
 
@@ -559,32 +559,11 @@ class ErrorFitter {
 
 }  // namespace
 
-Eigen::MatrixXd TermCovariance::Spread(
-    const TermRows& rows, const TermRows::Observation& one) const {
-  const Eigen::Index p = rows.num_columns();
-  Eigen::MatrixXd spread =
-      rows.geometry.middleRows(one.first_row, one.height) * root.topRows(p);
-  for (const bool second : {false, true}) {
-    const int pose = second ? one.second_pose : one.pose;
-    if (pose < 0) continue;
-    const TermRows::RowMatrix& all = second ? rows.second_turns : rows.turns;
-    const auto turns = all.middleRows(one.first_row, one.height);
-    // What the terms do to each turn, in unit deviations.
-    Eigen::MatrixXd sizes = Eigen::MatrixXd::Zero(turns.cols(), root.cols());
-    columns.ForEachAt(
-        rows.NumbersOf(pose), [&](int column, int turn, double size) {
-          sizes.row(turn) += size * root.row(p + column);
-        });
-    spread += turns * sizes;
-  }
-  return spread;
-}
-
 double RungFit::PriorDeviation(TermGroup group) const {
-  const double unit = group == TermGroup::kOwnAxis ||
-                              group == TermGroup::kOtherAxes
-                          ? 1e-4
-                          : kTermUnit;
+  const double unit =
+      group == TermGroup::kOwnAxis || group == TermGroup::kOtherAxes
+          ? 1e-4
+          : kTermUnit;
   const double log = precisions[static_cast<int>(group)];
   return unit * std::sqrt(variance) * std::pow(10.0, -0.5 * log);
 }

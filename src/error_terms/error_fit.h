@@ -11,6 +11,7 @@
 #include "src/error_terms/periodogram.h"
 #include "src/error_terms/stacking.h"
 #include "src/error_terms/term_columns.h"
+#include "src/error_terms/term_covariance.h"
 #include "src/error_terms/term_normal.h"
 #include "src/kernel/measurement_model.h"
 
@@ -31,24 +32,12 @@ struct ErrorFitInput {
   bool selects = true;
 };
 
-/// What is not known of geometry and terms together.
-struct TermCovariance {
-  TermColumns columns;
-  std::vector<int> geometry;  ///< columns of the layout
-  /// Covariance = root root^T, geometry in mm and mrad first, then coefficients.
-  Eigen::MatrixXd root;
-
-  /// height x size: rows of an observation times the root.
-  Eigen::MatrixXd Spread(const TermRows& rows,
-                         const TermRows::Observation& observation) const;
-};
-
 /// One set of terms, fitted to all data.
 struct RungFit {
   TermSet set;
   TermColumns columns;
   LogPrecisions precisions = {};
-  double variance = 1.0;   ///< of whitened residuals
+  double variance = 1.0;        ///< of whitened residuals
   Eigen::VectorXd values = {};  ///< of the layout
   ErrorTerms terms = {};
   double weight = 0.0;
@@ -83,8 +72,9 @@ constexpr int kFewestForErrorTerms = 10;
 /// scales by restricted likelihood on all data, folds by regions and at random,
 /// and the weights of the sets from what these leave (docs/error_terms.md). All
 /// is linear about the geometric fit first and about the result then, until it
-/// stays. A share of 0 where the terms have no evidence: values are then those of
-/// the input. Nothing where too few configurations were measured. O(N (p + dense)^2 + sets folds columns^3).
+/// stays. A share of 0 where the terms have no evidence: values are then those
+/// of the input. Nothing where too few configurations were measured. O(N (p +
+/// dense)^2 + sets folds columns^3).
 std::optional<ErrorFit> FitErrorTerms(const ErrorFitInput& input);
 
 }  // namespace alidade::internal

@@ -50,9 +50,9 @@ Configurations ConfigurationsOf(const Dataset& data) {
 }
 
 int IndexBelow(Eigen::Index count, Random* random) {
-  return std::min(static_cast<int>(count) - 1,
-                  static_cast<int>(random->Uniform() *
-                                   static_cast<double>(count)));
+  return std::min(
+      static_cast<int>(count) - 1,
+      static_cast<int>(random->Uniform() * static_cast<double>(count)));
 }
 
 std::vector<bool> RegionIn(const Configurations& all, double fraction,

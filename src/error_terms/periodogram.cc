@@ -12,8 +12,8 @@ namespace {
 
 // What one joint's frequencies are computed from.
 struct JointRows {
-  Eigen::VectorXd values;    // joint values, one per row
-  Eigen::VectorXd turns;     // of the joint, weighted
+  Eigen::VectorXd values;  // joint values, one per row
+  Eigen::VectorXd turns;   // of the joint, weighted
   Eigen::VectorXd residuals;
   double range = 0.0;
 };
@@ -53,8 +53,7 @@ Peak PowerAt(const JointRows& rows, double cycles) {
   Eigen::Matrix2d products;
   products << cosine.squaredNorm(), cosine.dot(sine), cosine.dot(sine),
       sine.squaredNorm();
-  const Eigen::Vector2d b(cosine.dot(rows.residuals),
-                          sine.dot(rows.residuals));
+  const Eigen::Vector2d b(cosine.dot(rows.residuals), sine.dot(rows.residuals));
   const Eigen::Vector2d fitted = products.ldlt().solve(b);
   return {cycles, b.dot(fitted), fitted.norm()};
 }
@@ -89,27 +88,27 @@ std::vector<FoundHarmonic> FindHarmonics(const WeightedRows& data,
   for (std::size_t k = 0; k < data.rows.observations.size(); ++k) {
     const TermRows::Observation& one = data.rows.observations[k];
     const double weight = data.weights[static_cast<Eigen::Index>(k)];
-    sum += weight *
-           residuals.segment(one.first_row, one.height).squaredNorm();
+    sum += weight * residuals.segment(one.first_row, one.height).squaredNorm();
     count += weight * one.num_measured;
   }
   const double variance = sum / std::max(1.0, count);
-  ParallelFor(num_threads, num_joints, 1, [&](std::int64_t begin,
-                                              std::int64_t end) {
-    for (std::int64_t j = begin; j < end; ++j) {
-      if (!is_revolute[j]) continue;
-      const JointRows rows = RowsOf(data, residuals, static_cast<int>(j));
-      if (rows.range < kShortest || rows.turns.squaredNorm() == 0.0) continue;
-      const double width = 2.0 * kPi / rows.range;
-      independent[j] = (kMostCycles - kFewestCycles) / width;
-      for (double cycles = kFewestCycles; cycles <= kMostCycles;
-           cycles += width / kOversampling) {
-        const Peak peak = PowerAt(rows, cycles);
-        if (peak.power > highest[j].power) highest[j] = peak;
-      }
-      highest[j] = Refine(rows, highest[j], width / kOversampling);
-    }
-  });
+  ParallelFor(
+      num_threads, num_joints, 1, [&](std::int64_t begin, std::int64_t end) {
+        for (std::int64_t j = begin; j < end; ++j) {
+          if (!is_revolute[j]) continue;
+          const JointRows rows = RowsOf(data, residuals, static_cast<int>(j));
+          if (rows.range < kShortest || rows.turns.squaredNorm() == 0.0)
+            continue;
+          const double width = 2.0 * kPi / rows.range;
+          independent[j] = (kMostCycles - kFewestCycles) / width;
+          for (double cycles = kFewestCycles; cycles <= kMostCycles;
+               cycles += width / kOversampling) {
+            const Peak peak = PowerAt(rows, cycles);
+            if (peak.power > highest[j].power) highest[j] = peak;
+          }
+          highest[j] = Refine(rows, highest[j], width / kOversampling);
+        }
+      });
   double all = 0.0;
   for (const double some : independent) all += some;
   std::vector<FoundHarmonic> found;

@@ -32,9 +32,9 @@ constexpr double kFalseAlarm = 1e-3;
 ///
 /// which is chi-square of two degrees of freedom where there is noise alone, so
 /// that the largest of M independent frequencies exceeds P with probability 1 -
-/// (1 - exp(-P / 2))^M (Lomb 1976; Scargle 1982; of weighted columns Zechmeister
-/// and Kuerster 2009). Highest peak of each joint, as far as it is below
-/// kFalseAlarm. O(joints frequencies rows).
+/// (1 - exp(-P / 2))^M (Lomb 1976; Scargle 1982; of weighted columns
+/// Zechmeister and Kuerster 2009). Highest peak of each joint, as far as it is
+/// below kFalseAlarm. O(joints frequencies rows).
 std::vector<FoundHarmonic> FindHarmonics(const WeightedRows& data,
                                          const Eigen::VectorXd& residuals,
                                          const std::vector<bool>& is_revolute,

@@ -92,8 +92,8 @@ double TOfMean(const std::vector<double>& values) {
   const double mean = all.mean();
   const auto count = static_cast<double>(values.size());
   const double variance = (all - mean).square().sum() / (count - 1.0);
-  return mean / (std::sqrt(variance / count) +
-                 std::numeric_limits<double>::min());
+  return mean /
+         (std::sqrt(variance / count) + std::numeric_limits<double>::min());
 }
 
 }  // namespace

@@ -34,7 +34,8 @@ struct StackingResult {
 ///   paired t of both over the poses of random folds, differences clipped at
 ///   four times their median size,
 ///
-/// where each fold is predicted with weights that were found without it.
+/// where each fold is predicted with weights that were found without it. @pre
+/// there are folds, none of them empty.
 StackingResult Stack(const std::vector<FoldErrors>& folds);
 
 }  // namespace alidade::internal

@@ -110,6 +110,23 @@ const char* NameOf(TermGroup group) {
   return "";
 }
 
+double VarianceBesideKnots(const FunctionKnots& knots, double length,
+                           double joint_value) {
+  const double place = (joint_value - knots.first) / knots.spacing;
+  if (!(place > -1.0 && place < knots.count)) return 1.0;
+  const double below = std::floor(place);
+  const double above_share = place - below;
+  // Knots beyond the last ones have no part.
+  const double a = below >= 0.0 ? 1.0 - above_share : 0.0;
+  const double b = below + 1.0 < knots.count ? above_share : 0.0;
+  const double variance =
+      1.0 + a * a + b * b +
+      2.0 * (a * b * Correlation(knots.spacing, length) -
+             a * Correlation(above_share * knots.spacing, length) -
+             b * Correlation((1.0 - above_share) * knots.spacing, length));
+  return std::max(0.0, variance);
+}
+
 TermColumns::TermColumns(const Arm& arm, const TermSet& set,
                          const Eigen::MatrixXd& joint_values,
                          const Eigen::VectorXd& covariate_deviations)
@@ -183,6 +200,9 @@ void TermColumns::AddFunctions(const Arm& arm,
                                const Eigen::MatrixXd& joint_values,
                                double spacing) {
   constexpr double kMoved = 1e-3;  // rad
+  // Of joints that turned so far that their functions had more, none is
+  // estimated.
+  constexpr double kMostKnots = 2000.0;
   int offset = 0;
   for (int j = 0; j < arm.num_joints(); ++j) {
     if (arm.joints[j].type == JointType::kPrismatic) continue;
@@ -197,6 +217,7 @@ void TermColumns::AddFunctions(const Arm& arm,
     const double beyond = fades ? kFadingLengths * function_length_ : 0.0;
     const double first = std::floor((lowest - beyond) / knots.spacing);
     const double last = std::ceil((highest + beyond) / knots.spacing);
+    if (!(last - first < kMostKnots)) continue;
     knots.first = first * knots.spacing;
     knots.count = static_cast<int>(last - first) + 1;
     knots.offset = offset;
@@ -227,8 +248,9 @@ TermColumns TermColumns::Union(const std::vector<TermColumns>& others) {
                    knots.first + knots.spacing * (knots.count - 1));
       found->first = std::min(found->first, knots.first);
       found->spacing = std::min(found->spacing, knots.spacing);
-      found->count = static_cast<int>(std::lround(
-                         (last - found->first) / found->spacing)) + 1;
+      found->count = static_cast<int>(
+                         std::lround((last - found->first) / found->spacing)) +
+                     1;
     }
   }
   int offset = 0;
@@ -240,8 +262,9 @@ TermColumns TermColumns::Union(const std::vector<TermColumns>& others) {
 }
 
 int TermColumns::num_knots() const {
-  return functions_.empty() ? 0
-                            : functions_.back().offset + functions_.back().count;
+  return functions_.empty()
+             ? 0
+             : functions_.back().offset + functions_.back().count;
 }
 
 Eigen::MatrixXd TermColumns::Precision(const FunctionKnots& knots) const {
@@ -249,8 +272,7 @@ Eigen::MatrixXd TermColumns::Precision(const FunctionKnots& knots) const {
   Eigen::MatrixXd covariance(knots.count, knots.count);
   for (int a = 0; a < knots.count; ++a) {
     for (int b = 0; b < knots.count; ++b) {
-      covariance(a, b) =
-          Correlation(knots.spacing * (a - b), function_length_);
+      covariance(a, b) = Correlation(knots.spacing * (a - b), function_length_);
     }
     covariance(a, a) += kRounding;
   }
@@ -279,10 +301,9 @@ double TermColumns::Regressor(const DenseTerm& term, const PoseNumbers& pose) {
 
 ErrorTerms TermColumns::TermsOf(const Eigen::VectorXd& coefficients,
                                 const ErrorTerms& like, int num_joints) const {
-  const bool has_coupling =
-      std::any_of(dense_.begin(), dense_.end(), [](const DenseTerm& term) {
-        return term.group == TermGroup::kCoupling;
-      });
+  const bool has_coupling = std::any_of(
+      dense_.begin(), dense_.end(),
+      [](const DenseTerm& term) { return term.group == TermGroup::kCoupling; });
   ErrorTerms terms = Prepared(like, num_joints, has_coupling);
   for (int k = 0; k < num_dense(); ++k) {
     *PlaceOf(dense_[k], &terms) = dense_[k].unit * coefficients[k];

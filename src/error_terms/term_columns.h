@@ -76,14 +76,21 @@ struct FunctionKnots {
   int offset = 0;
 };
 
+/// Variance of a function about what its knots make of it, for a prior of unit
+/// variance and that length: 0 at knots, 1 far from them.
+double VarianceBesideKnots(const FunctionKnots& knots, double length,
+                           double joint_value);
+
 /// The columns of a set of terms: dense ones first, then the knots of functions
 /// joint by joint. Coefficients are in DenseTerm::unit, and in kTermUnit at
 /// knots.
 class TermColumns {
  public:
+  TermColumns() = default;  ///< none
   /// Knots enclose `joint_values` (n x poses), and what is so near to them that
   /// a function with the prior of that length is not zero yet. A joint that was
-  /// not moved has none. Effects are per standard deviation of a covariate.
+  /// not moved, or by dozens of turns, has none. Effects are per standard
+  /// deviation of a covariate.
   TermColumns(const Arm& arm, const TermSet& set,
               const Eigen::MatrixXd& joint_values,
               const Eigen::VectorXd& covariate_deviations);
@@ -115,12 +122,12 @@ class TermColumns {
     for (const FunctionKnots& knots : functions_) {
       const double place =
           (pose.joint_values[knots.joint] - knots.first) / knots.spacing;
+      if (!(place > -1.0 && place < knots.count)) continue;
       const double below = std::floor(place);
-      if (below < 0.0 || below + 1.0 >= knots.count) continue;
       const int first = num_dense() + knots.offset + static_cast<int>(below);
       const int turn = 3 * knots.joint + 2;
-      visit(first, turn, 1.0 - (place - below));
-      visit(first + 1, turn, place - below);
+      if (below >= 0.0) visit(first, turn, 1.0 - (place - below));
+      if (below + 1.0 < knots.count) visit(first + 1, turn, place - below);
     }
   }
 
@@ -134,8 +141,6 @@ class TermColumns {
   Eigen::SparseMatrix<double> From(const TermColumns& other) const;
 
  private:
-  TermColumns() = default;
-
   void AddElasticity(const Arm& arm);
   void AddShifts(const Arm& arm, const TermSet& set);
   void AddFunctions(const Arm& arm, const Eigen::MatrixXd& joint_values,

@@ -32,8 +32,7 @@ class GramSum {
         width_(p_ + columns.num_dense() + 1),
         dense_(Eigen::MatrixXd::Zero(width_, width_)),
         beside_(Eigen::MatrixXd::Zero(width_, columns.num_knots())),
-        knots_(Eigen::MatrixXd::Zero(columns.num_knots(),
-                                     columns.num_knots())),
+        knots_(Eigen::MatrixXd::Zero(columns.num_knots(), columns.num_knots())),
         batch_(kBatchRows + kMostRows, width_) {}
 
   void Add(int observation) {
@@ -76,6 +75,7 @@ class GramSum {
   // A knot that an observation touches.
   struct Touched {
     int knot;
+    int turn;  // of which pose and joint
     double weight;
     Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostRows, 1> column;
   };
@@ -97,7 +97,8 @@ class GramSum {
             if (knot < 0) {
               block->col(p_ + column) += size * turns.col(turn);
             } else {
-              touched_.push_back({knot, size, root * turns.col(turn)});
+              const int of_pose = turn + (second ? 3 * rows_.num_joints() : 0);
+              touched_.push_back({knot, of_pose, size, root * turns.col(turn)});
             }
           });
     }
@@ -109,7 +110,7 @@ class GramSum {
     Eigen::VectorXd product(width_);
     for (std::size_t a = 0; a < touched_.size(); ++a) {
       // Both knots of a joint share their column.
-      if (a % 2 == 0) {
+      if (a == 0 || touched_[a].turn != touched_[a - 1].turn) {
         product.noalias() = block.transpose() * touched_[a].column;
       }
       beside_.col(touched_[a].knot) += touched_[a].weight * product;
@@ -267,8 +268,8 @@ TermRidge::Eliminated TermRidge::Eliminate(const Eigen::MatrixXd& gram,
   rest.gradient = gram.col(size).head(dense);
   rest.gradient.head(num_geometry()) +=
       geometry_precisions_.cwiseProduct(deviations_);
-  rest.cost = gram(size, size) +
-              geometry_precisions_.dot(deviations_.cwiseAbs2());
+  rest.cost =
+      gram(size, size) + geometry_precisions_.dot(deviations_.cwiseAbs2());
   if (knots == 0) return rest;
   Eigen::MatrixXd matrix = gram.block(dense, dense, knots, knots);
   AddFunctionPrecisions(log_precision, 0, &matrix);
@@ -277,7 +278,8 @@ TermRidge::Eliminated TermRidge::Eliminate(const Eigen::MatrixXd& gram,
   if (!rest.is_definite) return rest;
   // L^-1 of what the knots have with all others and with the residual.
   Eigen::MatrixXd beside(knots, dense + 1);
-  beside << gram.block(dense, 0, knots, dense), gram.block(dense, size, knots, 1);
+  beside << gram.block(dense, 0, knots, dense),
+      gram.block(dense, size, knots, 1);
   factor.matrixL().solveInPlace(beside);
   rest.matrix.noalias() -=
       beside.leftCols(dense).transpose() * beside.leftCols(dense);
@@ -300,9 +302,8 @@ double TermRidge::Criterion(const Eliminated& rest, double freedom,
   const double cost =
       rest.cost - rest.gradient.dot(factor.solve(rest.gradient));
   if (!(cost > 0.0)) return std::numeric_limits<double>::infinity();
-  double criterion =
-      freedom * std::log(cost / freedom) + rest.log_determinant +
-      2.0 * factor.matrixLLT().diagonal().array().log().sum();
+  double criterion = freedom * std::log(cost / freedom) + rest.log_determinant +
+                     2.0 * factor.matrixLLT().diagonal().array().log().sum();
   for (int k = 0; k < kNumTermGroups; ++k) {
     criterion -= std::log(10.0) * sizes_[k] * precisions[k];
   }
@@ -320,8 +321,8 @@ LogPrecisions TermRidge::Choose(const Eigen::MatrixXd& gram, double equations,
     const double of_functions = at[static_cast<int>(TermGroup::kFunction)];
     auto found = eliminated.find(of_functions);
     if (found == eliminated.end()) {
-      found = eliminated.emplace(of_functions, Eliminate(gram, of_functions))
-                  .first;
+      found =
+          eliminated.emplace(of_functions, Eliminate(gram, of_functions)).first;
     }
     return Criterion(found->second, freedom, at);
   };

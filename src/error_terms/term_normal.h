@@ -57,8 +57,8 @@ class TermRidge {
   /// definite.
   TermSolution Solve(const Eigen::MatrixXd& gram,
                      const LogPrecisions& precisions) const;
-  /// The inverse of the penalised matrix: the posterior covariance for residuals
-  /// of variance 1.
+  /// The inverse of the penalised matrix: the posterior covariance for
+  /// residuals of variance 1.
   Eigen::MatrixXd Covariance(const Eigen::MatrixXd& gram,
                              const LogPrecisions& precisions) const;
 

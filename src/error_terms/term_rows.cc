@@ -139,16 +139,16 @@ class RowsMaker {
     const auto p = static_cast<Eigen::Index>(columns_.size());
     rows_.geometry.setZero(num_rows_, p);
     rows_.residuals.setZero(num_rows_);
-    ForEachObservation(
-        model_, values_, data_, columns_,
-        [&](int, Eigen::Index i,
-            const Eigen::Ref<const Eigen::MatrixXd>& whitened) {
-          const TermRows::Observation& one =
-              rows_.observations[static_cast<std::size_t>(i)];
-          rows_.geometry.middleRows(one.first_row, one.height) =
-              kTermUnit * whitened.leftCols(p);
-          rows_.residuals.segment(one.first_row, one.height) = whitened.col(p);
-        });
+    ForEachObservation(model_, values_, data_, columns_,
+                       [&](int, Eigen::Index i,
+                           const Eigen::Ref<const Eigen::MatrixXd>& whitened) {
+                         const TermRows::Observation& one =
+                             rows_.observations[static_cast<std::size_t>(i)];
+                         rows_.geometry.middleRows(one.first_row, one.height) =
+                             kTermUnit * whitened.leftCols(p);
+                         rows_.residuals.segment(one.first_row, one.height) =
+                             whitened.col(p);
+                       });
   }
 
   // A turn by a about a point c moves what is measured as one about the base's
@@ -159,8 +159,7 @@ class RowsMaker {
     // The axes that the base's own rotation vector turns about.
     const Eigen::Matrix3d from_axes =
         LeftJacobianOfRotation(
-            values_.segment<3>(
-                layout.Column(ParameterKind::kBaseRotation, 0)))
+            values_.segment<3>(layout.Column(ParameterKind::kBaseRotation, 0)))
             .inverse();
     const int n = arm_.num_joints();
     turns->setZero(num_rows_, 3 * (n + 2));

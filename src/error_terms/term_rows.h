@@ -38,12 +38,12 @@ struct TermRows {
   };
 
   std::vector<Observation> observations;
-  RowMatrix geometry;         ///< rows x columns of the model, per mm and mrad
+  RowMatrix geometry;  ///< rows x columns of the model, per mm and mrad
   /// Rows x 3 (n + 2): x, y, z of each joint; moves of the base along its axes
   /// and turns about them; per mm and mrad.
   RowMatrix turns;
-  RowMatrix second_turns;     ///< the same of second poses; or empty
-  Eigen::VectorXd residuals;  ///< predicted - measured
+  RowMatrix second_turns;        ///< the same of second poses; or empty
+  Eigen::VectorXd residuals;     ///< predicted - measured
   Eigen::MatrixXd joint_values;  ///< n x poses
   Eigen::MatrixXd moments;       ///< 3 n x poses (N m)
   Eigen::MatrixXd covariates;    ///< less their references, of the arm's

@@ -113,8 +113,12 @@ HWY_INLINE JointLines LinesOf(double* scratch, int joint, bool is_tilted) {
   const std::size_t lanes = hn::Lanes(kTag);
   double* const first =
       scratch + static_cast<std::size_t>(joint) * kArraysPerJoint * lanes;
-  return {first, first + 3 * lanes, first + 6 * lanes, first + 9 * lanes,
-          first + 12 * lanes, first + (is_tilted ? 15 : 6) * lanes};
+  return {first,
+          first + 3 * lanes,
+          first + 6 * lanes,
+          first + 9 * lanes,
+          first + 12 * lanes,
+          first + (is_tilted ? 15 : 6) * lanes};
 }
 
 // Turns by 2 atan(tilt / 2).

@@ -196,8 +196,8 @@ HWY_INLINE void EvaluateVector(const Job& job, int t) {
     return;
   }
   const Frame last =
-      WalkChain(job.constants, job.columns, tile.joints + t,
-                At(tile.tilts, t), At(tile.base_motion, t), job.scratch);
+      WalkChain(job.constants, job.columns, tile.joints + t, At(tile.tilts, t),
+                At(tile.base_motion, t), job.scratch);
   const Eigen::Vector3d& tool = job.constants.targets[tile.target].translation;
   const V3 p = PointOf(last, tool);
   WriteMeasured<kKind>(job, t, p, &writer);
@@ -207,10 +207,9 @@ HWY_INLINE void EvaluateVector(const Job& job, int t) {
   writer.WriteArm(job.constants, job.columns, p, job.scratch);
   writer.WriteTool(job.constants, job.columns, tile.target, last);
   if constexpr (kKind == MeasurementKind::kDifference) {
-    const Frame other =
-        WalkChain(job.constants, job.columns, tile.second_joints + t,
-                  At(tile.second_tilts, t), At(tile.second_base_motion, t),
-                  job.scratch);
+    const Frame other = WalkChain(
+        job.constants, job.columns, tile.second_joints + t,
+        At(tile.second_tilts, t), At(tile.second_base_motion, t), job.scratch);
     const V3 q = PointOf(other, tool);
     WriteError((p - q) - Load3(tile.measured + t, kTile), writer.weights,
                writer.At(job.columns.num_derivatives()), job.lengths + t);

@@ -161,8 +161,7 @@ const Tiles::Group& Tiles::GroupOf(std::int64_t tile) const {
 
 std::size_t Tiles::SizeOf(const Group& group) const {
   const MeasurementKind kind = data_.blocks[group.block].kind;
-  std::size_t arrays =
-      JointArrays(kind) + MeasuredArrays(kind);
+  std::size_t arrays = JointArrays(kind) + MeasuredArrays(kind);
   if (group.shared_sigmas == nullptr) arrays += RowsOf(kind);
   return arrays * kTile;
 }

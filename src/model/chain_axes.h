@@ -18,8 +18,8 @@ namespace alidade::internal {
 ///
 /// (Whitney 1972, "The mathematics of coordinated control of prosthetic arms
 /// and manipulators", for theta and r; the others follow alike). Error terms
-/// bend the chain as they do anywhere; of the axis of r their small tilt is left
-/// out.
+/// bend the chain as they do anywhere; of the axis of r their small tilt is
+/// left out.
 struct ChainAxes {
   Eigen::Matrix3Xd beta_axis;
   Eigen::Matrix3Xd alpha_axis;

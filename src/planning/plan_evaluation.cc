@@ -212,9 +212,8 @@ void PlanEvaluator::ListTerms(const Eigen::VectorXd& planned, int num_poses,
     entry.planned_std = share * term.prior_std;
     const double gained = 1.0 / (share * share) - 1.0;
     entry.poses_needed =
-        gained > 0.0
-            ? static_cast<int>(std::ceil(num_poses * kWanted / gained))
-            : 0;
+        gained > 0.0 ? static_cast<int>(std::ceil(num_poses * kWanted / gained))
+                     : 0;
     result->terms.push_back(std::move(entry));
   }
 }

@@ -80,8 +80,7 @@ void PlannedTerms::SetScales(const MeasurementModel& model,
   }
   scales_ = Eigen::VectorXd::Constant(size(), turn);
   for (int k = 0; k < columns_.num_dense(); ++k) {
-    const double typical =
-        std::sqrt(squares[k] / static_cast<double>(poses));
+    const double typical = std::sqrt(squares[k] / static_cast<double>(poses));
     if (typical > 0.0) scales_[k] = turn / typical;
   }
   known_.setIdentity(size(), size());
@@ -120,9 +119,9 @@ void PlannedTerms::Append(const MeasurementModel& model,
     auto to = rows->transposed.block(p, one.first_row, size(), one.height);
     columns_.ForEachAt(
         made.NumbersOf(one.pose), [&](int column, int turn, double size) {
-          to.row(column) += scales_[column] * size *
-                            made.turns.block(one.first_row, turn, one.height, 1)
-                                .transpose();
+          to.row(column) +=
+              scales_[column] * size *
+              made.turns.block(one.first_row, turn, one.height, 1).transpose();
         });
   }
 }

@@ -236,16 +236,15 @@ std::string FormatPlanSummary(const PlanResult& result) {
 }
 
 std::string FormatPlan(const PlanResult& result) {
-  std::string text = Heading(result.title, '=') + "\n" +
-                     FormatPlanSummary(result) + "\n" +
-                     Heading("Parameters, predicted standard deviations") +
-                     "\n" + ParameterTable(result) + "\n" +
-                     (result.terms.empty()
-                          ? ""
-                          : Heading("Error terms") + "\n" +
-                                TermTable(result) + "\n") +
-                     Heading("Poses, in the order to be measured") + "\n" +
-                     PoseTable(result) + "\n";
+  std::string text =
+      Heading(result.title, '=') + "\n" + FormatPlanSummary(result) + "\n" +
+      Heading("Parameters, predicted standard deviations") + "\n" +
+      ParameterTable(result) + "\n" +
+      (result.terms.empty()
+           ? ""
+           : Heading("Error terms") + "\n" + TermTable(result) + "\n") +
+      Heading("Poses, in the order to be measured") + "\n" + PoseTable(result) +
+      "\n";
   for (const std::string& warning : result.warnings) {
     text += Paragraph("Warning: " + warning);
   }

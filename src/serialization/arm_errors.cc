@@ -25,6 +25,15 @@ std::string FormatLoad(const Load& load) {
                      FormatList(load.centre));
 }
 
+// Whether loads are others than those that arm files have by default.
+bool HasLoads(const ErrorTerms& errors) {
+  const ErrorTerms by_default;
+  return !errors.links.empty() ||
+         errors.payload.mass != by_default.payload.mass ||
+         errors.payload.centre != by_default.payload.centre ||
+         errors.gravity != by_default.gravity;
+}
+
 std::string FormatFunction(const JointFunction& function) {
   std::string text = fmt::format(
       "      function:\n        first: {}\n        spacing: {}\n"
@@ -38,14 +47,15 @@ std::string FormatFunction(const JointFunction& function) {
 }
 
 std::string FormatJoint(const JointErrors& joint, int number) {
-  std::string text = fmt::format("    - compliance: {}  # joint {}, rad / (N m)\n",
-                                 FormatList(joint.compliance), number);
+  std::string text =
+      fmt::format("    - compliance: {}  # joint {}, rad / (N m)\n",
+                  FormatList(joint.compliance), number);
   if (!joint.function.empty()) text += FormatFunction(joint.function);
   if (!joint.harmonics.empty()) {
     text += "      harmonics:\n";
     for (const auto& [cycles, cosine, sine] : joint.harmonics) {
-      text += "        - " +
-              FormatList(Eigen::Vector3d(cycles, cosine, sine)) + "\n";
+      text += "        - " + FormatList(Eigen::Vector3d(cycles, cosine, sine)) +
+              "\n";
     }
   }
   if (joint.backlash != 0.0) {
@@ -115,17 +125,25 @@ Eigen::MatrixXd ReadCouplingMatrix(const YamlValue& value, const Units& units,
   return matrix;
 }
 
-void CheckErrors(const YamlMap& map, const Arm& arm) {
+void CheckErrors(const YamlMap& map, Arm* arm) {
+  constexpr double kRounding = 1e-12;
+  const ErrorTerms& errors = arm->errors;
+  const std::size_t num_joints = arm->joints.size();
+  const double length = errors.gravity.norm();
+  if (length == 0.0) {
+    map.Required("gravity").Fail("is no direction, expected one of any length");
+  }
+  if (std::abs(length - 1.0) > kRounding) arm->errors.gravity /= length;
   const auto check_count = [&](const char* key, std::size_t count) {
-    if (count == 0 || count == arm.joints.size()) return;
+    if (count == 0 || count == num_joints) return;
     map.Required(key).Fail("expected one per joint, " +
-                           std::to_string(arm.joints.size()) + ", found " +
+                           std::to_string(num_joints) + ", found " +
                            std::to_string(count));
   };
-  check_count("joints", arm.errors.joints.size());
-  check_count("links", arm.errors.links.size());
-  for (std::size_t j = 0; j < arm.errors.joints.size(); ++j) {
-    const JointFunction& function = arm.errors.joints[j].function;
+  check_count("joints", errors.joints.size());
+  check_count("links", errors.links.size());
+  for (std::size_t j = 0; j < errors.joints.size(); ++j) {
+    const JointFunction& function = errors.joints[j].function;
     if (function.empty()) continue;
     const YamlValue joint = map.Required("joints").List()[j];
     if (!(function.spacing > 0.0)) {
@@ -141,7 +159,7 @@ void CheckErrors(const YamlMap& map, const Arm& arm) {
 }
 
 std::string FormatErrors(const ErrorTerms& errors) {
-  if (errors.empty()) return "";
+  if (errors.empty() && !HasLoads(errors)) return "";
   std::string text = "errors:\n  gravity: " + FormatList(errors.gravity) + "\n";
   if (!errors.links.empty()) {
     text += "  links:\n";

@@ -15,12 +15,12 @@ std::string QuoteYaml(const std::string& text);
 
 std::vector<double> ReadQuantities(const YamlValue& value, Dimension dimension,
                                    const Units& units);
-std::vector<Harmonic> ReadHarmonics(const YamlValue& value,
-                                    const Units& units);
+std::vector<Harmonic> ReadHarmonics(const YamlValue& value, const Units& units);
 Eigen::MatrixXd ReadCouplingMatrix(const YamlValue& value, const Units& units,
                                    const Arm& arm);
-/// @throws InputError where terms and the arm do not go together.
-void CheckErrors(const YamlMap& map, const Arm& arm);
+/// Makes the direction of gravity one of length 1. @throws InputError where
+/// terms and the arm do not go together.
+void CheckErrors(const YamlMap& map, Arm* arm);
 
 template <typename Visitor>
 void VisitLoad(Visitor& v, Load& load) {
@@ -31,8 +31,7 @@ void VisitLoad(Visitor& v, Load& load) {
 template <typename Visitor>
 void VisitFunction(Visitor& v, Dimension dimension, JointFunction& function) {
   static constexpr char kAsVariable[] = "as the joint";
-  const auto quantity = [&](const char* key, const char* text,
-                            double* member) {
+  const auto quantity = [&](const char* key, const char* text, double* member) {
     v.Custom(Key(key).In(kAsVariable).Required().Schema(kNumberSchema), text,
              [=](const YamlValue& value, const Units& units) {
                *member = value.Quantity(dimension, units);
@@ -51,7 +50,8 @@ void VisitFunction(Visitor& v, Dimension dimension, JointFunction& function) {
   quantity("first", "joint value of the first knot", &function.first);
   quantity("spacing", "between knots, above 0", &function.spacing);
   list(Key("values").Required(),
-       "at the knots; linear between them, zero beyond", &function.values);
+       "at the knots; linear between them, zero from one spacing beyond",
+       &function.values);
   list(Key("deviations").Default("none"), "their standard deviations",
        &function.deviations);
 }
@@ -66,8 +66,11 @@ void VisitJointErrors(Visitor& v, Dimension dimension, JointErrors& joint) {
               VisitFunction(section, dimension, joint.function);
             });
   v.Custom(
-      Key("harmonics").In("angle").Default("`[]`").Schema(
-          R"({"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}})"),
+      Key("harmonics")
+          .In("angle")
+          .Default("`[]`")
+          .Schema(
+              R"({"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}})"),
       "list of `[cycles per turn, cosine, sine]`, added to the joint value",
       [&](const YamlValue& value, const Units& units) {
         joint.harmonics = ReadHarmonics(value, units);
@@ -91,12 +94,12 @@ void VisitCovariate(Visitor& v, const Arm& arm, CovariateEffect& effect) {
            [&](const YamlValue& value, const Units& units) {
              effect.base.tail<3>() = ReadVector(value, AngleKey("turn"), units);
            });
-  v.Custom(Key("joints").In("as the joints").Default("0").Schema(kNumbersSchema),
-           "n numbers, added to the joint values",
-           [&](const YamlValue& value, const Units& units) {
-             effect.joints =
-                 ReadJointQuantities(value, units, arm, "one per joint");
-           });
+  v.Custom(
+      Key("joints").In("as the joints").Default("0").Schema(kNumbersSchema),
+      "n numbers, added to the joint values",
+      [&](const YamlValue& value, const Units& units) {
+        effect.joints = ReadJointQuantities(value, units, arm, "one per joint");
+      });
 }
 
 /// The `errors` of an arm file. @pre the arm has its joints.
@@ -113,10 +116,9 @@ void VisitErrors(Visitor& v, Arm* arm) {
   v.Items(Key("joints"), "one per joint", errors.joints,
           [arm](auto& item, JointErrors& joint) {
             const std::size_t number = arm->errors.joints.size();
-            const Dimension dimension =
-                number < arm->joints.size()
-                    ? arm->joints[number].dimension()
-                    : Dimension::kAngle;
+            const Dimension dimension = number < arm->joints.size()
+                                            ? arm->joints[number].dimension()
+                                            : Dimension::kAngle;
             VisitJointErrors(item, dimension, joint);
           });
   v.Custom(Key("coupling")
@@ -127,18 +129,18 @@ void VisitErrors(Visitor& v, Arm* arm) {
            [arm](const YamlValue& value, const Units& units) {
              arm->errors.coupling = ReadCouplingMatrix(value, units, *arm);
            });
-  v.Items(Key("covariates"),
-          "effects of columns of the data, per unit of each", errors.covariates,
-          [arm](auto& item, CovariateEffect& effect) {
+  v.Items(Key("covariates"), "effects of columns of the data, per unit of each",
+          errors.covariates, [arm](auto& item, CovariateEffect& effect) {
             VisitCovariate(item, *arm, effect);
             item.Check([&](const YamlMap& map) {
               RefuseRepeatedName(map, effect, arm->errors.covariates);
             });
           });
-  v.Check([arm](const YamlMap& map) { CheckErrors(map, *arm); });
+  v.Check([arm](const YamlMap& map) { CheckErrors(map, arm); });
 }
 
-/// As VisitErrors reads them, in m and rad; empty for a rigid arm.
+/// As VisitErrors reads them, in m and rad; empty for a rigid arm of which no
+/// loads are known.
 std::string FormatErrors(const ErrorTerms& errors);
 
 }  // namespace alidade::internal

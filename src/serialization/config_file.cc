@@ -67,8 +67,7 @@ YamlValue ReadConfigFile(const std::string& path, FileFormat expected) {
   const FileFormat format = ReadFormat(root);
   if (format != expected) {
     FormatEntry(root).Fail("found " + Quote(FormatEntry(root).Text()) +
-                           ", expected " +
-                           Quote(WordOf(expected)) + " here" +
+                           ", expected " + Quote(WordOf(expected)) + " here" +
                            ReaderOf(format));
   }
   return root;

@@ -253,8 +253,7 @@ void RequireSameCovariates(const std::vector<LoadedData>& parts) {
       continue;
     }
     throw InputError({part.data.name, 0, 0, ""},
-                     "has other `covariates` than " +
-                         parts.front().data.name +
+                     "has other `covariates` than " + parts.front().data.name +
                          ", expected the same in all files of `data`");
   }
 }
@@ -268,10 +267,9 @@ LoadedData Merge(std::vector<LoadedData> parts, int num_joints) {
   }
   RequireSameCovariates(parts);
   std::vector<Dataset> data;
-  const bool has_stations =
-      std::any_of(parts.begin(), parts.end(), [](const LoadedData& part) {
-        return !part.stations.empty();
-      });
+  const bool has_stations = std::any_of(
+      parts.begin(), parts.end(),
+      [](const LoadedData& part) { return !part.stations.empty(); });
   for (LoadedData& part : parts) {
     if (!has_stations) break;
     // A file without such a column is one station.

@@ -47,8 +47,10 @@ void VisitTerms(Visitor& v, int num_joints, ErrorTermOptions* options) {
              options->harmonics = ReadCycles(value, units);
            });
   v.Custom(
-      Key("coupling").Default("`[]`").Schema(
-          R"({"type": "array", "items": {"type": "array", "items": {"type": "integer"}, "minItems": 2, "maxItems": 2}})"),
+      Key("coupling")
+          .Default("`[]`")
+          .Schema(
+              R"({"type": "array", "items": {"type": "array", "items": {"type": "integer"}, "minItems": 2, "maxItems": 2}})"),
       "list of `[joint, other]`: the first moves with the value of the other",
       [=](const YamlValue& value) {
         options->coupling = ReadCoupling(value, num_joints);

@@ -289,15 +289,16 @@ void VisitMeasurements(Visitor& v, JobReading* reading) {
             "are as stated");
         section.Check([&](const YamlMap& map) { CheckMethod(map, *job); });
       });
-  v.Custom(Key("errors").Default("auto").Schema(kErrorsSchema),
-           "errors of the arm that are not rigid geometry: `none`, `auto` (what "
-           "the measurements have evidence for), or a map of terms (\"Error "
-           "terms of a job\", below). `none` leaves those of the arm as they "
-           "are",
-           [&](const YamlValue& value, const Units& units) {
-             job->options.errors =
-                 ReadErrorTerms(value, units, job->arm.num_joints());
-           });
+  v.Custom(
+      Key("errors").Default("auto").Schema(kErrorsSchema),
+      "errors of the arm that are not rigid geometry: `none`, `auto` (what "
+      "the measurements have evidence for), or a map of terms (\"Error "
+      "terms of a job\", below). `none` leaves those of the arm as they "
+      "are",
+      [&](const YamlValue& value, const Units& units) {
+        job->options.errors =
+            ReadErrorTerms(value, units, job->arm.num_joints());
+      });
   v.Custom(
       Key("bounds").In("the parameter's").Schema(kBoundsSchema),
       "map from names of joint parameters (`beta1`, `alpha2`, `d3`, `theta4`, "

@@ -5,10 +5,10 @@
 #include <optional>
 #include <utility>
 
+#include "src/calibration/data_split.h"
 #include "src/common/bytes.h"
 #include "src/common/names.h"
 #include "src/common/numbers.h"
-#include "src/calibration/data_split.h"
 #include "src/kernel/partition.h"
 #include "src/serialization/partitioned_data.h"
 

@@ -206,8 +206,7 @@ void AddTerms(std::shared_ptr<const TermCovariance> terms,
               ParameterCovariance* covariance) {
   const auto p = static_cast<Eigen::Index>(covariance->columns.size());
   const Eigen::MatrixXd rows = kTermUnit * terms->root.topRows(p);
-  covariance->root =
-      Eigen::MatrixXd(rows * rows.transpose()).llt().matrixL();
+  covariance->root = Eigen::MatrixXd(rows * rows.transpose()).llt().matrixL();
   covariance->null_space.resize(p, 0);
   covariance->null_space_parameters.clear();
   covariance->is_sandwich = false;

@@ -61,21 +61,21 @@ void PredictWithTerms(const MeasurementModel& model,
                       const ParameterCovariance& covariance,
                       const Dataset& poses, PoseCovariance* predicted) {
   const RowSpread spreads(model, values, covariance, poses);
-  ParallelFor(
-      model.num_threads(), poses.num_poses(), kPosesPerProduct,
-      [&](std::int64_t begin, std::int64_t end) {
-        for (std::int64_t k = begin; k < end; ++k) {
-          const Eigen::MatrixXd spread = spreads.Of(k, Eigen::MatrixXd());
-          const auto of = [&](int half, double excess) {
-            const auto s = spread.middleRows(half, 3);
-            Eigen::Matrix3d variance = s * s.transpose();
-            variance.diagonal().array() += excess;
-            return variance;
-          };
-          predicted[k] = {of(0, covariance.excess.length),
-                          of(3, covariance.excess.rotation)};
-        }
-      });
+  ParallelFor(model.num_threads(), poses.num_poses(), kPosesPerProduct,
+              [&](std::int64_t begin, std::int64_t end) {
+                for (std::int64_t k = begin; k < end; ++k) {
+                  const Eigen::MatrixXd spread =
+                      spreads.Of(k, Eigen::MatrixXd());
+                  const auto of = [&](int half, double excess) {
+                    const auto s = spread.middleRows(half, 3);
+                    Eigen::Matrix3d variance = s * s.transpose();
+                    variance.diagonal().array() += excess;
+                    return variance;
+                  };
+                  predicted[k] = {of(0, covariance.excess.length),
+                                  of(3, covariance.excess.rotation)};
+                }
+              });
 }
 
 // The covariances of `poses`, of which there are kPosesAtOnce at most.

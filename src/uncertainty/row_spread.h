@@ -24,8 +24,7 @@ class RowSpread {
   }
 
   Eigen::Index width() const {
-    return covariance_.terms ? covariance_.terms->root.cols()
-                             : covariance_.size();
+    return covariance_.terms ? covariance_.terms->width() : covariance_.size();
   }
   /// `derivatives`: whitened, of observation i.
   Eigen::MatrixXd Of(

@@ -73,15 +73,19 @@ TEST_P(KernelTest, LargeAnglesAreThoseOfTheLibrary) {
 }
 
 // All kinds, each observation `times` times with joint values of its own.
-MeasuredArm ManyPoses(int times, Random* random) {
-  MeasuredArm measured =
-      testing::RandomMeasurements(4, testing::Weighting::kFull, random);
+MeasuredArm ManyPoses(int times, Random* random, bool is_flexible = false) {
+  MeasuredArm measured = testing::RandomMeasurements(
+      4, testing::Weighting::kFull, random, 0.3, is_flexible);
   const Eigen::Index poses = measured.data.num_poses();
   measured.data.joint_values =
       measured.data.joint_values.map().replicate(1, times).eval();
   Eigen::MatrixXd noisy = measured.data.joint_values.map();
   for (double& value : noisy.reshaped()) value += random->Uniform(-0.5, 0.5);
   measured.data.joint_values = std::move(noisy);
+  if (is_flexible) {
+    measured.data.covariates =
+        measured.data.covariates.map().replicate(1, times).eval();
+  }
   for (ObservationBlock& block : measured.data.blocks) {
     const auto size = static_cast<int>(block.size());
     const ObservationBlock once = block;
@@ -110,11 +114,9 @@ MeasuredArm ManyPoses(int times, Random* random) {
   return measured;
 }
 
-// Against the template that autodiff takes too, over more observations than a
-// tile holds: residuals, and derivatives by central differences of them.
-TEST_P(KernelTest, RowsAreThoseOfTheTemplate) {
-  Random random(72);
-  const MeasuredArm measured = ManyPoses(40, &random);
+// Against the template that autodiff takes too: residuals, and derivatives by
+// central differences of them.
+void ExpectRowsOfTheTemplate(const MeasuredArm& measured) {
   const MeasurementModel model(measured.arm, measured.references, 1);
   std::vector<int> columns(model.layout().size());
   std::iota(columns.begin(), columns.end(), 0);
@@ -149,9 +151,18 @@ TEST_P(KernelTest, RowsAreThoseOfTheTemplate) {
   }
 }
 
-TEST_P(KernelTest, OnlyTheColumnsAskedForAreWritten) {
-  Random random(73);
-  const MeasuredArm measured = ManyPoses(12, &random);
+// Over more observations than a tile holds.
+TEST_P(KernelTest, RowsAreThoseOfTheTemplate) {
+  Random random(72);
+  ExpectRowsOfTheTemplate(ManyPoses(40, &random));
+}
+
+TEST_P(KernelTest, RowsOfFlexibleArmsAreThoseOfTheTemplate) {
+  Random random(76);
+  ExpectRowsOfTheTemplate(ManyPoses(40, &random, true));
+}
+
+void ExpectOnlyColumnsAskedFor(const MeasuredArm& measured) {
   const MeasurementModel model(measured.arm, measured.references, 1);
   std::vector<int> columns(model.layout().size());
   std::iota(columns.begin(), columns.end(), 0);
@@ -167,10 +178,14 @@ TEST_P(KernelTest, OnlyTheColumnsAskedForAreWritten) {
   }
 }
 
+TEST_P(KernelTest, OnlyTheColumnsAskedForAreWritten) {
+  Random random(73);
+  ExpectOnlyColumnsAskedFor(ManyPoses(12, &random));
+  ExpectOnlyColumnsAskedFor(ManyPoses(12, &random, true));
+}
+
 // The cache holds all tiles, some of them or none: the same bits.
-TEST_P(KernelTest, BitsDoNotDependOnTheCache) {
-  Random random(74);
-  const MeasuredArm measured = ManyPoses(60, &random);
+void ExpectBitsOfAnyCache(const MeasuredArm& measured) {
   const MeasurementModel model(measured.arm, measured.references, 2);
   const std::vector<int> columns = {0, 5, 9, 14, 20, 25, 30};
   ReducedLeastSquares expected;
@@ -190,6 +205,12 @@ TEST_P(KernelTest, BitsDoNotDependOnTheCache) {
       EXPECT_EQ(problem.cost, expected.cost) << bytes;
     }
   }
+}
+
+TEST_P(KernelTest, BitsDoNotDependOnTheCache) {
+  Random random(74);
+  ExpectBitsOfAnyCache(ManyPoses(60, &random));
+  ExpectBitsOfAnyCache(ManyPoses(60, &random, true));
 }
 
 INSTANTIATE_TEST_SUITE_P(Targets, KernelTest, testing::AllVectorTargets(),

@@ -69,17 +69,18 @@ void ForEachObservation(const Dataset& data, const Visit& visit) {
 }
 
 class MeasurementKindsTest
-    : public ::testing::TestWithParam<std::tuple<int, Weighting>> {
+    : public ::testing::TestWithParam<std::tuple<int, Weighting, bool>> {
  protected:
   int num_joints() const { return std::get<0>(GetParam()); }
   Weighting weighting() const { return std::get<1>(GetParam()); }
+  bool is_flexible() const { return std::get<2>(GetParam()); }
 
   // Another arm for every stream; one in three has prismatic joints only.
   MeasuredArm MakeArm(int stream) {
     random_ = Random(700 + num_joints(), stream);
     const double prismatic_fraction = stream % 3 == 2 ? 1.0 : 0.3;
     return testing::RandomMeasurements(num_joints(), weighting(), &random_,
-                                       prismatic_fraction);
+                                       prismatic_fraction, is_flexible());
   }
 
   Random random_ = Random(0);
@@ -243,7 +244,15 @@ INSTANTIATE_TEST_SUITE_P(
     JointsAndWeights, MeasurementKindsTest,
     ::testing::Combine(::testing::Range(1, 8),
                        ::testing::Values(Weighting::kSigmas, Weighting::kMasked,
-                                         Weighting::kFull)));
+                                         Weighting::kFull),
+                       ::testing::Values(false)));
+// Error terms differ from a rigid arm in what the joints do, whatever the
+// weights.
+INSTANTIATE_TEST_SUITE_P(
+    FlexibleArms, MeasurementKindsTest,
+    ::testing::Combine(::testing::Range(1, 8),
+                       ::testing::Values(Weighting::kMasked),
+                       ::testing::Values(true)));
 
 }  // namespace
 }  // namespace alidade::internal

@@ -41,6 +41,9 @@ const std::map<std::string, std::string>& KnownValues() {
       {"z", "[0, 1]"},
       {"elevation", "[0, 1]"},
       {"start", "[0, 100]"},
+      {"first", "0"},
+      {"spacing", "1"},
+      {"values", "[1, 2]"},
       {"output", "out.csv"},
       {"sigma", "1"},
       {"name", "A"}};

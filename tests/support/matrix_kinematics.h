@@ -3,52 +3,19 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <vector>
 
 #include "alidade/arm.h"
 #include "alidade/parameter_layout.h"
+#include "tests/support/matrix_basics.h"
+#include "tests/support/matrix_errors.h"
 
 namespace alidade::internal::testing {
 
 /// An independent forward kinematics: the convention of docs/conventions.md
-/// written out as products of 4 x 4 matrices, in long double (64 bits of
-/// mantissa on x86), and its derivatives by differences. It shares nothing
-/// with the library but the structs Arm and ParameterLayout.
-using VectorXl = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
-using Vector3l = Eigen::Matrix<long double, 3, 1>;
-using Matrix3l = Eigen::Matrix<long double, 3, 3>;
-using Matrix4l = Eigen::Matrix<long double, 4, 4>;
-using MatrixXl = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
-using Matrix3Xl = Eigen::Matrix<long double, 3, Eigen::Dynamic>;
-
-inline Matrix4l RotationX(long double angle) {
-  const long double c = std::cos(angle);
-  const long double s = std::sin(angle);
-  Matrix4l matrix;
-  matrix << 1, 0, 0, 0, 0, c, -s, 0, 0, s, c, 0, 0, 0, 0, 1;
-  return matrix;
-}
-
-inline Matrix4l RotationY(long double angle) {
-  const long double c = std::cos(angle);
-  const long double s = std::sin(angle);
-  Matrix4l matrix;
-  matrix << c, 0, s, 0, 0, 1, 0, 0, -s, 0, c, 0, 0, 0, 0, 1;
-  return matrix;
-}
-
-inline Matrix4l RotationZ(long double angle) {
-  const long double c = std::cos(angle);
-  const long double s = std::sin(angle);
-  Matrix4l matrix;
-  matrix << c, -s, 0, 0, s, c, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1;
-  return matrix;
-}
-
-inline Matrix4l Translation(const Vector3l& offset) {
-  Matrix4l matrix = Matrix4l::Identity();
-  matrix.topRightCorner<3, 1>() = offset;
-  return matrix;
-}
+/// written out as products of 4 x 4 matrices (matrix_basics.h), with the error
+/// terms of the arm (matrix_errors.h), and its derivatives by differences. It
+/// shares nothing with the library but the structs Arm and ParameterLayout.
 
 /// The rotation matrix of a rotation vector, by way of its unit quaternion.
 inline Matrix3l MatrixFromVector(const Vector3l& w) {
@@ -91,17 +58,19 @@ inline VectorXl MatrixValues(const Arm& arm) {
 
 /// T(j, j + 1) of the joint with index `j` from 0.
 inline Matrix4l JointMatrix(const Arm& nominal, const ParameterLayout& layout,
-                            const VectorXl& values, int j, double q) {
+                            const VectorXl& values, int j, double q,
+                            const MatrixJointError& error = {}) {
   const auto value = [&](ParameterKind kind) {
     return values[layout.Column(kind, j)];
   };
   const bool revolute = nominal.joints[j].type == JointType::kRevolute;
-  const long double turn = revolute ? q : 0.0;
-  const long double travel = revolute ? 0.0 : q;
+  const long double shifted = error.shift + q;
+  const long double turn = revolute ? shifted : 0.0L;
+  const long double travel = revolute ? 0.0L : shifted;
   return RotationY(value(ParameterKind::kBeta)) *
          RotationX(value(ParameterKind::kAlpha)) *
          Translation({value(ParameterKind::kD), 0.0L, 0.0L}) *
-         RotationZ(value(ParameterKind::kTheta) + turn) *
+         RotationZ(value(ParameterKind::kTheta) + turn) * TiltMatrix(error) *
          Translation({0.0L, 0.0L, value(ParameterKind::kR) + travel});
 }
 
@@ -119,17 +88,23 @@ inline Matrix4l FrameMatrix(const Eigen::Isometry3d& nominal,
 
 /// instrument_from_target of `nominal` with its parameters replaced by
 /// `values`, at `joint_values` (n values). `layout` is the arm's, with any
-/// references.
+/// references. Error terms are those of `nominal`, whose geometry moments are
+/// taken of.
 inline Matrix4l MatrixTargetFrame(const Arm& nominal,
                                   const ParameterLayout& layout,
                                   const VectorXl& values,
-                                  const double* joint_values, int target = 0) {
+                                  const double* joint_values, int target = 0,
+                                  const double* covariates = nullptr) {
   Matrix4l frame =
       FrameMatrix(nominal.instrument_from_base, values,
                   layout.Column(ParameterKind::kBaseTranslation, 0),
-                  layout.Column(ParameterKind::kBaseRotation, 0));
+                  layout.Column(ParameterKind::kBaseRotation, 0)) *
+      BaseMotion(nominal, covariates);
+  const std::vector<MatrixJointError> errors =
+      MatrixErrors(nominal, joint_values, covariates);
   for (int j = 0; j < nominal.num_joints(); ++j) {
-    frame = frame * JointMatrix(nominal, layout, values, j, joint_values[j]);
+    frame = frame *
+            JointMatrix(nominal, layout, values, j, joint_values[j], errors[j]);
   }
   return frame *
          FrameMatrix(nominal.last_from_target(target), values,

@@ -3,7 +3,10 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "alidade/arm.h"
 #include "alidade/dataset.h"
@@ -92,8 +95,17 @@ inline Vector3l OraclePoint(const MeasuredArm& measured, const VectorXl& values,
 /// Of a target at a pose of the data set, instrument from target.
 inline Matrix4l OracleFrame(const MeasuredArm& measured, const VectorXl& values,
                             int pose, int target) {
+  std::vector<double> covariates;
+  for (const CovariateEffect& effect : measured.arm.errors.covariates) {
+    const std::vector<std::string>& names = measured.data.covariate_names;
+    const auto row = std::find(names.begin(), names.end(), effect.name);
+    covariates.push_back(row == names.end() ? effect.reference
+                                            : measured.data.covariates(
+                                                  row - names.begin(), pose));
+  }
   return MatrixTargetFrame(measured.arm, measured.layout, values,
-                           measured.data.joint_values.col(pose).data(), target);
+                           measured.data.joint_values.col(pose).data(), target,
+                           covariates.data());
 }
 
 inline Vector3l OraclePosition(const MeasuredArm& measured,

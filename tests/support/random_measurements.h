@@ -16,6 +16,7 @@
 #include "tests/support/measurement_oracle.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"
+#include "tests/support/random_errors.h"
 
 namespace alidade::internal::testing {
 
@@ -161,11 +162,33 @@ inline const std::vector<MeasurementKind>& AllKinds() {
   return kinds;
 }
 
+/// Columns of the data in another order than the arm's effects, of which one is
+/// of no column.
+inline void AddCovariates(MeasuredArm* measured, Random* random) {
+  const int n = measured->arm.num_joints();
+  measured->data.covariate_names = {"torque", "tilt", "temperature"};
+  measured->data.covariates = Eigen::MatrixXd::NullaryExpr(
+      3, kMeasuredPoses, [&] { return random->Uniform(-2.0, 2.0); });
+  for (const char* name : {"temperature", "humidity", "tilt"}) {
+    CovariateEffect effect;
+    effect.name = name;
+    effect.reference = random->Uniform(-1.0, 1.0);
+    for (double& value : effect.base) value = random->Uniform(-0.03, 0.03);
+    if (effect.name != "tilt") {
+      effect.joints = Eigen::VectorXd::NullaryExpr(
+          n, [&] { return random->Uniform(-0.03, 0.03); });
+    }
+    measured->arm.errors.covariates.push_back(effect);
+  }
+}
+
 /// A random arm of two targets with rotated frames, five points and two planes,
-/// and one block of exact measurements of every kind.
+/// and one block of exact measurements of every kind. A flexible arm has all
+/// error terms.
 inline MeasuredArm RandomMeasurements(int num_joints, Weighting weighting,
                                       Random* random,
-                                      double prismatic_fraction = 0.3) {
+                                      double prismatic_fraction = 0.3,
+                                      bool is_flexible = false) {
   RandomArmOptions options;
   options.num_targets = kMeasuredTargets;
   options.prismatic_fraction = prismatic_fraction;
@@ -176,11 +199,15 @@ inline MeasuredArm RandomMeasurements(int num_joints, Weighting weighting,
                                   kMeasuredPlanes}),
       {},
       {}};
-  measured.references.points.resize(kMeasuredPoints);
-  measured.references.planes.resize(kMeasuredPlanes);
   measured.data.name = "random";
   measured.data.joint_values =
       RandomJointValues(measured.arm, kMeasuredPoses, random);
+  if (is_flexible) {
+    measured.arm.errors = RandomErrors(measured.arm, random);
+    AddCovariates(&measured, random);
+  }
+  measured.references.points.resize(kMeasuredPoints);
+  measured.references.planes.resize(kMeasuredPlanes);
   const Eigen::VectorXd of_arm = ValuesWithRotations(measured.arm, 0.4, random);
   measured.values = Eigen::VectorXd::Zero(measured.layout.size());
   measured.values.head(of_arm.size()) = of_arm;
