@@ -13,17 +13,15 @@ namespace {
 
 constexpr int kAnyNumber = std::numeric_limits<int>::max();
 
-}  // namespace
-
 // Summaries are one line; help is wrapped where it is printed.
-const std::vector<Command>& Commands() {
-  static const std::vector<Command> kCommands = {
+std::vector<Command> InputCommands() {
+  return {
       Command(
           {"show", "ARM.yaml [DATA.csv] | JOB.yaml | RESULT.json",
            "print an arm, a data set, a job or a result as a table",
            "Prints what a file says, in mm and deg. A data set is read with "
-           "the "
-           "arm named before it. RESULT.json may also be a result directory."},
+           "the arm named before it. RESULT.json may also be a result "
+           "directory."},
           {}, 1, 2, RunShow),
       Command({"check", "FILE...",
                "validate YAML and data files without running anything",
@@ -37,9 +35,9 @@ const std::vector<Command>& Commands() {
            "turn a data set from CSV into a NumPy array, or back",
            "The names' endings, .csv and .npy, say which way. Arrays are read "
            "several times faster. Numbers are kept to the last bit, "
-           "orientations, "
-           "as rotation vectors, to rounding. Several targets, sets and other "
-           "kinds of measurement than positions and orientations are refused."},
+           "orientations, as rotation vectors, to rounding. Several targets, "
+           "sets and other kinds of measurement than positions and "
+           "orientations are refused."},
           {"arm"}, 2, 2, RunConvert),
       Command(
           {"simulate", "SIMULATION.yaml",
@@ -52,13 +50,18 @@ const std::vector<Command>& Commands() {
       Command(
           {"plan", "PLAN.yaml", "choose the poses to measure next",
            "Chooses the poses with most information, of candidates drawn "
-           "within joint "
-           "limits and the plan's constraints or read from a file, beside "
+           "within joint limits and the plan's constraints or read from a "
+           "file, beside "
            "those measured already. Prints the accuracy to expect by the "
            "number of poses and writes to --out=DIR (default: results/ and the "
            "plan's name): poses.csv for the robot, `simulate` and what will be "
            "measured, plan.txt, accuracy.svg, curve.csv, plan.json."},
           {"out", "seed"}, 1, 1, RunPlanCommand),
+  };
+}
+
+std::vector<Command> CalibrationCommands() {
+  return {
       Command(
           {"identify", "JOB.yaml | ARM.yaml DATA.csv",
            "show which parameters these poses can identify, and why",
@@ -99,6 +102,11 @@ const std::vector<Command>& Commands() {
            "how accurate the arm becomes over its workspace. With --out=DIR "
            "also as CSV and figures."},
           {"out", "seed"}, 1, 1, RunMonteCarlo),
+  };
+}
+
+std::vector<Command> ResultCommands() {
+  return {
       Command(
           {"validate", "ARM.yaml | RESULT  DATA.csv... | REFERENCE.yaml",
            "accuracy of an arm on data, or against another arm",
@@ -133,6 +141,18 @@ const std::vector<Command>& Commands() {
           {"out", "list", "dry-run", "keep-going", "fail-fast", "outputs"}, 0,
           kAnyNumber, RunBatchCommand, true),
   };
+}
+
+}  // namespace
+
+const std::vector<Command>& Commands() {
+  static const std::vector<Command> kCommands = [] {
+    std::vector<Command> all = InputCommands();
+    for (const auto& more : {CalibrationCommands(), ResultCommands()}) {
+      all.insert(all.end(), more.begin(), more.end());
+    }
+    return all;
+  }();
   return kCommands;
 }
 
