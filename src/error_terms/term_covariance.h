@@ -47,10 +47,10 @@ struct TermCovariance {
 /// The estimate of one rung, for the covariance of their stack.
 struct RungEstimate {
   const TermColumns& columns;
-  double weight = 0.0;             ///< in the stack
-  Eigen::VectorXd values;          ///< geometry (mm, mrad), then coefficients
-  Eigen::MatrixXd covariance;      ///< of these; not used without weight
-  double function_variance = 0.0;  ///< of the functions' prior (kTermUnit^2)
+  double weight = 0.0;              ///< in the stack
+  Eigen::VectorXd values = {};      ///< geometry (mm, mrad), then coefficients
+  Eigen::MatrixXd covariance = {};  ///< of these; not used without weight
+  double function_variance = 0.0;   ///< of the functions' prior (kTermUnit^2)
 };
 
 /// The covariance of geometry + share (stack - geometry) about the truth:
