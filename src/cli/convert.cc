@@ -88,12 +88,16 @@ ExitStatus RunConvert(const CommandLine& line) {
   const LoadedData loaded = Load(from, arm, line.threads);
   CheckKinds(from, loaded);
   arm.targets.resize(1);
-  WriteFileAtomically(
-      to, IsNpy(to) ? FormatNpy(loaded.data, arm, true)
-                    : FormatDataset(
-                          loaded.data, arm, kFewestDigits, true,
-                          {"converted from " +
-                           std::filesystem::path(from).filename().string()}));
+  if (IsNpy(to)) {
+    WriteFileAtomically(to, FormatNpy(loaded.data, arm, true));
+  } else {
+    WriteFileAtomically(to, [&](const TextSink& sink) {
+      WriteDatasetText(
+          loaded.data, arm, kFewestDigits, true,
+          {"converted from " + std::filesystem::path(from).filename().string()},
+          sink);
+    });
+  }
   std::cout << to << ": " << loaded.data.num_poses() << " poses";
   if (!loaded.rejected.empty()) {
     std::cout << ", without " << loaded.rejected.size()

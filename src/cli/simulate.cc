@@ -22,11 +22,17 @@ std::vector<std::string> Provenance(const SimulationConfig& config) {
 }
 
 // The name's ending says how; an array has no room for comments.
-std::string Format(const SimulationConfig& config, const Dataset& data) {
+void Write(const SimulationConfig& config, const Dataset& data) {
   const bool with_sigmas = config.noise_sigma > 0.0;
-  if (IsNpy(config.output)) return FormatNpy(data, config.arm, with_sigmas);
-  return FormatDataset(data, config.arm, config.joint_decimals, with_sigmas,
-                       Provenance(config));
+  if (IsNpy(config.output)) {
+    WriteFileAtomically(config.output,
+                        FormatNpy(data, config.arm, with_sigmas));
+    return;
+  }
+  WriteFileAtomically(config.output, [&](const TextSink& sink) {
+    WriteDatasetText(data, config.arm, config.joint_decimals, with_sigmas,
+                     Provenance(config), sink);
+  });
 }
 
 }  // namespace
@@ -44,7 +50,7 @@ ExitStatus RunSimulate(const CommandLine& line) {
   const std::filesystem::path directory =
       std::filesystem::path(config.output).parent_path();
   if (!directory.empty()) MakeDirectories(directory.string());
-  WriteFileAtomically(config.output, Format(config, data));
+  Write(config, data);
   std::cout << config.output << ": " << data.num_poses() << " poses\n";
   return kExitDone;
 }

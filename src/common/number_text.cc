@@ -9,6 +9,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <iterator>
 #include <limits>
 #include <system_error>
@@ -20,23 +21,60 @@ constexpr std::array<double, 10> kPowersOfTen = {1e0, 1e1, 1e2, 1e3, 1e4,
                                                  1e5, 1e6, 1e7, 1e8, 1e9};
 constexpr double kMaxInteger = 1e15;
 
+constexpr int kMostDigits = 16;
+
+// "00" to "99".
+constexpr std::array<char, 200> kPairs = [] {
+  std::array<char, 200> pairs{};
+  for (std::size_t i = 0; i < 100; ++i) {
+    pairs[2 * i] = static_cast<char>('0' + i / 10);
+    pairs[2 * i + 1] = static_cast<char>('0' + i % 10);
+  }
+  return pairs;
+}();
+
+// The sixteen digits of a number below 1e16, and how many zeros stand before
+// it (15 of zero). Always as many: a processor guesses the length of random
+// numbers wrongly, which takes it longer than the digits.
+int WriteDigits(std::uint64_t number, char* digits) {
+  auto high = static_cast<std::uint32_t>(number / 100000000);
+  auto low = static_cast<std::uint32_t>(number % 100000000);
+  for (int i = 6; i >= 0; i -= 2, high /= 100, low /= 100) {
+    std::memcpy(digits + i, &kPairs[2 * (high % 100)], 2);
+    std::memcpy(digits + 8 + i, &kPairs[2 * (low % 100)], 2);
+  }
+  int zeros = kMostDigits - 1;
+  double power = 10.0;
+  for (int i = 1; i < kMostDigits; ++i, power *= 10.0) {
+    zeros -= static_cast<double>(number) >= power ? 1 : 0;
+  }
+  return zeros;
+}
+
 // w * 10^-decimals, with all of the decimals or without zeros at the end.
 // @pre 0 <= decimals <= 9, |w| < 1e15.
 void AppendScaled(double w, int decimals, bool drops_zeros, std::string* text) {
-  std::array<char, 24> buffer;
+  std::array<char, 2 * kMostDigits> digits;
+  const int zeros =
+      WriteDigits(static_cast<std::uint64_t>(std::abs(w)), digits.data());
+  const int point = kMostDigits - decimals;
+  const int first = std::min(zeros, point - 1);
+  int end = kMostDigits;
+  while (drops_zeros && end > point && digits[end - 1] == '0') --end;
+  // Copies of one length, of which only the beginning stays.
+  std::array<char, 3 * kMostDigits> buffer;
   char* p = buffer.data();
-  const auto magnitude = static_cast<std::uint64_t>(std::abs(w));
-  const auto power = static_cast<std::uint64_t>(kPowersOfTen[decimals]);
-  if (w < 0.0) *p++ = '-';
-  const fmt::format_int whole(magnitude / power);
-  p = std::copy_n(whole.data(), whole.size(), p);
-  // The decimals after a 1, which keeps their zeros.
-  const fmt::format_int part(magnitude % power + power);
-  std::size_t size = part.size();
-  while (drops_zeros && size > 1 && part.data()[size - 1] == '0') --size;
-  if (size > 1) *p++ = '.';
-  p = std::copy_n(part.data() + 1, size - 1, p);
-  text->append(buffer.data(), p);
+  *p = '-';
+  p += w < 0.0 ? 1 : 0;
+  std::memcpy(p, &digits[first], kMostDigits);
+  p += point - first;
+  *p = '.';
+  p += end > point ? 1 : 0;
+  std::memcpy(p, &digits[point], kMostDigits);
+  p += end - point;
+  const std::size_t size = text->size() + (p - buffer.data());
+  text->append(buffer.data(), 2 * kMostDigits);
+  text->resize(size);
 }
 
 // To the nearest integer, of numbers below 2^51: without SSE 4.1 the standard's

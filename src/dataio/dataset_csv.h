@@ -7,6 +7,7 @@
 #include "alidade/arm.h"
 #include "alidade/dataset.h"
 #include "alidade/references.h"
+#include "src/common/text_pieces.h"
 #include "src/dataio/data_format.h"
 #include "src/dataio/read_options.h"
 
@@ -32,7 +33,7 @@ LoadedData LoadDataWith(const DataFile& file, References* references,
 /// Reads only the joint columns; others are allowed and ignored.
 Eigen::MatrixXd LoadJointValues(const std::string& path, const Arm& arm);
 
-/// The text of a data set of positions or poses that LoadDataset reads back:
+/// Writes a data set of positions or poses as text that LoadDataset reads back:
 /// joint values in deg and mm with `joint_decimals` decimals, or with
 /// kFewestDigits so that they read back to the same bits (a column of angles
 /// that no number of degrees reads back to is in rad); positions in mm
@@ -42,6 +43,11 @@ Eigen::MatrixXd LoadJointValues(const std::string& path, const Arm& arm);
 /// What was not measured is an empty cell. Rows are in the order of poses. Each
 /// of `comments` is a line after "# " on top.
 /// @pre blocks are of kPosition and kPose.
+void WriteDatasetText(const Dataset& dataset, const Arm& arm,
+                      int joint_decimals, bool with_sigmas,
+                      const std::vector<std::string>& comments,
+                      const TextSink& sink);
+/// The same as one string.
 std::string FormatDataset(const Dataset& dataset, const Arm& arm,
                           int joint_decimals, bool with_sigmas,
                           const std::vector<std::string>& comments);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -171,9 +172,11 @@ class DatasetText {
 
 }  // namespace
 
-std::string FormatDataset(const Dataset& dataset, const Arm& arm,
-                          int joint_decimals, bool with_sigmas,
-                          const std::vector<std::string>& comments) {
+void WriteDatasetText(const Dataset& dataset, const Arm& arm,
+                      int joint_decimals, bool with_sigmas,
+                      const std::vector<std::string>& comments,
+                      const TextSink& sink) {
+  constexpr std::size_t kPieceBytes = 1 << 16;
   std::string text;
   for (const std::string& comment : comments) {
     text += "# " + OneLine(comment) + "\n";
@@ -183,16 +186,21 @@ std::string FormatDataset(const Dataset& dataset, const Arm& arm,
   for (const ObservationBlock& block : dataset.blocks) {
     CHECK(HoldsPosition(block.kind));
   }
-  const std::vector<ObservationRef> order = InOrderOfPoses(dataset);
-  const std::size_t header = text.size();
-  for (const ObservationRef& one : order) {
+  for (const ObservationRef& one : InOrderOfPoses(dataset)) {
     rows.AppendRow(*one.block, one.index, &text);
-    // All rows are about as long as the first; memory that is not used costs
-    // nothing.
-    if (&one == order.data()) {
-      text.reserve(header + (text.size() - header) * order.size() / 4 * 5);
-    }
+    if (text.size() < kPieceBytes) continue;
+    sink(text);
+    text.clear();
   }
+  sink(text);
+}
+
+std::string FormatDataset(const Dataset& dataset, const Arm& arm,
+                          int joint_decimals, bool with_sigmas,
+                          const std::vector<std::string>& comments) {
+  std::string text;
+  WriteDatasetText(dataset, arm, joint_decimals, with_sigmas, comments,
+                   [&](std::string_view piece) { text += piece; });
   return text;
 }
 
