@@ -67,7 +67,7 @@ class ErrorFitter {
       fit_.stacking = Stack(LeaveOut());
     }
     for (std::size_t k = 0; k < fit_.rungs.size(); ++k) {
-      fit_.rungs[k].weight = fit_.stacking.weights[k];
+      fit_.rungs[k].weight = WeightOf(k, fit_.stacking.share);
     }
     Blend();
     if (!(fit_.stacking.share > 0.0)) {

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/common/number_text.h"
+
 namespace alidade::internal {
 namespace {
 
@@ -91,6 +93,28 @@ const char* NameOf(TermGroup group) {
       return "scale and coupling";
     case TermGroup::kBacklash:
       return "backlash";
+  }
+  return "";
+}
+
+std::string NameOf(const DenseTerm& term) {
+  constexpr double kShown = 1e4;  // of cycles, four decimals
+  const std::string joint = std::to_string(term.joint + 1);
+  const std::string cycles =
+      ShortestNumber(std::round(kShown * term.cycles) / kShown);
+  switch (term.regressor) {
+    case DenseTerm::Regressor::kMoment:
+      return "k" + joint + "_" + "xyz"[term.axis];
+    case DenseTerm::Regressor::kCosine:
+      return "h" + joint + "_c" + cycles;
+    case DenseTerm::Regressor::kSine:
+      return "h" + joint + "_s" + cycles;
+    case DenseTerm::Regressor::kJointValue:
+      return "g" + joint +
+             (term.other == term.joint ? ""
+                                       : "_" + std::to_string(term.other + 1));
+    case DenseTerm::Regressor::kMomentSign:
+      return "b" + joint;
   }
   return "";
 }

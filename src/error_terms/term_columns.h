@@ -55,6 +55,9 @@ struct DenseTerm {
   double unit = 1e-3;   ///< of the coefficient, in SI
 };
 
+/// "k2_z", "h2_c1", "b2", "g2", "g2_3" (ErrorTermEstimate).
+std::string NameOf(const DenseTerm& term);
+
 /// The knots of one joint's function, among those of all.
 struct FunctionKnots {
   int joint = 0;
