@@ -224,6 +224,45 @@ struct ErrorRung {
   Accuracy validation_rotation;
 };
 
+/// A coefficient of the error terms as delivered. Names are those of
+/// parameters: of joint 2 "k2_x" "k2_y" "k2_z" its compliances, "h2_c1" "h2_s1"
+/// cosine and sine of one cycle per turn, "b2" backlash, "g2" its scale, "g2_3"
+/// what it moves with joint 3.
+struct ErrorTermEstimate {
+  std::string name;
+  double value = 0.0;
+  double std = std::numeric_limits<double>::quiet_NaN();
+  std::string unit;  ///< of both: "rad/(N m)", "rad", "1", "m/rad" or "rad/m"
+};
+
+/// How far error terms move the first target: over poses drawn within the joint
+/// limits, the distance between its positions with and without them (m).
+struct ErrorTermEffect {
+  int joint = 0;  ///< from 1; 0 = all of them together
+  /// "elasticity", "function", "harmonics", "scale and coupling", "backlash";
+  /// "all" of the joint.
+  std::string term;
+  double rms = 0.0;
+  double max = 0.0;
+};
+
+/// Values of a joint without a gap in the training poses (rad, m).
+struct MeasuredRange {
+  int joint = 0;  ///< from 1
+  double lower = 0.0;
+  double upper = 0.0;
+};
+
+/// Measured minus predicted, as what each joint would have to turn further (or
+/// slide) to take most of it away, at an even sample of the training poses. NaN
+/// where the joint hardly moves what was measured.
+struct JointResiduals {
+  std::vector<int> poses;        ///< columns of the training poses
+  Eigen::MatrixXd joint_values;  ///< n x poses (rad, m)
+  Eigen::MatrixXd geometry;      ///< n x poses, with geometry alone (rad, m)
+  Eigen::MatrixXd remaining;     ///< the same with the error terms
+};
+
 /// What became of the error terms.
 struct ErrorTermsResult {
   /// How much of the step from geometry alone to the stack of rungs is taken,
@@ -234,6 +273,15 @@ struct ErrorTermsResult {
   double effective_terms = 0.0;  ///< coefficients that the data decide
   std::string sentence;
   std::vector<ErrorRung> rungs;
+  /// Those of a rung, of what is delivered; 0 where nothing was left out.
+  double region_error = 0.0;
+  double random_error = 0.0;
+  /// What follows is empty where the arm stays rigid. The functions are the
+  /// arm's (`CalibrationResult::arm`).
+  std::vector<ErrorTermEstimate> terms;
+  std::vector<ErrorTermEffect> effects;
+  std::vector<MeasuredRange> measured;
+  JointResiduals residuals;
 };
 
 /// Factors that priors of the joints were multiplied by, where they were found

@@ -14,6 +14,7 @@
 #include "src/calibration/acceptance.h"
 #include "src/calibration/calibration_task.h"
 #include "src/calibration/data_check.h"
+#include "src/calibration/error_term_report.h"
 #include "src/calibration/evaluate.h"
 #include "src/calibration/fit_report.h"
 #include "src/calibration/fit_uncertainty.h"
@@ -320,6 +321,7 @@ class Calibrator {
                prepared_.sigmas.has_two_groups, prepared_.misfit.has_value()},
               &result_);
     Assess(fit);
+    if (flexible_) DescribeErrorTerms(rigid, fit, &result_);
     Accept(fit);
   }
 

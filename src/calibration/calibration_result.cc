@@ -100,6 +100,40 @@ std::string DescribeOutliers(const std::vector<Outlier>& outliers) {
   return text;
 }
 
+// Every set of error terms: its weight, and its mean and largest error.
+std::string DescribeRungs(const CalibrationResult& result) {
+  if (!result.error_terms) return "";
+  const ErrorTermsResult& errors = *result.error_terms;
+  std::string text = errors.sentence + "\n";
+  if (errors.rungs.empty()) return text;
+  using Align = TextTable::Align;
+  TextTable table(
+      {{"model"},
+       {"terms", Align::kRight},
+       {"weight", Align::kRight},
+       {"left-out regions mm", Align::kRight},
+       {result.validation ? "validation mean mm" : "training mean mm",
+        Align::kRight},
+       {"max mm", Align::kRight}});
+  const auto add = [&](const std::string& name, const std::string& terms,
+                       const std::string& weight, double region,
+                       const Accuracy& accuracy) {
+    const auto shown = [](double metres) {
+      return FormatSignificant(metres / kMillimetre, 3);
+    };
+    table.AddRow({name, terms, weight, shown(region), shown(accuracy.mean),
+                  shown(accuracy.max)});
+  };
+  for (const ErrorRung& rung : errors.rungs) {
+    add(rung.name, std::to_string(rung.num_terms),
+        FormatSignificant(rung.weight, 2), rung.region_error,
+        result.validation ? rung.validation : rung.train);
+  }
+  add("delivered", "", "", errors.region_error,
+      (result.validation ? *result.validation : result.train).after);
+  return text + table.ToString();
+}
+
 }  // namespace
 
 ConfidenceInterval CalibrationResult::Interval(const std::string& name) const {
@@ -151,6 +185,7 @@ std::string CalibrationResult::FullReport() const {
                   format(one.std), UnitForPeople(one.dimension)});
   }
   text += table.ToString();
+  text += DescribeRungs(*this);
   text += DescribeOutliers(outliers);
   for (const std::string& warning : warnings) {
     text += "warning: " + warning + "\n";

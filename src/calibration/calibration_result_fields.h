@@ -99,6 +99,30 @@ void VisitFields(Visitor& v, Subject<Visitor, ErrorRung>& rung) {
 }
 
 template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, ErrorTermEstimate>& term) {
+  v.Field("name", term.name);
+  v.Field("value", term.value);
+  v.Field("std", term.std);
+  v.Field("unit", term.unit);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, ErrorTermEffect>& effect) {
+  v.Field("joint", effect.joint);
+  v.Field("term", effect.term);
+  v.Field("rms", effect.rms);
+  v.Field("max", effect.max);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, MeasuredRange>& range) {
+  v.Field("joint", range.joint);
+  v.Field("lower", range.lower);
+  v.Field("upper", range.upper);
+}
+
+/// Residuals by joint value are in a CSV file beside it.
+template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, ErrorTermsResult>& errors) {
   v.Field("share", errors.share);
   v.Field("t_regions", errors.t_regions);
@@ -106,6 +130,11 @@ void VisitFields(Visitor& v, Subject<Visitor, ErrorTermsResult>& errors) {
   v.Field("effective_terms", errors.effective_terms);
   v.Field("sentence", errors.sentence);
   v.Field("rungs", errors.rungs);
+  v.Later("region_error", errors.region_error);
+  v.Later("random_error", errors.random_error);
+  v.Later("terms", errors.terms);
+  v.Later("effects", errors.effects);
+  v.Later("measured", errors.measured);
 }
 
 template <typename Visitor>

@@ -181,6 +181,8 @@ std::optional<FlexibleFit> FitFlexible(const CalibrationSolution& rigid,
     result->effective_terms = fit->effective;
     const double sigma =
         MedianSigma(RowClass::kLength, data, task.communicator);
+    result->region_error = fit->stacking.region_error * sigma;
+    result->random_error = fit->stacking.random_error * sigma;
     for (const RungFit& rung : fit->rungs) {
       result->rungs.push_back(Describe(rigid, rung, sigma));
     }

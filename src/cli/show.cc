@@ -11,6 +11,7 @@
 #include "alidade/units.h"
 #include "src/cli/command.h"
 #include "src/common/format.h"
+#include "src/report/error_term_tables.h"
 #include "src/report/report.h"
 #include "src/report/table.h"
 #include "src/serialization/config_file.h"
@@ -70,6 +71,7 @@ void ShowArm(const Arm& arm) {
   }
   std::cout << arm.name << "\n" << table.ToText() << "\n";
   ShowFrames(arm);
+  std::cout << FormatArmErrors(arm);
   if (HasMotorMap(arm)) {
     std::cout << "data state the motors' values, which the arm file's "
                  "`motors` turn into joint values\n";
@@ -139,10 +141,14 @@ void ShowJob(const std::string& path, int num_threads) {
 }
 
 void ShowResult(const std::string& path) {
-  const CalibrationResult result = LoadResultJson(path);
+  CalibrationResult result = LoadResultJson(path);
+  const auto arm = std::filesystem::path(path).parent_path() / "arm.yaml";
+  if (std::filesystem::exists(arm)) result.arm = LoadArm(arm.string());
   std::cout << result.title << "\n\n"
             << FormatAccuracyTable(result) << "\n"
             << FormatParameters(result);
+  const std::string errors = ErrorTermsSection(result);
+  if (!errors.empty()) std::cout << "\n" << errors;
 }
 
 }  // namespace

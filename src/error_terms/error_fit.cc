@@ -29,7 +29,7 @@ class ErrorFitter {
       fit_.stacking.share = 1.0;
     }
     for (std::size_t k = 0; k < fits_.rungs().size(); ++k) {
-      fits_.rungs()[k].weight = fit_.stacking.weights[k];
+      fits_.rungs()[k].weight = WeightOf(k, fit_.stacking.share);
     }
     Blend();
     if (fit_.stacking.share > 0.0) {

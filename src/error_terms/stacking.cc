@@ -84,6 +84,21 @@ double MeanOf(const std::map<int, double>& errors) {
   return sum / static_cast<double>(errors.size());
 }
 
+// Mean error of the observations of all folds of a kind, each with its weights.
+double MeanError(const std::vector<FoldErrors>& folds, bool of_regions,
+                 const std::vector<Eigen::VectorXd>& weights) {
+  double sum = 0.0;
+  double count = 0.0;
+  for (std::size_t k = 0; k < folds.size(); ++k) {
+    if (folds[k].is_region != of_regions) continue;
+    for (const Eigen::MatrixXd& residual : folds[k].residuals) {
+      sum += (residual * weights[k]).norm();
+      count += 1.0;
+    }
+  }
+  return sum / std::max(1.0, count);
+}
+
 // The mean over its standard error.
 double TOfMean(const std::vector<double>& values) {
   if (values.size() < 2) return 0.0;
@@ -112,8 +127,10 @@ StackingResult Stack(const std::vector<FoldErrors>& folds) {
       Eigen::VectorXd::Unit(result.weights.size(), 0);
   std::vector<double> log_gains;
   std::vector<double> gains;
+  std::vector<Eigen::VectorXd> delivered;
   for (std::size_t k = 0; k < folds.size(); ++k) {
     const Eigen::VectorXd weights = Weights(total - products[k]);
+    delivered.push_back(weights);
     const std::map<int, double> before = PoseErrors(folds[k], geometry);
     const std::map<int, double> after = PoseErrors(folds[k], weights);
     if (folds[k].is_region) {
@@ -134,6 +151,11 @@ StackingResult Stack(const std::vector<FoldErrors>& folds) {
   if (t > kEvidence) {
     result.share = 1.0 - std::pow(kEvidence / t, kDegree);
   }
+  for (Eigen::VectorXd& weights : delivered) {
+    weights = geometry + result.share * (weights - geometry);
+  }
+  result.region_error = MeanError(folds, true, delivered);
+  result.random_error = MeanError(folds, false, delivered);
   return result;
 }
 

@@ -23,6 +23,9 @@ struct StackingResult {
   double share = 0.0;
   double t_regions = 0.0;  ///< evidence that it gains
   double t_random = 0.0;
+  /// Mean error of what is delivered so, with weights found without each fold.
+  double region_error = 0.0;
+  double random_error = 0.0;
 };
 
 /// Weights of least squared residual over all folds, each observation weighted

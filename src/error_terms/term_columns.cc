@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/common/number_text.h"
+
 namespace alidade::internal {
 namespace {
 
@@ -125,6 +127,33 @@ double VarianceBesideKnots(const FunctionKnots& knots, double length,
              a * Correlation(above_share * knots.spacing, length) -
              b * Correlation((1.0 - above_share) * knots.spacing, length));
   return std::max(0.0, variance);
+}
+
+std::string NameOf(const DenseTerm& term, int num_joints) {
+  constexpr double kShown = 1e4;  // of cycles, four decimals
+  const std::string joint = std::to_string(term.joint + 1);
+  const std::string cycles =
+      ShortestNumber(std::round(kShown * term.cycles) / kShown);
+  switch (term.regressor) {
+    case DenseTerm::Regressor::kMoment:
+      return "k" + joint + "_" + "xyz"[term.axis];
+    case DenseTerm::Regressor::kCosine:
+      return "h" + joint + "_c" + cycles;
+    case DenseTerm::Regressor::kSine:
+      return "h" + joint + "_s" + cycles;
+    case DenseTerm::Regressor::kJointValue:
+      return "g" + joint +
+             (term.other == term.joint ? ""
+                                       : "_" + std::to_string(term.other + 1));
+    case DenseTerm::Regressor::kMomentSign:
+      return "b" + joint;
+    case DenseTerm::Regressor::kCovariate:
+      return "c" + std::to_string(term.other + 1) + "_" +
+             (term.joint < num_joints ? joint
+                                      : (term.joint == num_joints ? "" : "r") +
+                                            std::string(1, "xyz"[term.axis]));
+  }
+  return "";
 }
 
 TermColumns::TermColumns(const Arm& arm, const TermSet& set,

@@ -67,6 +67,10 @@ struct DenseTerm {
   double unit = 1e-3;   ///< of the coefficient, in SI
 };
 
+/// "k2_z", "h2_c1", "b2", "g2", "g2_3" (ErrorTermEstimate); of covariate 1
+/// "c1_x" and "c1_rx" for the base, "c1_2" for a joint.
+std::string NameOf(const DenseTerm& term, int num_joints);
+
 /// The knots of one joint's function, among those of all.
 struct FunctionKnots {
   int joint = 0;

@@ -46,6 +46,12 @@ std::set<std::string> NamesOf(OutputKind kind) {
               "residual_histogram.svg",
               "report.html",
               "validation_z_scores.svg",
+              "error_stages.svg",
+              "error_effects.svg",
+              "joint_functions.csv",
+              "joint_functions.svg",
+              "joint_residuals.csv",
+              "joint_residuals.svg",
               "result.json",
               "heldout.csv",
               "heldout_z_scores.svg"};
@@ -122,6 +128,7 @@ std::vector<ReportFile> RenderResult(const CalibrationResult& result,
   Append(MakeCsvFiles(result), &files);
   Append(MakeFigures(result), &files);
   Append(MakeUncertaintyFiles(result), &files);
+  Append(MakeErrorTermFiles(result), &files);
   Append(MakeIdentifiabilityFigures(result.identifiability), &files);
   files.emplace_back("result.json", FormatResultJson(result));
   return files;

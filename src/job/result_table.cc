@@ -178,6 +178,33 @@ void ReadObservations(const ResultTable& table, EvaluatedSet* set) {
   set->rotation_residual_after = RotationsOf(table, "after_rotation_deg");
 }
 
+void ReadJointResiduals(const ResultTable& table, JointResiduals* residuals) {
+  for (std::size_t row = 0; row < table.num_rows; ++row) {
+    residuals->poses.push_back(static_cast<int>(table.Number(row, "pose")) - 1);
+  }
+  const auto append = [&](const std::string& name, double unit,
+                          Eigen::MatrixXd* matrix) {
+    const Eigen::Index row = matrix->rows();
+    matrix->conservativeResize(row + 1,
+                               static_cast<Eigen::Index>(table.num_rows));
+    matrix->row(row).setConstant(kNan);
+    const double* const numbers = NumbersOf(table, name);
+    if (numbers == nullptr) return;
+    matrix->row(row) =
+        unit * Eigen::Map<const Eigen::RowVectorXd>(numbers, matrix->cols());
+  };
+  for (int j = 1;; ++j) {
+    const std::string number = std::to_string(j);
+    const bool is_angle = table.Column("q" + number + "_deg") >= 0;
+    if (!is_angle && table.Column("q" + number + "_mm") < 0) break;
+    const std::string unit = is_angle ? "_mrad" : "_mm";
+    append("q" + number + (is_angle ? "_deg" : "_mm"),
+           is_angle ? kDegree : kMillimetre, &residuals->joint_values);
+    append("geometry" + number + unit, 1e-3, &residuals->geometry);
+    append("remaining" + number + unit, 1e-3, &residuals->remaining);
+  }
+}
+
 void ReadResultTables(const std::string& directory, CalibrationResult* result) {
   const auto read = [&directory](const char* name, const auto& take) {
     const std::string path = (fs::path(directory) / name).string();
@@ -203,6 +230,11 @@ void ReadResultTables(const std::string& directory, CalibrationResult* result) {
   if (result->uncertainty) {
     read("influence.csv", [&](const ResultTable& table) {
       ReadInfluence(table, &result->uncertainty->residuals.poses);
+    });
+  }
+  if (result->error_terms) {
+    read("joint_residuals.csv", [&](const ResultTable& table) {
+      ReadJointResiduals(table, &result->error_terms->residuals);
     });
   }
   const std::string arm = (fs::path(directory) / "arm.yaml").string();

@@ -35,6 +35,9 @@ ResultTable ReadResultTable(const MappedFile& file,
 /// labels, positions and residuals; of orientations their angles alone.
 void ReadObservations(const ResultTable& table, EvaluatedSet* set);
 
+/// Fills in what joint_residuals.csv holds.
+void ReadJointResiduals(const ResultTable& table, JointResiduals* residuals);
+
 /// Fills in all that the tables of a result directory hold besides its
 /// result.json, and the calibrated arm. Files that are missing are left out.
 /// @throws InputError.

@@ -26,27 +26,6 @@ TermSet SetOf(const ErrorTermOptions& options) {
   return set;
 }
 
-std::string NameOfTerm(const DenseTerm& term) {
-  const std::string joint = std::to_string(term.joint + 1);
-  switch (term.regressor) {
-    case DenseTerm::Regressor::kMoment:
-      return "k" + joint + "_" + "xyz"[term.axis];
-    case DenseTerm::Regressor::kCosine:
-      return "h" + joint + "_c";
-    case DenseTerm::Regressor::kSine:
-      return "h" + joint + "_s";
-    case DenseTerm::Regressor::kJointValue:
-      return term.other == term.joint
-                 ? "g" + joint
-                 : "g" + joint + "_" + std::to_string(term.other + 1);
-    case DenseTerm::Regressor::kMomentSign:
-      return "b" + joint;
-    case DenseTerm::Regressor::kCovariate:
-      break;
-  }
-  return "covariate";
-}
-
 }  // namespace
 
 std::optional<PlannedTerms> PlannedTerms::Of(
@@ -57,7 +36,7 @@ std::optional<PlannedTerms> PlannedTerms::Of(
                                  Eigen::VectorXd()));
   if (terms.size() == 0) return std::nullopt;
   terms.SetScales(model, joint_values);
-  terms.ListEntries();
+  terms.ListEntries(model.nominal().num_joints());
   return terms;
 }
 
@@ -92,11 +71,12 @@ void PlannedTerms::SetScales(const MeasurementModel& model,
   known_ /= kPrior * kPrior;
 }
 
-void PlannedTerms::ListEntries() {
+void PlannedTerms::ListEntries(int num_joints) {
   for (int k = 0; k < columns_.num_dense(); ++k) {
     const DenseTerm& term = columns_.dense()[k];
     const bool is_compliance = term.regressor == DenseTerm::Regressor::kMoment;
-    entries_.push_back({NameOfTerm(term), is_compliance ? "rad/(N m)" : "rad",
+    entries_.push_back({NameOf(term, num_joints),
+                        is_compliance ? "rad/(N m)" : "rad",
                         kPrior * scales_[k] * term.unit, k, 1});
   }
   for (const FunctionKnots& knots : columns_.functions()) {

@@ -50,7 +50,7 @@ class PlannedTerms {
 
   void SetScales(const MeasurementModel& model,
                  const Eigen::MatrixXd& joint_values);
-  void ListEntries();
+  void ListEntries(int num_joints);
 
   TermColumns columns_;
   Eigen::VectorXd scales_;  // units of terms, in those of the columns

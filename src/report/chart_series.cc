@@ -160,7 +160,7 @@ void DrawBars(SvgWriter* svg, const ChartSeries& series, const SeriesLook& look,
               SvgNumber(base) + "z";
     }
   }
-  svg->Path(path, "bar " + look.colour);
+  svg->Path(path, BarLook(look));
 }
 
 void DrawLegendKey(SvgWriter* svg, const ChartSeries& series,
@@ -171,9 +171,28 @@ void DrawLegendKey(SvgWriter* svg, const ChartSeries& series,
     DrawLines(svg, look,
               {{{centre.x - half, centre.y}, {centre.x + half, centre.y}}});
   }
-  if (series.marker != MarkerStyle::kNone) {
+  if (!series.upper.empty()) {
+    constexpr double kHalfBand = 6.0;
+    svg->Box(
+        {centre.x - half, centre.y - kHalfBand, 2.0 * half, 2.0 * kHalfBand},
+        "band " + look.colour);
+  }
+  if (series.marker == MarkerStyle::kBar) {
+    svg->Path(MarkerPath(series.marker, centre, kOpenMarkerRadius),
+              BarLook(look));
+  } else if (series.marker != MarkerStyle::kNone) {
     DrawMarkers(svg, series.marker, look, {centre}, false);
   }
+}
+
+// The points of a band that are one after the other, as a closed path.
+std::string BandPath(const PixelRun& lower, const PixelRun& upper) {
+  std::string path = At('M', upper.front());
+  for (std::size_t i = 1; i < upper.size(); ++i) path += At('L', upper[i]);
+  for (auto it = lower.rbegin(); it != lower.rend(); ++it) {
+    path += At('L', *it);
+  }
+  return path + "z";
 }
 
 }  // namespace
@@ -233,6 +252,35 @@ std::vector<PixelRun> PixelRuns(const ChartAxis& x, const ChartAxis& y,
     next = i + 1;
   }
   return runs;
+}
+
+std::string BarLook(const SeriesLook& look) {
+  return (look.is_open ? "bar hollow " : "bar ") + look.colour;
+}
+
+void DrawBand(SvgWriter* svg, const ChartSeries& series, const SeriesLook& look,
+              const PlotArea& plot) {
+  std::string path;
+  PixelRun lower;
+  PixelRun upper;
+  const auto finish = [&] {
+    if (upper.size() > 1) path += BandPath(lower, upper);
+    lower.clear();
+    upper.clear();
+  };
+  const auto at = [&](double x, double y) {
+    return plot.At(x, std::clamp(y, plot.y.lower(), plot.y.upper()));
+  };
+  for (std::size_t i = 0; i < series.upper.size(); ++i) {
+    if (!(series.lower[i] <= series.upper[i])) {
+      finish();
+      continue;
+    }
+    lower.push_back(at(series.x[i], series.lower[i]));
+    upper.push_back(at(series.x[i], series.upper[i]));
+  }
+  finish();
+  if (!path.empty()) svg->Path(path, "band " + look.colour);
 }
 
 void DrawSeries(SvgWriter* svg, const ChartSeries& series,

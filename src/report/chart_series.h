@@ -21,10 +21,13 @@ struct ChartSeries {
   std::string label;  ///< legend; empty = not listed
   std::vector<double> x;
   std::vector<double> y;
+  /// A band about the line, one entry per point; empty: none.
+  std::vector<double> lower = {};
+  std::vector<double> upper = {};
   bool line = true;
   MarkerStyle marker = MarkerStyle::kNone;
   double bar_width = 1.0;  ///< of kBar, in units of x
-  /// "s1" to "s7"; empty = by its place among the series.
+  /// "s0" (grey), "s1" to "s7"; empty = by its place among the series.
   std::string colour;
   /// What is said of a point under the pointer; nothing where it is empty.
   std::function<std::string(std::size_t)> tip;
@@ -55,6 +58,13 @@ using PixelRun = std::vector<SvgPoint>;
 std::vector<PixelRun> PixelRuns(const ChartAxis& x, const ChartAxis& y,
                                 const ChartSeries& series,
                                 const PlotArea& plot);
+
+/// Fills the band of a series, cut where the plot ends.
+void DrawBand(SvgWriter* svg, const ChartSeries& series, const SeriesLook& look,
+              const PlotArea& plot);
+
+/// The look of a bar: those that are not of the first colour are hollow.
+std::string BarLook(const SeriesLook& look);
 
 /// Draws line and markers, thinned to what pixels can show: of a million points
 /// the first, last, lowest and highest of each pixel column stay.

@@ -1,6 +1,7 @@
 #ifndef ALIDADE_SRC_REPORT_FIGURES_H_
 #define ALIDADE_SRC_REPORT_FIGURES_H_
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,6 +37,24 @@ std::vector<std::pair<std::string, Figure>> ResultFigures(
 Figure ConvergenceFigure(const std::vector<SolverRun>& runs);
 
 Figure SingularValuesFigure(const IdentifiabilityResult& result);
+
+/// Mean error by what was calibrated: frames, geometry, every set of error
+/// terms and what is delivered of them; validation poses, and regions of joint
+/// space that were left out. @pre error terms were weighed.
+Figure ErrorStagesFigure(const CalibrationResult& result);
+
+/// How far the terms of each joint move the target.
+Figure ErrorEffectsFigure(const ErrorTermsResult& errors);
+
+/// The error function of joint `joint`, from 0, with its band and the residuals
+/// about it. Nothing where the joint has none.
+std::optional<LineChart> JointFunctionChart(const CalibrationResult& result,
+                                            int joint);
+
+/// Residuals along joint `joint` against its value, before and after. Nothing
+/// where there are none.
+std::optional<LineChart> JointResidualChart(const CalibrationResult& result,
+                                            int joint);
 
 /// Standardised values beside the standard normal distribution.
 Figure HistogramFigure(const std::string& title, const Histogram& histogram);

@@ -72,6 +72,10 @@ std::vector<ReportFile> MakePredictionFiles(
 std::vector<ReportFile> MakeUncertaintyFiles(const CalibrationResult& result);
 std::vector<ReportFile> MakeUncertaintyFiles(const CalibrationResult&&) =
     delete;
+/// joint_functions.csv and .svg, joint_residuals.csv and .svg,
+/// error_effects.svg and error_stages.svg, where error terms were estimated;
+/// the last one where they were weighed. Of a copy of what they show.
+std::vector<ReportFile> MakeErrorTermFiles(const CalibrationResult& result);
 /// What simulated calibrations showed: a table of the parameters, and in words
 /// the residual errors over the workspace.
 std::string FormatMonteCarlo(const MonteCarloResult& result);

@@ -167,6 +167,14 @@ PageSection IdentifiabilitySection(const CalibrationResult& result) {
 }
 
 PageSection StagesSection(const CalibrationResult& result) {
+  const bool has_rungs =
+      result.error_terms && !result.error_terms->rungs.empty();
+  if (has_rungs) {
+    return {"stages", "Accuracy by stage",
+            ErrorStagesPart(result) +
+                HtmlPair({StagesTable(result, Dimension::kLength).ToHtml(),
+                          StagesTable(result, Dimension::kAngle).ToHtml()})};
+  }
   if (result.stages.empty()) return {"stages", "Accuracy by stage", ""};
   RowChart chart{std::string("Error by what was calibrated, ") +
                      (result.validation ? "validation" : "training") + " poses",
@@ -257,10 +265,10 @@ std::string RenderResultPage(const CalibrationResult& result,
   const std::string arm_view = ArmViewJson(result);
   std::vector<PageSection> sections = further;
   for (PageSection& section : std::vector<PageSection>{
-           ParametersSection(result), IdentifiabilitySection(result),
+           ParametersSection(result), StagesSection(result),
+           ErrorTermsSectionOf(result), IdentifiabilitySection(result),
            ResidualsSection(result), PredictionSection(result),
-           StagesSection(result), SolverSection(result),
-           ProvenanceSection(result)}) {
+           SolverSection(result), ProvenanceSection(result)}) {
     sections.push_back(std::move(section));
   }
   std::string content = Element("header", {},

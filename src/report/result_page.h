@@ -22,6 +22,10 @@ std::string RenderResultPage(const CalibrationResult& result,
 PageSection ParametersSection(const CalibrationResult& result);
 PageSection ResidualsSection(const CalibrationResult& result);
 PageSection PredictionSection(const CalibrationResult& result);
+PageSection ErrorTermsSectionOf(const CalibrationResult& result);
+
+/// Accuracy by stage where error terms were weighed. @pre they were.
+std::string ErrorStagesPart(const CalibrationResult& result);
 
 }  // namespace alidade::internal
 

@@ -38,6 +38,10 @@ DataExtent ExtentOf(const LineChart& chart) {
     for (const std::size_t i : DrawablePoints(chart.x, chart.y, series)) {
       extent.x.Include(series.x[i]);
       extent.y.Include(series.y[i]);
+      if (series.upper.empty()) continue;
+      for (const double bound : {series.lower[i], series.upper[i]}) {
+        if (IsDrawable(chart.y, bound)) extent.y.Include(bound);
+      }
     }
   }
   return extent;
@@ -121,6 +125,10 @@ void DrawReferenceLabels(SvgWriter* svg, const LineChart& chart,
 
 void DrawData(SvgWriter* svg, const LineChart& chart, const PlotArea& plot) {
   DrawReferenceLines(svg, chart, plot);
+  for (std::size_t i = 0; i < chart.series.size(); ++i) {
+    const ChartSeries& series = chart.series[i];
+    DrawBand(svg, series, LookOf(series, i), plot);
+  }
   std::vector<PixelRun> points;
   for (std::size_t i = 0; i < chart.series.size(); ++i) {
     const ChartSeries& series = chart.series[i];
@@ -245,13 +253,52 @@ void DrawBar(SvgWriter* svg, const RowMark& mark, const std::string& colour,
   if (!arrows.empty()) svg->Path(arrows, "mark full " + colour);
 }
 
-void DrawMark(SvgWriter* svg, const RowChart& chart, const RowMark& mark,
-              const AxisScale& x, const SvgBox& box, double y) {
-  const ChartSeries& series = chart.looks[mark.series];
-  const SeriesLook look = LookOf(series, mark.series);
-  DrawBar(svg, mark, look.colour, x, box, y);
+std::int64_t NumBars(const RowChart& chart) {
+  return std::count_if(
+      chart.looks.begin(), chart.looks.end(),
+      [](const ChartSeries& look) { return look.marker == MarkerStyle::kBar; });
+}
+
+double RowHeight(const RowChart& chart) {
+  constexpr double kBarHeight = 9.0;
+  constexpr double kRowGap = 8.0;
+  const auto bars = static_cast<double>(NumBars(chart));
+  return std::max(kRowHeight, kBarHeight * bars + kRowGap);
+}
+
+// From zero, or the chart's end; those of a row stand one below the other.
+void DrawRowBar(SvgWriter* svg, const RowChart& chart, const RowMark& mark,
+                const AxisScale& x, const SvgBox& row) {
   if (!IsDrawable(chart.x, mark.at)) return;
-  const SvgPoint at{box.left + x.Fraction(mark.at) * box.width, y};
+  constexpr double kGap = 4.0;
+  const double height =
+      (row.height - kGap) / static_cast<double>(NumBars(chart));
+  const double top =
+      row.top + kGap / 2.0 + static_cast<double>(mark.series) * height;
+  const double zero = chart.x.logarithmic ? 0.0 : x.Fraction(0.0);
+  const double left = row.left + std::clamp(zero, 0.0, 1.0) * row.width;
+  const double right =
+      row.left + std::clamp(x.Fraction(mark.at), 0.0, 1.0) * row.width;
+  const SeriesLook look = LookOf(chart.looks[mark.series], mark.series);
+  svg->Path("M" + SvgNumber(left) + " " + SvgNumber(top) + "H" +
+                SvgNumber(right) + "v" + SvgNumber(height - 1.0) + "H" +
+                SvgNumber(left) + "z",
+            BarLook(look));
+  if (!mark.tip.empty()) svg->Tip({right, top + height / 2.0}, mark.tip);
+}
+
+void DrawMark(SvgWriter* svg, const RowChart& chart, const RowMark& mark,
+              const AxisScale& x, const SvgBox& row) {
+  const ChartSeries& series = chart.looks[mark.series];
+  if (series.marker == MarkerStyle::kBar) {
+    DrawRowBar(svg, chart, mark, x, row);
+    return;
+  }
+  const double y = row.top + row.height / 2.0;
+  const SeriesLook look = LookOf(series, mark.series);
+  DrawBar(svg, mark, look.colour, x, row, y);
+  if (!IsDrawable(chart.x, mark.at)) return;
+  const SvgPoint at{row.left + x.Fraction(mark.at) * row.width, y};
   svg->Path(MarkerPath(series.marker, at, 4.5),
             (look.is_open ? "mark " : "mark full ") + look.colour);
   if (!mark.tip.empty()) svg->Tip(at, mark.tip);
@@ -265,13 +312,14 @@ void DrawRows(SvgWriter* svg, const RowChart& chart, const AxisScale& x,
     const double at = box.left + place * box.width;
     svg->Line({at, box.top}, {at, box.bottom()}, "reference");
   }
-  double y = box.top + kRowHeight / 2.0;
+  SvgBox place{box.left, box.top, box.width, RowHeight(chart)};
   for (const ChartRow& row : chart.rows) {
-    DrawRowLabel(svg, row, box.left, box.left - kLabelGap, y);
+    DrawRowLabel(svg, row, box.left, box.left - kLabelGap,
+                 place.top + place.height / 2.0);
     for (const RowMark& mark : row.marks) {
-      DrawMark(svg, chart, mark, x, box, y);
+      DrawMark(svg, chart, mark, x, place);
     }
-    y += kRowHeight;
+    place.top += place.height;
   }
 }
 
@@ -281,7 +329,7 @@ std::string RenderSvg(const RowChart& chart, FigureMedium medium) {
   const ChartLayout layout = LayoutOf(medium);
   const double left =
       layout.margin + kLabelGap + LabelRoom(chart.rows, layout.width);
-  const double rows = kRowHeight * static_cast<double>(chart.rows.size());
+  const double rows = RowHeight(chart) * static_cast<double>(chart.rows.size());
   // The header is drawn twice: to know its height, and in its place.
   const auto draw_header = [&](SvgWriter* svg) {
     return DrawLegend(svg, layout, chart.looks,
@@ -350,6 +398,34 @@ std::string RenderSvg(const MatrixChart& chart, FigureMedium medium) {
       svg.Text({x + kLabelGap, middle + 0.36 * kTickSize}, row.note, "tick");
     }
     y += chart.cell_height;
+  }
+  return svg.Finish();
+}
+
+std::string RenderSvg(const PanelChart& chart, FigureMedium medium) {
+  constexpr int kColumns = 2;
+  constexpr double kTitleRoom = 30.0;
+  ChartLayout layout = LayoutOf(medium);
+  layout.width = kColumns * (kPageWidth + layout.margin) + layout.margin;
+  const auto draw_header = [&](SvgWriter* svg) {
+    return DrawHeader(svg, layout, chart.title, chart.subtitle);
+  };
+  SvgWriter measured({}, "", "", FigureMedium::kPage);
+  const double top = draw_header(&measured);
+  const std::size_t rows = (chart.panels.size() + kColumns - 1) / kColumns;
+  const double height = kTitleRoom + kPageHeight;
+  SvgWriter svg(
+      {layout.width, top + height * static_cast<double>(rows) + layout.margin},
+      chart.title, chart.subtitle, medium);
+  draw_header(&svg);
+  for (std::size_t k = 0; k < chart.panels.size(); ++k) {
+    const SvgPoint at{
+        layout.margin +
+            static_cast<double>(k % kColumns) * (kPageWidth + layout.margin),
+        top + static_cast<double>(k / kColumns) * height + kTitleRoom};
+    svg.Text({at.x, at.y - 8.0}, chart.panels[k].title, "label strong");
+    svg.Inside(at, {kPageWidth, kPageHeight},
+               RenderSvg(chart.panels[k], FigureMedium::kPage));
   }
   return svg.Finish();
 }

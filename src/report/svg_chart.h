@@ -27,6 +27,13 @@ struct LineChart {
   std::vector<ChartReference> references = {};
 };
 
+/// Small multiples: charts beside and below each other, for a file.
+struct PanelChart {
+  std::string title = {};
+  std::string subtitle = {};
+  std::vector<LineChart> panels = {};
+};
+
 /// A value at points of a plane, as coloured squares with a colour bar.
 struct MapChart {
   std::string title = {};
@@ -63,7 +70,8 @@ struct ChartRow {
 };
 
 /// Rows of marks over one axis: a row a parameter or an arm. A given range is
-/// widened to whole ticks; zero is in a linear one.
+/// widened to whole ticks; zero is in a linear one. Looks that are bars come
+/// first; the bars of a row stand one below the other.
 struct RowChart {
   std::string title = {};
   std::string subtitle = {};
@@ -111,6 +119,8 @@ std::string RenderSvg(const MapChart& chart,
 std::string RenderSvg(const RowChart& chart,
                       FigureMedium medium = FigureMedium::kFile);
 std::string RenderSvg(const MatrixChart& chart,
+                      FigureMedium medium = FigureMedium::kFile);
+std::string RenderSvg(const PanelChart& chart,
                       FigureMedium medium = FigureMedium::kFile);
 
 /// Any of these charts.

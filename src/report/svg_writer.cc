@@ -134,6 +134,15 @@ void SvgWriter::Text(SvgPoint position, std::string_view text,
   document_ += ">" + Words(text) + "</text>\n";
 }
 
+void SvgWriter::Inside(SvgPoint corner, SvgPoint size,
+                       std::string_view figure) {
+  constexpr std::string_view kStart = "<svg";
+  document_ += std::string(kStart) + Attribute("x", corner.x) +
+               Attribute("y", corner.y) + Attribute("width", size.x) +
+               Attribute("height", size.y) +
+               std::string(figure.substr(kStart.size()));
+}
+
 void SvgWriter::Tip(SvgPoint position, std::string_view text) {
   // Line by line: a line's end counts as a space to CleanUtf8.
   std::string lines;

@@ -51,6 +51,8 @@ class SvgWriter {
   /// Typeset. `position` is the anchor on the base line; `turned` in degrees.
   void Text(SvgPoint position, std::string_view text, std::string_view look,
             double turned = 0.0);
+  /// A figure of a page, of this size, with its corner at `corner`.
+  void Inside(SvgPoint corner, SvgPoint size, std::string_view figure);
   /// What is said under the pointer.
   void Tip(SvgPoint position, std::string_view text);
 

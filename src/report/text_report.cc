@@ -7,6 +7,7 @@
 
 #include "src/common/format.h"
 #include "src/common/text.h"
+#include "src/report/error_term_tables.h"
 #include "src/report/markup.h"
 #include "src/report/report.h"
 #include "src/report/result_tables.h"
@@ -183,6 +184,8 @@ std::string FormatReport(const CalibrationResult& result,
   text += Section("What can be identified",
                   FormatIdentifiability(result.identifiability));
   text += Section("Parameters", FormatParameters(result) + Aliases(result));
+  text +=
+      Section("Errors that are not rigid geometry", ErrorTermsSection(result));
   text += Section("Uncertainty", UncertaintySection(result));
   if (!result.runs.empty()) {
     text += Section(result.runs.size() == 1 ? "Solver" : "Solvers",

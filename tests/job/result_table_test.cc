@@ -94,5 +94,30 @@ TEST(ReadObservationsTest, SeveralKindsReadBack) {
               1e-15);
 }
 
+TEST(ReadJointResidualsTest, ReadsBackWhatIsWritten) {
+  CalibrationResult result = testing::MakeResult();
+  result.arm.joints.resize(2);
+  result.arm.joints[1].type = JointType::kPrismatic;
+  result.arm.errors.joints.resize(2);
+  ErrorTermsResult& errors = result.error_terms.emplace();
+  errors.share = 1.0;
+  errors.residuals.poses = {0, 4, 9};
+  errors.residuals.joint_values = Eigen::MatrixXd::Random(2, 3);
+  errors.residuals.geometry = 1e-3 * Eigen::MatrixXd::Random(2, 3);
+  errors.residuals.remaining = 1e-4 * Eigen::MatrixXd::Random(2, 3);
+  errors.residuals.remaining(1, 2) = std::nan("");
+  JointResiduals read;
+  ReadJointResiduals(
+      ReadResultTable(MappedFile("joint_residuals.csv",
+                                 ContentOf(MakeErrorTermFiles(result),
+                                           "joint_residuals.csv")),
+                      {}),
+      &read);
+  EXPECT_EQ(read.poses, errors.residuals.poses);
+  ExpectNear(read.joint_values, errors.residuals.joint_values);
+  ExpectNear(read.geometry, errors.residuals.geometry);
+  ExpectNear(read.remaining, errors.residuals.remaining);
+}
+
 }  // namespace
 }  // namespace alidade::internal
