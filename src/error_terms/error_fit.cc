@@ -177,17 +177,31 @@ class ErrorFitter {
     const TermColumns all = UnionOfColumns();
     std::shared_ptr<const TermCovariance> covariance =
         CovarianceOfStack(estimates, fit_.stacking.share, all, input_.columns);
-    SetDeviations(
-        covariance->root.bottomRows(all.size()).rowwise().squaredNorm(), all);
+    SetDeviations(*covariance);
     return covariance;
   }
 
-  void SetDeviations(const Eigen::VectorXd& variances, const TermColumns& all) {
+  // Of functions less their means over the training poses: a constant is the
+  // joint's zero as well, and one of both alone is hardly known.
+  void SetDeviations(const TermCovariance& covariance) {
+    const TermColumns& all = covariance.columns;
+    const Eigen::MatrixXd root = covariance.root.bottomRows(all.size());
+    const TermRows& rows = fits_.Data().rows;
+    Eigen::VectorXd shares = Eigen::VectorXd::Zero(all.size());
+    const auto poses = static_cast<int>(rows.joint_values.cols());
+    for (int pose = 0; pose < poses; ++pose) {
+      all.ForEachAt(rows.NumbersOf(pose),
+                    [&](int column, int /*turn*/, double size) {
+                      shares[column] += size / poses;
+                    });
+    }
     for (const FunctionKnots& knots : all.functions()) {
+      const int first = all.num_dense() + knots.offset;
+      const auto own = root.middleRows(first, knots.count);
+      const Eigen::RowVectorXd mean =
+          shares.segment(first, knots.count).transpose() * own;
       fit_.terms.joints[knots.joint].function.deviations =
-          kTermUnit *
-          variances.segment(all.num_dense() + knots.offset, knots.count)
-              .cwiseSqrt();
+          kTermUnit * (own.rowwise() - mean).rowwise().norm();
     }
   }
 
