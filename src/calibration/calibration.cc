@@ -106,11 +106,13 @@ Prepared Prepare(CalibrationTask task) {
     stated = {MedianSigma(RowClass::kLength, training, given.communicator),
               MedianSigma(RowClass::kRotation, training, given.communicator)};
   }
-  if (prepared.task.options.estimate_sigma) {
+  const CalibrationTask as_stated = prepared.task;
+  if (as_stated.options.estimate_sigma) {
     prepared.sigmas = EstimateSigmas(&prepared.task);
   }
   if (prepared.task.options.prior_scale == PriorScale::kEstimated) {
-    prepared.prior_scaling = EstimatePriors(&prepared.task, &prepared.sigmas);
+    prepared.prior_scaling =
+        EstimatePriors(as_stated, &prepared.task, &prepared.sigmas);
   }
   if (is_stated) prepared.stated_noise = NoiseOver(stated, prepared.task);
   return prepared;
@@ -133,6 +135,7 @@ class Calibrator {
   CalibrationResult Run() {
     DescribeData();
     if (prepared_.misfit) AddWarning(*prepared_.misfit, &result_);
+    WarnOfDistances();
     if (task().options.estimate_sigma && !(prepared_.sigmas.length > 0.0)) {
       Fail(CalibrationStatus::kRefused,
            "sigma cannot be estimated: these poses leave no degree of freedom, "
@@ -195,6 +198,19 @@ class Calibrator {
     }
   }
 
+  void WarnOfDistances() {
+    const double factor = prepared_.sigmas.distance_factor;
+    if (factor == 1.0) return;
+    AddWarning(
+        "the measurements contradict the known distances between points: "
+        "these were given " +
+            FormatSignificant(factor, 2) +
+            " times the standard deviations that were stated. Check the "
+            "distances, and look for errors of the arm that its parameters do "
+            "not describe",
+        &result_);
+  }
+
   // Orientations that fit nowhere, whatever base and target, are misread.
   void RefuseOrientations() {
     constexpr double kTolerated = 0.3;  // rad
@@ -249,6 +265,11 @@ class Calibrator {
     return true;
   }
 
+  bool HasRepeats() const {
+    return result_.repeats.length_degrees_of_freedom > 0 ||
+           result_.repeats.rotation_degrees_of_freedom > 0;
+  }
+
   void Evaluate() {
     const Eigen::VectorXd nominal = model_.NominalValues();
     const Eigen::VectorXd& values = result_.runs.front().values;
@@ -256,6 +277,8 @@ class Calibrator {
     ListParameters(nominal, values);
     ListReferences(model_.ReferencesAt(values));
     const CalibrationSolution fit{task(), *problem_, values};
+    covariance_ = CovarianceOfFit(fit, {task().options.estimate_sigma,
+                                        prepared_.stated_noise, HasRepeats()});
     FindAllOutliers(fit);
     EvaluateSets(nominal, values);
     if (prepared_.frames_fitted) {
@@ -289,7 +312,8 @@ class Calibrator {
       CountKeptAlone(fit, training_, &run.summary);
     }
     if (!task().data.validation) return;
-    validation_ = FindValidationOutliers(fit, training_);
+    validation_ =
+        FindValidationOutliers(fit, training_, covariance_.lack.prediction);
     result_.validation_outliers = validation_.outliers;
   }
 
@@ -321,9 +345,9 @@ class Calibrator {
   }
 
   void Assess(const CalibrationSolution& fit) {
-    result_.uncertainty = AssessFit(
-        fit, result_.identifiability, result_.runs.front().summary.final_cost,
-        {training_, validation_, prepared_.stated_noise});
+    result_.uncertainty = AssessFit(fit, result_.identifiability,
+                                    result_.runs.front().summary.final_cost,
+                                    {training_, validation_, covariance_});
     for (const ParameterUncertainty& one : result_.uncertainty->parameters) {
       result_.parameters[*model_.layout().Find(one.name)].std = one.std;
     }
@@ -395,6 +419,7 @@ class Calibrator {
   IdentifiabilityCache* const cache_;
   const MeasurementModel model_;
   std::optional<CalibrationProblem> problem_;
+  FitCovariance covariance_;
   OutlierSearch training_;
   OutlierSearch validation_;
   CalibrationResult result_;
