@@ -1,6 +1,6 @@
 // Arms with errors that rigid geometry does not describe: whether predictions
-// contain them and warnings name them. The numbers behind docs/residual.md. Run
-// by scripts/residuals.
+// contain them and warnings name them. The numbers behind docs/misfit.md. Run
+// by scripts/misfits.
 
 #include <algorithm>
 #include <cmath>
@@ -134,12 +134,22 @@ Visits Visit(const Arm& real, const Study& study, double size,
 struct Bench {
   Arm nominal;
   bool with_frames = true;
+  std::uint64_t seed = 0;  // of everything that is drawn
+
+  // Of arms and noise, and of poses.
+  Random Engine(std::uint64_t stream, std::uint64_t trial) const {
+    return Random(1000 * seed + stream, trial);
+  }
+  std::uint64_t Poses(std::uint64_t number) const {
+    return 1000000 * seed + number;
+  }
 };
 
-std::vector<Bench> Arms(const std::string& root) {
+std::vector<Bench> Arms(const std::string& root, std::uint64_t seed) {
   std::vector<Bench> arms;
   for (const char* name : {"ur10", "rv2aj_flange"}) {
     Bench bench{LoadArm(root + "/configs/robots/" + name + ".yaml")};
+    bench.seed = seed;
     bench.with_frames = std::string(name) == "ur10";
     if (bench.with_frames) {
       bench.nominal.last_from_target().translation() << 0.05, 0.03, 0.1;
@@ -199,10 +209,11 @@ double SizeOf(const Bench& bench, const Study& study, double times) {
   constexpr double kTried = 3.0;
   std::vector<double> errors;
   for (std::uint64_t trial = 0; trial < 9; ++trial) {
-    Random random(20, trial);
+    Random random = bench.Engine(20, trial);
     const Arm real = Moved(bench.nominal, &random);
-    const Visits fitted = Visit(real, study, kTried, 1001 + 2 * trial);
-    const Visits others = Visit(real, study, kTried, 1002 + 2 * trial);
+    const std::uint64_t poses = bench.Poses(1001 + 2 * trial);
+    const Visits fitted = Visit(real, study, kTried, poses);
+    const Visits others = Visit(real, study, kTried, poses + 1);
     errors.push_back(RmsTo(
         Solve(bench, fitted, others, Sigma::kGiven, nullptr).arm, others));
   }
@@ -228,11 +239,12 @@ void Run(const Bench& bench, const Study& study, Sigma sigma, int trials,
   int agree = 0;
   int alarms = 0;
   for (int trial = 0; trial < trials; ++trial) {
-    Random random(22, static_cast<std::uint64_t>(trial));
+    const auto number = static_cast<std::uint64_t>(trial);
+    Random random = bench.Engine(22, number);
     const Arm real = Moved(bench.nominal, &random);
-    const auto seed = static_cast<std::uint64_t>(2 * trial + 1);
-    const Visits fitted = Visit(real, study, size, seed);
-    const Visits others = Visit(real, study, size, seed + 1);
+    const std::uint64_t poses = bench.Poses(2 * number + 1);
+    const Visits fitted = Visit(real, study, size, poses);
+    const Visits others = Visit(real, study, size, poses + 1);
     const CalibrationResult result =
         Solve(bench, fitted, others, sigma, &random);
     if (!result.IsUsable()) continue;
@@ -270,16 +282,17 @@ void Run(const Bench& bench, const Study& study, Sigma sigma, int trials,
 }
 
 bool RunAll(const std::vector<std::string>& arguments) {
-  if (arguments.size() < 3 || arguments.size() > 4) return false;
+  if (arguments.size() < 4 || arguments.size() > 5) return false;
   const int trials = std::stoi(arguments[1]);
   const double times = std::stod(arguments[2]);
+  const std::uint64_t seed = std::stoull(arguments[3]);
   std::printf(
       "| arm | error | sigma | predicted / true | structure found | named "
       "right | lack of fit | within intervals | \"agree\" | any warning |\n"
       "|---|---|---|---|---|---|---|---|---|---|\n");
-  for (const Bench& bench : Arms(arguments[0])) {
+  for (const Bench& bench : Arms(arguments[0], seed)) {
     for (const Study& study : Studies()) {
-      if (arguments.size() > 3 && arguments[3] != study.name) continue;
+      if (arguments.size() > 4 && arguments[4] != study.name) continue;
       for (const Sigma sigma :
            {Sigma::kGiven, Sigma::kInstrument, Sigma::kUnknown}) {
         Run(bench, study, sigma, trials, times);
@@ -294,6 +307,7 @@ bool RunAll(const std::vector<std::string>& arguments) {
 
 int main(int argc, char** argv) {
   return alidade::internal::bench::StudyMain(
-      argc, argv, "misfits SOURCE_DIRECTORY TRIALS TIMES_THE_NOISE [ERROR]",
+      argc, argv,
+      "misfits SOURCE_DIRECTORY TRIALS TIMES_THE_NOISE SEED [ERROR]",
       alidade::internal::RunAll);
 }

@@ -112,11 +112,13 @@ Prepared Prepare(CalibrationTask task) {
     stated = {MedianSigma(RowClass::kLength, training, given.communicator),
               MedianSigma(RowClass::kRotation, training, given.communicator)};
   }
-  if (prepared.task.options.estimate_sigma) {
+  const CalibrationTask as_stated = prepared.task;
+  if (as_stated.options.estimate_sigma) {
     prepared.sigmas = EstimateSigmas(&prepared.task);
   }
   if (prepared.task.options.prior_scale == PriorScale::kEstimated) {
-    prepared.prior_scaling = EstimatePriors(&prepared.task, &prepared.sigmas);
+    prepared.prior_scaling =
+        EstimatePriors(as_stated, &prepared.task, &prepared.sigmas);
   }
   if (is_stated) prepared.stated_noise = NoiseOver(stated, prepared.task);
   return prepared;
@@ -139,6 +141,7 @@ class Calibrator {
   CalibrationResult Run() {
     DescribeData();
     if (prepared_.misfit) AddWarning(*prepared_.misfit, &result_);
+    WarnOfDistances();
     if (task().options.estimate_sigma && !(prepared_.sigmas.length > 0.0)) {
       Fail(CalibrationStatus::kRefused,
            "sigma cannot be estimated: these poses leave no degree of freedom, "
@@ -199,6 +202,19 @@ class Calibrator {
     for (const ReferencePlane& plane : task().data.references.planes) {
       add("plane" + std::to_string(++number), plane.name);
     }
+  }
+
+  void WarnOfDistances() {
+    const double factor = prepared_.sigmas.distance_factor;
+    if (factor == 1.0) return;
+    AddWarning(
+        "the measurements contradict the known distances between points: "
+        "these were given " +
+            FormatSignificant(factor, 2) +
+            " times the standard deviations that were stated. Check the "
+            "distances, and look for errors of the arm that its parameters do "
+            "not describe",
+        &result_);
   }
 
   // Orientations that fit nowhere, whatever base and target, are misread.
@@ -286,6 +302,11 @@ class Calibrator {
         ProblemOf(task(), fitted(), result_.identifiability));
   }
 
+  bool HasRepeats() const {
+    return result_.repeats.length_degrees_of_freedom > 0 ||
+           result_.repeats.rotation_degrees_of_freedom > 0;
+  }
+
   void Evaluate() {
     const Eigen::VectorXd nominal = model_.NominalValues();
     const CalibrationSolution rigid{task(), *problem_,
@@ -302,6 +323,8 @@ class Calibrator {
     const CalibrationSolution fit{
         task(), flexible_problem_ ? *flexible_problem_ : *problem_, values,
         flexible_ ? flexible_->covariance : nullptr};
+    covariance_ = CovarianceOfFit(fit, {task().options.estimate_sigma,
+                                        prepared_.stated_noise, HasRepeats()});
     FindAllOutliers(fit);
     EvaluateSets(nominal, values);
     if (task().options.folds) {
@@ -339,7 +362,8 @@ class Calibrator {
       CountKeptAlone(fit, training_, &run.summary);
     }
     if (!task().data.validation) return;
-    validation_ = FindValidationOutliers(fit, training_);
+    validation_ =
+        FindValidationOutliers(fit, training_, covariance_.lack.prediction);
     result_.validation_outliers = validation_.outliers;
   }
 
@@ -371,9 +395,9 @@ class Calibrator {
   }
 
   void Assess(const CalibrationSolution& fit) {
-    result_.uncertainty = AssessFit(
-        fit, result_.identifiability, result_.runs.front().summary.final_cost,
-        {training_, validation_, prepared_.stated_noise});
+    result_.uncertainty = AssessFit(fit, result_.identifiability,
+                                    result_.runs.front().summary.final_cost,
+                                    {training_, validation_, covariance_});
     for (const ParameterUncertainty& one : result_.uncertainty->parameters) {
       result_.parameters[*model_.layout().Find(one.name)].std = one.std;
     }
@@ -447,6 +471,7 @@ class Calibrator {
   std::optional<CalibrationProblem> problem_;
   std::optional<FlexibleFit> flexible_;
   std::optional<CalibrationProblem> flexible_problem_;
+  FitCovariance covariance_;
   OutlierSearch training_;
   OutlierSearch validation_;
   CalibrationResult result_;

@@ -134,12 +134,13 @@ std::optional<CrossValidation> CrossValidate(
         !FitFrames(&fold)) {
       return std::nullopt;
     }
+    const CalibrationTask as_stated = fold;
     if (fold.options.estimate_sigma && !(EstimateSigmas(&fold).length > 0.0)) {
       return std::nullopt;
     }
     EstimatedSigmas sigmas;
     if (fold.options.prior_scale == PriorScale::kEstimated &&
-        !EstimatePriors(&fold, &sigmas)) {
+        !EstimatePriors(as_stated, &fold, &sigmas)) {
       return std::nullopt;
     }
     const MeasurementModel model(fold.arm, fold.data.references,

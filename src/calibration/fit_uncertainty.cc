@@ -119,6 +119,15 @@ Resolve ResolveByCeres(const CalibrationProblem& problem,
   };
 }
 
+FitCovariance CovarianceOfFit(const CalibrationSolution& fit,
+                              const NoiseKnowledge& noise) {
+  const std::vector<RobustLoss> losses = TunedLosses(fit.task.options.loss);
+  return CovarianceWithLack(
+      {fit.model(), fit.task.data.training, fit.problem.free_columns,
+       fit.problem.priors, losses, fit.values},
+      noise, fit.terms);
+}
+
 UncertaintyResult AssessFit(const CalibrationSolution& fit,
                             const IdentifiabilityResult& pass,
                             double final_cost, const FitFindings& found) {
@@ -127,10 +136,9 @@ UncertaintyResult AssessFit(const CalibrationSolution& fit,
   AssessmentInput input{
       {fit.model(), fit.task.data.training, problem.free_columns,
        problem.priors, problem.losses, fit.values},
+      found.covariance,
       fit.task.options.uncertainty};
   input.sigma_estimated = fit.task.options.estimate_sigma;
-  input.stated_noise = found.noise;
-  input.terms = fit.terms;
   if (fit.task.options.solver == SolverName::kCeres && !fit.terms &&
       fit.task.data.training.global_observations() <= kMostForProfiles) {
     input.fit_cost = final_cost;

@@ -13,8 +13,12 @@ namespace alidade::internal {
 struct FitFindings {
   const OutlierSearch& training;
   const OutlierSearch& validation;
-  StatedNoise noise;
+  const FitCovariance& covariance;
 };
+
+/// The covariance of a finished fit, and what its model lacks.
+FitCovariance CovarianceOfFit(const CalibrationSolution& fit,
+                              const NoiseKnowledge& noise);
 
 /// The uncertainty of a finished fit, by the job's options. `pass`: what
 /// decided its free columns; `final_cost`: of the solve.

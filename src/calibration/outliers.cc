@@ -14,7 +14,6 @@
 #include "src/common/bytes.h"
 #include "src/common/distributions.h"
 #include "src/kernel/partition.h"
-#include "src/uncertainty/covariance.h"
 #include "src/uncertainty/row_spread.h"
 
 namespace alidade::internal {
@@ -108,13 +107,8 @@ class Search {
 
   // Predictions are less certain than the measurements alone: outliers are
   // among those beyond the limit already.
-  void Predict() {
-    CalibrationProblem problem = fit_.problem;
-    problem.losses = losses_;
-    ParameterCovariance covariance = CovarianceOf(
-        {fit_.model(), fit_.task.data.training, problem.free_columns,
-         problem.priors, problem.losses, fit_.values});
-    if (fit_.terms) AddTerms(fit_.terms, &covariance);
+  void Predict(const ParameterCovariance& covariance) {
+    const Eigen::MatrixXd sigmas = StackedSigmas();
     const RowSpread spreads(fit_.model(), fit_.values, covariance, data_);
     predicted_.assign(squared_.data(), squared_.data() + squared_.size());
     ForEachObservation(
@@ -123,9 +117,11 @@ class Search {
           if (!IsBeyond(i, squared_[i])) return;
           const Eigen::Index p = all.cols() - 1;
           const Eigen::MatrixXd spread = spreads.Of(i, all.leftCols(p));
-          const Eigen::MatrixXd variance =
-              Eigen::MatrixXd::Identity(all.rows(), all.rows()) +
-              spread * spread.transpose();
+          Eigen::MatrixXd variance = spread * spread.transpose();
+          for (Eigen::Index row = 0; row < all.rows(); ++row) {
+            variance(row, row) +=
+                covariance.excess.RowVariance(row, sigmas(row, i));
+          }
           const Eigen::VectorXd residual = all.col(p);
           predicted_[i] = covariance.AreTold(all.leftCols(p))
                               ? residual.dot(variance.llt().solve(residual))
@@ -177,6 +173,18 @@ class Search {
     return dimensions_[i] > 0 && squared > limits_[dimensions_[i]];
   }
 
+  // Of each observation, by its rows.
+  Eigen::MatrixXd StackedSigmas() const {
+    Eigen::MatrixXd sigmas = Eigen::MatrixXd::Ones(6, squared_.size());
+    Eigen::Index first = 0;
+    for (const ObservationBlock& block : data_.blocks) {
+      sigmas.block(0, first, block.rows_each(), block.size()) =
+          block.sigmas.map();
+      first += block.size();
+    }
+    return sigmas;
+  }
+
   std::int64_t Sum(std::int64_t mine) const {
     return SumOverRanks(fit_.task.communicator, data_, mine);
   }
@@ -215,10 +223,11 @@ OutlierSearch FindOutliers(const CalibrationSolution& fit) {
 }
 
 OutlierSearch FindValidationOutliers(const CalibrationSolution& fit,
-                                     const OutlierSearch& training) {
+                                     const OutlierSearch& training,
+                                     const ParameterCovariance& prediction) {
   const Dataset& data = *fit.task.data.validation;
   Search search(fit, data);
-  if (search.HasCandidates()) search.Predict();
+  if (search.HasCandidates()) search.Predict(prediction);
   search.Run();
   const auto part = [](std::int64_t count, Eigen::Index all) {
     return static_cast<double>(count) /

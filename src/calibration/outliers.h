@@ -7,6 +7,7 @@
 
 #include "alidade/calibration_result.h"
 #include "src/calibration/fit_report.h"
+#include "src/uncertainty/covariance.h"
 
 namespace alidade::internal {
 
@@ -32,14 +33,16 @@ struct OutlierSearch {
 OutlierSearch FindOutliers(const CalibrationSolution& fit);
 
 /// Of the validation data, by the norm of the residual in its predicted
-/// standard deviations, that of the parameters included. So many that mistakes
+/// standard deviations, by `prediction`: those of the parameters and of what
+/// the model lacks included. So many that mistakes
 /// of measurement do not explain them (more than a fifth, and more than twice
 /// the part of the training data) are listed, but neither rejected nor left
 /// out: the fit does not describe these poses. Costs one evaluation of the
-/// residuals where none is beyond the limit of a fit that is known exactly,
-/// else one covariance more. @pre fit.task.data.validation.
+/// residuals, and one of their derivatives where any is beyond the limit of a
+/// fit that is known exactly. @pre fit.task.data.validation.
 OutlierSearch FindValidationOutliers(const CalibrationSolution& fit,
-                                     const OutlierSearch& training);
+                                     const OutlierSearch& training,
+                                     const ParameterCovariance& prediction);
 
 /// The errors of every iteration of a run anew, of the observations that were
 /// kept: the figure of the convergence is of those that the result is judged

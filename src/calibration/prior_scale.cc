@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <vector>
 
+#include "alidade/robust_loss.h"
 #include "src/calibration/preparation.h"
 #include "src/kernel/reduction.h"
 
@@ -16,11 +18,13 @@ namespace {
 class MarginalLikelihood {
  public:
   MarginalLikelihood(const CalibrationProblem& problem,
-                     const Eigen::VectorXd& values)
+                     const Eigen::VectorXd& values,
+                     const std::vector<RobustLoss>& losses)
       : problem_(problem) {
-    const Eigen::MatrixXd factor = JacobianFactor(
-        problem.model, values, problem.data, problem.free_columns);
-    information_ = factor.transpose() * factor;
+    ReducedLeastSquares reduced;
+    Reducer(problem.model, problem.data, problem.free_columns, losses)
+        .Reduce(values, &reduced);
+    information_ = reduced.factor.transpose() * reduced.factor;
     const auto p = static_cast<Eigen::Index>(problem.free_columns.size());
     const Eigen::VectorXd nominal = problem.model.NominalValues();
     Eigen::VectorXd deviations(p);
@@ -110,12 +114,12 @@ void Scale(const PriorScaling& scaling, PriorTolerances* priors) {
 
 }  // namespace
 
-std::optional<PriorScaling> EstimatePriors(CalibrationTask* task,
+std::optional<PriorScaling> EstimatePriors(const CalibrationTask& stated,
+                                           CalibrationTask* task,
                                            EstimatedSigmas* sigmas) {
   constexpr int kRounds = 2;
   const MeasurementModel model(task->arm, task->data.references,
                                task->execution());
-  const CalibrationTask stated = *task;
   PriorScaling all;
   for (int round = 0; round < kRounds; ++round) {
     const IdentifiabilityOptions& options = task->options.identifiability;
@@ -123,8 +127,8 @@ std::optional<PriorScaling> EstimatePriors(CalibrationTask* task,
     if (!fit.summary.IsSolutionUsable()) return std::nullopt;
     const CalibrationProblem problem =
         ProblemOf(*task, model, fit.identifiability);
-    const PriorScaling more =
-        MostLikely(MarginalLikelihood(problem, fit.values));
+    const PriorScaling more = MostLikely(MarginalLikelihood(
+        problem, fit.values, TunedLosses(task->options.loss)));
     all.angle *= more.angle;
     all.length *= more.length;
     CalibrationTask next = stated;

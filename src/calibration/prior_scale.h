@@ -20,9 +20,13 @@ namespace alidade::internal {
 /// the deviations, whitened). Base, tool and references keep their priors. On a
 /// grid of quarters of a decade from 0.03 to 300.
 ///
+/// With a robust loss J^T J is that of the weighted observations.
+///
 /// Changes the priors of `task`, and its sigmas where they are estimated, twice
-/// in turn. Nothing where a fit failed.
-std::optional<PriorScaling> EstimatePriors(CalibrationTask* task,
+/// in turn: each time from those that were stated, `stated` being the task
+/// before any estimate. Nothing where a fit failed.
+std::optional<PriorScaling> EstimatePriors(const CalibrationTask& stated,
+                                           CalibrationTask* task,
                                            EstimatedSigmas* sigmas);
 
 }  // namespace alidade::internal

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "alidade/robust_loss.h"
+#include "src/calibration/distance_sigma.h"
 #include "src/calibration/preparation.h"
 #include "src/calibration/sigma_change.h"
 #include "src/calibration/trimmed_fit.h"
@@ -343,9 +344,7 @@ std::optional<SigmaRounds> FromTrimmed(const CalibrationTask& task,
   return rounds;
 }
 
-}  // namespace
-
-EstimatedSigmas EstimateSigmas(CalibrationTask* task) {
+EstimatedSigmas Settle(CalibrationTask* task) {
   const MeasurementModel model(task->arm, task->data.references,
                                task->execution());
   SigmaRounds rounds(*task, model);
@@ -364,6 +363,28 @@ EstimatedSigmas EstimateSigmas(CalibrationTask* task) {
   sigmas.has_two_groups = trimmed && !is_trimmed_better &&
                           trimmed->sigmas().length > 0.0 &&
                           trimmed->sigmas().length < kMuchLess * sigmas.length;
+  return sigmas;
+}
+
+}  // namespace
+
+EstimatedSigmas EstimateSigmas(CalibrationTask* task) {
+  const bool has_distances =
+      task->data.training.Has(MeasurementKind::kPointDistance);
+  if (!has_distances) return Settle(task);
+  CalibrationTask stated = *task;
+  EstimatedSigmas sigmas = Settle(task);
+  if (!(sigmas.length > 0.0) || sigmas.is_bound) return sigmas;
+  const MeasurementModel model(task->arm, task->data.references,
+                               task->execution());
+  const Fit fit = FitOnce(*task, model, task->options.identifiability);
+  if (!fit.summary.IsSolutionUsable()) return sigmas;
+  const double factor = EstimateDistanceFactor(*task, model, fit);
+  if (factor == 1.0) return sigmas;
+  ScaleDistanceSigmas(factor, &stated.data.training);
+  *task = std::move(stated);
+  sigmas = Settle(task);
+  sigmas.distance_factor = factor;
   return sigmas;
 }
 

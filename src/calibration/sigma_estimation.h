@@ -18,6 +18,9 @@ struct EstimatedSigmas {
   /// Half of the data agree far better among themselves than with the others,
   /// which the loss does not leave out.
   bool has_two_groups = false;
+  /// By which the sigmas of known distances between reference points were
+  /// multiplied (distance_sigma.h).
+  double distance_factor = 1.0;
 };
 
 /// Changes the sigmas of training and validation data, those of lengths and
@@ -30,6 +33,8 @@ struct EstimatedSigmas {
 /// sigma, so that it is iterated. The posterior of values and sigmas may have
 /// several maxima: the rounds are begun with wide priors too and, with a robust
 /// loss, from the half of the data that agree best, and the best is taken.
+/// Sigmas of known distances between reference points are no measurement's and
+/// stay, unless the others contradict them (distance_sigma.h).
 /// Lengths of 0 where a fit failed or leaves no freedom.
 EstimatedSigmas EstimateSigmas(CalibrationTask* task);
 

@@ -304,11 +304,9 @@ HoldOut HoldOutPoses(const Dataset& data,
   return split;
 }
 
-HoldOut HoldOutFraction(const Dataset& data, double fraction,
-                        std::uint64_t seed, Communicator* communicator) {
-  if (!data.partition) {
-    return Split(data, DrawFraction(data, fraction, seed), communicator);
-  }
+std::vector<char> DrawHeldOut(const Dataset& data, double fraction,
+                              std::uint64_t seed, Communicator* communicator) {
+  if (!data.partition) return DrawFraction(data, fraction, seed);
   const Dataset all = ConfigurationsOf(communicator, data);
   std::vector<char> is_validation;
   if (communicator->is_root()) {
@@ -317,7 +315,13 @@ HoldOut HoldOutFraction(const Dataset& data, double fraction,
   const std::string drawn =
       communicator->Broadcast({is_validation.begin(), is_validation.end()});
   const auto first = drawn.begin() + data.partition->first_pose;
-  return Split(data, {first, first + data.num_poses()}, communicator);
+  return {first, first + data.num_poses()};
+}
+
+HoldOut HoldOutFraction(const Dataset& data, double fraction,
+                        std::uint64_t seed, Communicator* communicator) {
+  return Split(data, DrawHeldOut(data, fraction, seed, communicator),
+               communicator);
 }
 
 HoldOut HoldOutFold(const Dataset& data, int folds, int k, std::uint64_t seed) {

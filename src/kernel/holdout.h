@@ -47,6 +47,9 @@ struct HoldOut {
 HoldOut HoldOutFraction(const Dataset& data, double fraction,
                         std::uint64_t seed,
                         Communicator* communicator = SingleProcess());
+/// Which poses (of this part) that holds out.
+std::vector<char> DrawHeldOut(const Dataset& data, double fraction,
+                              std::uint64_t seed, Communicator* communicator);
 
 /// Holds out the poses that `is_validation` is true for, one entry per pose.
 /// Collective for a part (partition.h), as HoldOutFraction.

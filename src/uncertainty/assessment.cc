@@ -27,11 +27,11 @@ class Assessment {
   explicit Assessment(const AssessmentInput& input)
       : input_(input),
         fit_(input.fit),
-        covariance_(CovarianceOf(input.fit)),
+        covariance_(input.covariance.parameters),
+        prediction_(input.covariance.lack.prediction),
         prior_(FreePriors(input.fit)) {}
 
   UncertaintyResult Run() {
-    if (input_.terms) AddTerms(input_.terms, &covariance_);
     result_.confidence = input_.options.confidence;
     result_.estimator =
         covariance_.is_sandwich ? "sandwich" : "inverse information";
@@ -41,20 +41,11 @@ class Assessment {
           "leaves: "
           "standard deviations are those of least squares");
     }
-    if (input_.sigma_estimated) {
-      covariance_.degrees_of_freedom =
-          std::max(1.0, static_cast<double>(GlobalEquations(
-                            fit_.model.communicator(), fit_.data)) -
-                            EffectiveParameters(covariance_, prior_));
-    }
     result_.degrees_of_freedom = covariance_.degrees_of_freedom;
     result_.covariance = covariance_.Matrix();
-    LackAssessment lack =
-        AssessLackOfFit(fit_, covariance_, input_.stated_noise);
-    prediction_ = std::move(lack.prediction);
-    result_.lack_of_fit = std::move(lack.lack);
+    const LackAssessment& lack = input_.covariance.lack;
+    result_.lack_of_fit = lack.lack;
     if (lack.differs) result_.prediction_covariance = prediction_.Matrix();
-    robust_std_ = std::move(lack.robust_std);
     ListParameters();
     ListPairs();
     result_.residuals =
@@ -95,7 +86,7 @@ class Assessment {
       ParameterUncertainty one;
       one.name = NameOf(k);
       one.std = deviations[k];
-      one.robust_std = robust_std_[k];
+      one.robust_std = input_.covariance.lack.robust_std[k];
       one.nonlinearity = nonlinearity[k];
       if (std::isfinite(prior_[k])) {
         const double share = one.std / prior_[k];
@@ -206,14 +197,29 @@ class Assessment {
 
   const AssessmentInput& input_;
   const FittedProblem& fit_;
-  ParameterCovariance covariance_;
-  ParameterCovariance prediction_;  // with what the model lacks
-  Eigen::VectorXd robust_std_;
+  const ParameterCovariance& covariance_;
+  const ParameterCovariance& prediction_;  // with what the model lacks
   const Eigen::VectorXd prior_;
   UncertaintyResult result_;
 };
 
 }  // namespace
+
+FitCovariance CovarianceWithLack(const FittedProblem& fit,
+                                 const NoiseKnowledge& noise,
+                                 std::shared_ptr<const TermCovariance> terms) {
+  FitCovariance found{CovarianceOf(fit), {}};
+  if (terms) AddTerms(std::move(terms), &found.parameters);
+  if (noise.sigma_estimated) {
+    found.parameters.degrees_of_freedom = std::max(
+        1.0, static_cast<double>(
+                 GlobalEquations(fit.model.communicator(), fit.data)) -
+                 EffectiveParameters(found.parameters, FreePriors(fit)));
+  }
+  found.lack =
+      AssessLackOfFit(fit, found.parameters, noise.stated, noise.has_repeats);
+  return found;
+}
 
 UncertaintyResult AssessUncertainty(const AssessmentInput& input) {
   return Assessment(input).Run();

@@ -40,6 +40,12 @@ struct ModelExcess {
   std::array<double, 2> noise_ratio = {1.0, 1.0};
 
   bool is_there() const { return length > 0.0 || rotation > 0.0; }
+  /// Of noise and excess together, over sigma^2, in row 0 to 5 of an
+  /// observation whose noise was taken as `sigma`.
+  double RowVariance(Eigen::Index row, double sigma) const {
+    return noise_ratio[row < 3 ? 0 : 1] +
+           (row < 3 ? length : rotation) / (sigma * sigma);
+  }
 };
 
 /// What is not known of parameters after a fit, to first order: estimate -

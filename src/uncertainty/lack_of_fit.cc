@@ -58,11 +58,11 @@ struct ClassExcess {
 class Assessor {
  public:
   Assessor(const FittedProblem& fit, const ParameterCovariance& covariance,
-           const StatedNoise& stated)
+           const StatedNoise& stated, bool has_repeats)
       : fit_(fit),
         covariance_(covariance),
         stated_(stated),
-        looks_(TakeLooks(fit)),
+        looks_(TakeLooks(fit, has_repeats)),
         structure_(fit.model, fit.values, looks_.data, looks_.residuals.size(),
                    !looks_.is_sample),
         gram_(SumLooks(fit, looks_, structure_, covariance.root)),
@@ -206,11 +206,41 @@ class Assessor {
         std::min(covariance_.degrees_of_freedom, plain_.AllFreedom());
   }
 
+  // What the model lacks is alike at neighbouring configurations: blocks of
+  // these say how much more it takes than if each were off by itself.
   void FindRobustDeviations() {
+    result_.robust_std = RobustDeviations(gram_.scores, SampleFactor());
+    const std::vector<int> blocks =
+        BlocksOfNeighbours(looks_, covariance_.size());
+    if (!blocks.empty()) {
+      const int count = 1 + *std::max_element(blocks.begin(), blocks.end());
+      Eigen::MatrixXd scores =
+          Eigen::MatrixXd::Zero(gram_.scores.rows(), count);
+      for (std::size_t k = 0; k < blocks.size(); ++k) {
+        scores.col(blocks[k]) += gram_.scores.col(static_cast<Eigen::Index>(k));
+      }
+      // Each block has taken a part in the fit.
+      const double left = 1.0 - static_cast<double>(covariance_.size()) / count;
+      // More configurations between those of a sample would not take away what
+      // neighbours have in common.
+      const Eigen::ArrayXd common =
+          RobustDeviations(scores / std::sqrt(left), 1.0).array().square() -
+          RobustDeviations(gram_.scores, 1.0).array().square();
+      result_.robust_std =
+          (result_.robust_std.array().square() + common.max(0.0)).sqrt();
+    }
+    for (int k = 0; k < covariance_.size(); ++k) {
+      if (!covariance_.IsTold(k)) result_.robust_std[k] = kInfinity;
+    }
+  }
+
+  // `scores`: of each block of observations, of which there are `sample` times
+  // as many as were looked at.
+  Eigen::VectorXd RobustDeviations(const Eigen::MatrixXd& scores,
+                                   double sample) const {
     const Eigen::VectorXd prior = PriorPrecisions();
-    const double sample = SampleFactor();
     Eigen::MatrixXd bread = sample * gram_.information;
-    Eigen::MatrixXd filling = sample * gram_.scores * gram_.scores.transpose();
+    Eigen::MatrixXd filling = sample * scores * scores.transpose();
     bread.diagonal() += prior;
     filling.diagonal() += prior;
     const Eigen::VectorXd scale = bread.diagonal().cwiseSqrt().cwiseInverse();
@@ -222,10 +252,7 @@ class Assessor {
     const Eigen::MatrixXd vectors = scale.asDiagonal() * solver.eigenvectors();
     const Eigen::MatrixXd half = vectors.transpose() * RootOf(filling);
     const Eigen::MatrixXd root = vectors * (inverse.asDiagonal() * half);
-    result_.robust_std = root.rowwise().norm();
-    for (int k = 0; k < covariance_.size(); ++k) {
-      if (!covariance_.IsTold(k)) result_.robust_std[k] = kInfinity;
-    }
+    return root.rowwise().norm();
   }
 
   void WarnOfLack(const ClassExcess& one) {
@@ -337,13 +364,13 @@ std::string NameOf(const StructureTest& test) {
 
 LackAssessment AssessLackOfFit(const FittedProblem& fit,
                                const ParameterCovariance& covariance,
-                               const StatedNoise& stated) {
+                               const StatedNoise& stated, bool has_repeats) {
   if (covariance.size() == 0) {
     LackAssessment nothing;
     nothing.prediction = covariance;
     return nothing;
   }
-  return Assessor(fit, covariance, stated).Run();
+  return Assessor(fit, covariance, stated, has_repeats).Run();
 }
 
 }  // namespace alidade::internal

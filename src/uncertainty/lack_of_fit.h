@@ -48,10 +48,14 @@ struct LackAssessment {
 ///
 /// Robust standard deviations are those of C (sum_configurations g g^T + P^-1)
 /// C, g = J^T r of all that was observed at a configuration (Liang and Zeger
-/// 1986). O(N (p + m)^2), m structure columns, N at most 5000. Collective.
+/// 1986). Where there are enough configurations for blocks of neighbours
+/// (looks.h), what g of the blocks adds to the variances is added to them. O(N
+/// (p + m)^2), m structure columns, N at most 5000. Collective. `has_repeats`:
+/// as in looks.h.
 LackAssessment AssessLackOfFit(const FittedProblem& fit,
                                const ParameterCovariance& covariance,
-                               const StatedNoise& stated);
+                               const StatedNoise& stated,
+                               bool has_repeats = true);
 
 /// "the gravity moment of joint 2": what residuals of this structure follow.
 std::string NameOf(const StructureTest& test);

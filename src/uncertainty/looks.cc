@@ -1,14 +1,17 @@
 #include "src/uncertainty/looks.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
 #include "src/identifiability/generic_data.h"
 #include "src/kernel/holdout.h"
 #include "src/kernel/measurement_model.h"
+#include "src/kernel/partition.h"
 
 namespace alidade::internal {
 namespace {
@@ -85,12 +88,106 @@ void AddSpread(const ObservationBlock& block, Eigen::Index i,
   }
 }
 
+// Configurations of which all observations are taken: single ones of a
+// configuration that was measured again and again would say nothing of how well
+// it repeats.
+Dataset SampleOfConfigurations(const FittedProblem& fit) {
+  Communicator* const communicator = fit.model.communicator();
+  const double left_out =
+      1.0 - static_cast<double>(kMostPoses) /
+                static_cast<double>(fit.data.global_poses());
+  const std::vector<char> is_left_out =
+      DrawHeldOut(fit.data, left_out, 1, communicator);
+  std::vector<Eigen::Index> poses;
+  for (std::size_t pose = 0; pose < is_left_out.size(); ++pose) {
+    if (is_left_out[pose] == 0)
+      poses.push_back(static_cast<Eigen::Index>(pose));
+  }
+  return GatherData(communicator, fit.data, SelectPoses(fit.data, poses));
+}
+
+// Cuts list[begin, end) in two, and each part again, at medians of the joint
+// whose values differ most.
+class Cutter {
+ public:
+  // `places`: joint values of each configuration, comparable between joints.
+  explicit Cutter(const Eigen::MatrixXd& places)
+      : places_(places),
+        list_(static_cast<std::size_t>(places.cols())),
+        blocks_(list_.size()) {
+    std::iota(list_.begin(), list_.end(), 0);
+  }
+
+  std::vector<int> Cut(int depth) {
+    Cut(0, static_cast<std::ptrdiff_t>(list_.size()), depth);
+    return std::move(blocks_);
+  }
+
+ private:
+  void Cut(std::ptrdiff_t begin, std::ptrdiff_t end, int depth) {
+    if (depth == 0) {
+      for (auto k = begin; k < end; ++k) {
+        blocks_[list_[static_cast<std::size_t>(k)]] = count_;
+      }
+      ++count_;
+      return;
+    }
+    Eigen::VectorXd low = places_.col(list_[static_cast<std::size_t>(begin)]);
+    Eigen::VectorXd high = low;
+    for (auto k = begin; k < end; ++k) {
+      const auto place = places_.col(list_[static_cast<std::size_t>(k)]);
+      low = low.cwiseMin(place);
+      high = high.cwiseMax(place);
+    }
+    Eigen::Index joint = 0;
+    (high - low).maxCoeff(&joint);
+    const std::ptrdiff_t middle = begin + (end - begin) / 2;
+    std::nth_element(list_.begin() + begin, list_.begin() + middle,
+                     list_.begin() + end, [&](int a, int b) {
+                       return std::make_pair(places_(joint, a), a) <
+                              std::make_pair(places_(joint, b), b);
+                     });
+    Cut(begin, middle, depth - 1);
+    Cut(middle, end, depth - 1);
+  }
+
+  const Eigen::MatrixXd& places_;
+  std::vector<int> list_;
+  std::vector<int> blocks_;
+  int count_ = 0;
+};
+
 }  // namespace
 
-Looks TakeLooks(const FittedProblem& fit) {
+std::vector<int> BlocksOfNeighbours(const Looks& looks, int parameters) {
+  constexpr int kFewest = 4;  // configurations
+  int count = 0;
+  for (const int number : looks.configurations) {
+    count = std::max(count, number + 1);
+  }
+  int depth = 0;
+  while ((1 << depth) < 2 * parameters) ++depth;
+  if (kFewest * (1 << depth) > count) return {};
+  const auto joints = looks.data.joint_values.map();
+  Eigen::MatrixXd places(joints.rows(), count);
+  for (Eigen::Index i = joints.cols() - 1; i >= 0; --i) {
+    places.col(looks.configurations[static_cast<std::size_t>(i)]) =
+        joints.col(i);
+  }
+  const Eigen::VectorXd range =
+      places.rowwise().maxCoeff() - places.rowwise().minCoeff();
+  for (Eigen::Index j = 0; j < range.size(); ++j) {
+    if (range[j] > 0.0) places.row(j) /= range[j];
+  }
+  return Cutter(places).Cut(depth);
+}
+
+Looks TakeLooks(const FittedProblem& fit, bool has_repeats) {
   Looks looks;
   looks.is_sample = fit.data.global_poses() > kMostPoses;
-  looks.data = EvenSubset(fit.model.communicator(), fit.data, kMostPoses);
+  looks.data = looks.is_sample && has_repeats
+                   ? SampleOfConfigurations(fit)
+                   : EvenSubset(fit.model.communicator(), fit.data, kMostPoses);
   looks.configurations = GroupByConfiguration(looks.data);
   const std::vector<int> groups = GroupByJointValues(looks.data);
   const Eigen::VectorXd residuals = WhitenedResiduals(fit, looks.data);

@@ -16,7 +16,8 @@ inline constexpr int kRotations = 1;
 
 /// A data set with what was observed more than once, at the same joint values,
 /// of the same target and reference, brought to one observation, a look at the
-/// arm. Of more than 5000 poses an even sample; never a part (partition.h).
+/// arm. Of more than 5000 poses an even sample, of whole configurations where
+/// there are repeats; never a part (partition.h).
 struct Looks {
   Dataset data;  ///< the first observation of each look
   bool is_sample = false;
@@ -31,8 +32,15 @@ struct Looks {
   std::array<double, 2> repeat_freedom{};
 };
 
-/// Those of a finished fit. O(N log N), collective.
-Looks TakeLooks(const FittedProblem& fit);
+/// Configurations in blocks of neighbours in joint space, the same number in
+/// each but for one, by cuts at medians: the block of each configuration.
+/// Between 2 and 4 times as many blocks as `parameters`; nothing where a block
+/// would have fewer than four configurations.
+std::vector<int> BlocksOfNeighbours(const Looks& looks, int parameters);
+
+/// Those of a finished fit. `has_repeats`: whether any configuration was
+/// measured more than once. O(N log N), collective.
+Looks TakeLooks(const FittedProblem& fit, bool has_repeats = true);
 
 }  // namespace alidade::internal
 

@@ -150,10 +150,7 @@ class HeldOut {
     const ModelExcess& excess = covariance_.excess;
     if (!excess.is_there()) return rows;
     for (Eigen::Index row = 0; row < rows.rows(); ++row) {
-      const double variance = row < 3 ? excess.length : excess.rotation;
-      const double ratio = excess.noise_ratio[row < 3 ? 0 : 1];
-      rows.row(row) /=
-          std::sqrt(ratio + variance / (sigmas[row] * sigmas[row]));
+      rows.row(row) /= std::sqrt(excess.RowVariance(row, sigmas[row]));
     }
     return rows;
   }

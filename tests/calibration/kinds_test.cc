@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -157,8 +158,9 @@ ObservationBlock KnownDistance(int first, int second, double length) {
   return block;
 }
 
-TEST(KindsTest, ABallInSocketsAKnownDistanceApartIsEnough) {
-  const Arm real = RealArm();
+// Two plates of two sockets each, which the second is said to have so far
+// apart.
+JobConfig SocketJob(const Arm& real, double second_length) {
   const std::vector<Eigen::Vector3d> sockets = {
       InInstrument(real, 0.6, 0.2, 0.1), InInstrument(real, 0.6, 0.25, 0.1),
       InInstrument(real, -0.3, 0.6, 0.4), InInstrument(real, -0.3, 0.6, 0.45)};
@@ -172,13 +174,28 @@ TEST(KindsTest, ABallInSocketsAKnownDistanceApartIsEnough) {
   JobConfig job = JobOf(Bench(real, q)
                             .Contacts(MeasurementKind::kFixedPoint, points)
                             .Append(KnownDistance(0, 1, 0.05))
-                            .Append(KnownDistance(2, 3, 0.05))
+                            .Append(KnownDistance(2, 3, second_length))
                             .data());
   job.arm.instrument_from_base = real.instrument_from_base;
   job.options.identifiability.candidates = {true, false, true};
   job.data.references.points = {{"a/0"}, {"a/1"}, {"b/0"}, {"b/1"}};
   job.options.estimate_sigma = true;
+  return job;
+}
+
+bool WarnsOfDistances(const CalibrationResult& result) {
+  return std::any_of(result.warnings.begin(), result.warnings.end(),
+                     [](const std::string& warning) {
+                       return warning.find("contradict the known distances") !=
+                              std::string::npos;
+                     });
+}
+
+TEST(KindsTest, ABallInSocketsAKnownDistanceApartIsEnough) {
+  const Arm real = RealArm();
+  const JobConfig job = SocketJob(real, 0.05);
   const CalibrationResult result = Calibrate(job);
+  EXPECT_FALSE(WarnsOfDistances(result));
   EXPECT_GT(result.validation->before.rms, 1e-3);
   EXPECT_LT(result.validation->after.rms, 2e-4);
   EXPECT_GT(result.validation->after.rms, 2e-5);
@@ -187,6 +204,22 @@ TEST(KindsTest, ABallInSocketsAKnownDistanceApartIsEnough) {
   const CalibrationResult outcome = RunJob(job, "test");
   EXPECT_NEAR(std::abs(outcome.arm.joints[2].d), std::abs(real.joints[2].d),
               1e-3);
+}
+
+// Of two plates that are alike one is said to be 0.2 mm longer: no arm has both
+// lengths, and what the arm measures is taken to be as good.
+TEST(KindsTest, DistancesThatMeasurementsContradictWeighLess) {
+  const Arm real = RealArm();
+  const CalibrationResult result = RunJob(SocketJob(real, 0.0502), "test");
+  ASSERT_EQ(result.status, CalibrationStatus::kDone) << result.message;
+  EXPECT_TRUE(WarnsOfDistances(result));
+  const auto distance = [&](int first, int second) {
+    return (result.references[first].vector - result.references[second].vector)
+        .norm();
+  };
+  // Held at 0.01 mm they would be 0.19 mm apart.
+  EXPECT_LT(std::abs(distance(0, 1) - distance(2, 3)), 1e-4);
+  EXPECT_NEAR(distance(0, 1), 0.0501, 1e-4);
 }
 
 TEST(KindsTest, SocketsWithoutAKnownDistanceLeaveTheSizeOpen) {

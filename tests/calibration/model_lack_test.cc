@@ -82,6 +82,9 @@ TEST_P(ModelLackTest, PredictionsContainWhatTheModelLacks) {
   EXPECT_NEAR(parts.from_measurement, std::sqrt(3.0) * kSigma, 0.1 * kSigma);
   EXPECT_GT(uncertainty.workspace->summary.median, 0.8 * truth);
   EXPECT_EQ(uncertainty.validation->verdict, "agree");
+  // None is an outlier of predictions that contain it.
+  EXPECT_EQ(result.validation_outliers.size(), 0u);
+  EXPECT_EQ(uncertainty.validation->axes.n, 180);
   const auto warns_of = [&](const std::string& words) {
     return std::any_of(result.warnings.begin(), result.warnings.end(),
                        [&](const std::string& warning) {

@@ -192,6 +192,29 @@ TEST(StructureFitTest, GainsAreThoseOfLeastSquares) {
   }
 }
 
+TEST(LooksTest, ASampleIsOfWholeConfigurations) {
+  constexpr int kRepeats = 4;
+  const MeasurementModel model(testing::Rv2ajFlange());
+  const Eigen::MatrixXd drawn = DrawJointValues(model.nominal(), 2000, 3);
+  Eigen::MatrixXd joints(5, kRepeats * drawn.cols());
+  for (Eigen::Index i = 0; i < joints.cols(); ++i) {
+    joints.col(i) = drawn.col(i / kRepeats);
+  }
+  const Dataset data =
+      MakePositions(joints, Eigen::Matrix3Xd::Zero(3, joints.cols()), kSigma);
+  const std::vector<int> columns =
+      testing::FlangeFreeColumns(ParameterLayout(5));
+  const Eigen::VectorXd no_priors;
+  const std::vector<RobustLoss> losses;
+  const Eigen::VectorXd values = model.NominalValues();
+  const Looks looks =
+      TakeLooks({model, data, columns, no_priors, losses, values});
+  EXPECT_TRUE(looks.is_sample);
+  // 5000 of 8000 poses, four of each configuration.
+  EXPECT_EQ(looks.counts, std::vector<int>(1250, kRepeats));
+  EXPECT_EQ(looks.repeat_freedom[kLengths], 3.0 * 1250 * (kRepeats - 1));
+}
+
 TEST(LackOfFitTest, CleanDataLackNothing) {
   const Fitted fitted(60, 1, 5, Rigid);
   const LackAssessment found = fitted.Assess(kGiven);
@@ -256,15 +279,29 @@ TEST(LackOfFitTest, PredictionsTakeErrorsOfPosesOnce) {
       1.0, 0.2);
 }
 
+// Joint 2 gives way by its gravity moment.
+Eigen::Vector3d Bent(const Eigen::VectorXd& joints, int row) {
+  Eigen::VectorXd moved = joints;
+  moved[1] -= 4e-4 * MomentByHeights(testing::Rv2ajFlange(), joints, 1);
+  return Rigid(moved, row);
+}
+
+// What is alike at neighbouring configurations does not average out as errors
+// of each do, by which the usual deviations and those of predictions go.
+TEST(LackOfFitTest, RobustDeviationsAreThoseOfBlocks) {
+  const auto mean_ratio = [](const RealArm& real) {
+    const LackAssessment found = Fitted(300, 1, 8, real).Assess(kGiven);
+    return (found.robust_std.array() / found.prediction.Deviations().array())
+        .mean();
+  };
+  EXPECT_NEAR(mean_ratio(Rigid), 1.05, 0.15);
+  EXPECT_NEAR(mean_ratio(OffBy(0.05e-3, 9)), 1.05, 0.15);
+  EXPECT_GT(mean_ratio(Bent), 1.3);
+}
+
 // Without anything stated, what is left beside the structure is the noise.
 TEST(LackOfFitTest, StructureIsNamedAndTakenForTheExcess) {
-  const RealArm bent = [](const Eigen::VectorXd& joints, int row) {
-    const Arm arm = testing::Rv2ajFlange();
-    Eigen::VectorXd moved = joints;
-    moved[1] -= 4e-4 * MomentByHeights(arm, joints, 1);
-    return Rigid(moved, row);
-  };
-  const LackAssessment found = Fitted(60, 1, 8, bent).Assess(StatedNoise());
+  const LackAssessment found = Fitted(60, 1, 8, Bent).Assess(StatedNoise());
   EXPECT_EQ(found.lack.source, NoiseSource::kStructure);
   ASSERT_FALSE(found.lack.structure.empty());
   EXPECT_TRUE(found.lack.structure[0].is_found);
