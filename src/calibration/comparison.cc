@@ -1,5 +1,7 @@
 #include "alidade/comparison.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -239,6 +241,41 @@ std::vector<ParameterChange> ListChanges(
   return changes;
 }
 
+// Compliances, and joint functions at every twentieth degree that was measured,
+// less their means there, which are the joint's zero as well.
+void AddErrorTerms(const CalibrationResult& result, ComparedResult* compared) {
+  constexpr double kStep = 20.0 * kDegree;
+  if (!result.error_terms) return;
+  for (const ErrorTermEstimate& term : result.error_terms->terms) {
+    if (term.unit != "rad/(N m)") continue;
+    compared->parameters.push_back({term.name + " per N m", Dimension::kAngle,
+                                    term.value, term.value, term.std, true});
+  }
+  for (std::size_t j = 0; j < result.arm.errors.joints.size(); ++j) {
+    const JointFunction& function = result.arm.errors.joints[j].function;
+    const auto& measured = result.error_terms->measured;
+    const auto range = std::find_if(
+        measured.begin(), measured.end(), [j](const MeasuredRange& one) {
+          return one.joint == static_cast<int>(j) + 1;
+        });
+    if (function.deviations.size() == 0 || range == measured.end()) continue;
+    std::vector<double> places;
+    double mean = 0.0;
+    for (double q = std::ceil(range->lower / kStep) * kStep; q <= range->upper;
+         q += kStep) {
+      places.push_back(q);
+      mean += function.At(q);
+    }
+    mean /= std::max<double>(1.0, static_cast<double>(places.size()));
+    for (const double q : places) {
+      const double value = function.At(q) - mean;
+      compared->parameters.push_back(
+          {fmt::format("e{}({:.0f} deg)", j + 1, q / kDegree),
+           Dimension::kAngle, value, value, function.DeviationAt(q), true});
+    }
+  }
+}
+
 }  // namespace
 }  // namespace alidade::internal
 
@@ -282,6 +319,7 @@ ComparedResult DescribeForComparison(const std::string& label,
          parameter.deviation(), std::isfinite(std) ? std : kNone,
          parameter.decision.state == ParameterState::kFree});
   }
+  internal::AddErrorTerms(result, &compared);
   return compared;
 }
 
