@@ -11,10 +11,12 @@ struct Arm;
 /// A function of a joint's value: linear between equidistant knots, zero beyond
 /// the first and the last of them.
 struct JointFunction {
-  double first = 0.0;    ///< joint value of the first knot (rad, m)
-  double spacing = 0.0;  ///< between knots (rad, m), > 0 where there are any
-  Eigen::VectorXd values;      ///< at the knots (rad, m)
-  Eigen::VectorXd deviations;  ///< their standard deviations; may be empty
+  double first = 0.0;      ///< joint value of the first knot (rad, m)
+  double spacing = 0.0;    ///< between knots (rad, m), > 0 where there are any
+  Eigen::VectorXd values;  ///< at the knots (rad, m)
+  /// Standard deviations of the values less their mean at the poses that were
+  /// measured: a constant is the joint's theta or r. May be empty.
+  Eigen::VectorXd deviations;
 
   bool empty() const { return values.size() == 0; }
   double At(double joint_value) const;

@@ -412,19 +412,35 @@ class ErrorFitter {
       off -= mean;
       covariance += weight * off * off.transpose();
     }
-    SetDeviations(covariance.diagonal().tail(all.size()), all);
+    SetDeviations(covariance.bottomRightCorner(all.size(), all.size()), all);
     covariance.diagonal() *= 1.0 + kRounding;
     covariance.diagonal().array() += 1e-14;
     return std::make_shared<TermCovariance>(TermCovariance{
         all, input_.columns, covariance.llt().matrixL().toDenseMatrix()});
   }
 
-  void SetDeviations(const Eigen::VectorXd& variances, const TermColumns& all) {
+  // Deviations of functions less their means at the poses: a constant is the
+  // joint's theta, and not known of either alone.
+  void SetDeviations(const Eigen::MatrixXd& covariance,
+                     const TermColumns& all) {
     for (const FunctionKnots& knots : all.functions()) {
+      Eigen::VectorXd mean = Eigen::VectorXd::Zero(knots.count);
+      const auto values = rows_.joint_values.row(knots.joint);
+      for (const double value : values) {
+        const double place = (value - knots.first) / knots.spacing;
+        const int below =
+            std::clamp(static_cast<int>(place), 0, knots.count - 2);
+        mean[below] += below + 1.0 - place;
+        mean[below + 1] += place - below;
+      }
+      mean /= static_cast<double>(values.size());
+      const Eigen::Index first = all.num_dense() + knots.offset;
+      const auto own = covariance.block(first, first, knots.count, knots.count);
+      const Eigen::VectorXd beside = own * mean;
+      const Eigen::VectorXd variances =
+          (own.diagonal() - 2.0 * beside).array() + mean.dot(beside);
       fit_.terms.joints[knots.joint].function.deviations =
-          kTermUnit * variances.segment(all.num_dense() + knots.offset,
-                                        knots.count)
-                          .cwiseSqrt();
+          kTermUnit * variances.cwiseMax(0.0).cwiseSqrt();
     }
   }
 
