@@ -37,6 +37,7 @@ Eigen::MatrixXd ProductsOf(const FoldErrors& fold) {
 // a part is looked at.
 Eigen::VectorXd Weights(const Eigen::MatrixXd& products) {
   const auto rungs = static_cast<int>(products.cols());
+  constexpr double kWorthwhile = 1e-4;
   const double little = 1e-12 * products.trace();
   Eigen::VectorXd best = Eigen::VectorXd::Unit(rungs, 0);
   double least = std::numeric_limits<double>::infinity();
@@ -52,7 +53,8 @@ Eigen::VectorXd Weights(const Eigen::MatrixXd& products) {
     if (weights.minCoeff() < 0.0 || !weights.allFinite()) continue;
     weights /= weights.sum();
     const double value = weights.dot(matrix * weights);
-    if (!(value < least)) continue;
+    // Of sets as good as others the first is taken, with the fewest terms.
+    if (!(value < (1.0 - kWorthwhile) * least)) continue;
     least = value;
     best.setZero();
     for (std::size_t k = 0; k < in.size(); ++k) {

@@ -250,11 +250,11 @@ std::optional<LineChart> JointFunctionChart(const CalibrationResult& result,
   const FunctionCurve curve(result, joint);
   ChartSeries measured = curve.Series(true, units);
   const bool has_band = !measured.upper.empty();
-  measured.label = has_band ? "function, 95 % band" : "function";
+  measured.label = has_band ? "function, 95 %" : "function";
   measured.colour = "s1";
   ChartSeries beyond = curve.Series(false, units);
-  beyond.label = "not measured there";
-  beyond.colour = "s2";
+  beyond.label = "not measured";
+  beyond.colour = "s0";
   LineChart chart{"Error of " + name,
                   "",
                   {"value of " + name + " [" + units.value_name + "]"},

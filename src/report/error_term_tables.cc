@@ -26,11 +26,14 @@ const ErrorTermEstimate* FindTerm(const std::vector<ErrorTermEstimate>& terms,
   return found == terms.end() ? nullptr : &*found;
 }
 
-// "0.045 ± 0.012", sorted by the value.
+// "0.045 ± 0.012", both to the second digit of the standard deviation; sorted
+// by the value.
 TableCell WithStd(double value, double std) {
-  const std::string text = FormatSignificant(value, 3);
-  if (!(std > 0.0)) return {text, value};
-  return {text + " ± " + FormatSignificant(std, 2), value};
+  if (!(std > 0.0)) return NumberCell(value, 3);
+  const int exponent = static_cast<int>(std::floor(std::log10(std)));
+  const int decimals = std::max(0, 1 - exponent);
+  return {FixedNumber(value, decimals) + " ± " + FixedNumber(std, decimals),
+          value};
 }
 
 double StdOf(const std::vector<ErrorTermEstimate>& terms,
@@ -150,7 +153,7 @@ Table FunctionTable(const Arm& arm,
   Table table("joint-functions",
               measured.empty() ? "Error functions of the joints"
                                : "Error functions where joints were measured",
-              {">joint", ">from", ">to", "of", ">knots",
+              {"joint", ">from", ">to", "of", ">knots",
                ">rms|root mean square of the function", ">largest",
                ">std|root mean square of its standard deviation", "unit"});
   for (int j = 0; j < arm.num_joints(); ++j) {
@@ -248,17 +251,19 @@ Table RungTable(const ErrorTermsResult& errors,
       result.validation ? "validation poses" : "training poses";
   constexpr int kNameWidth = 20;
   Table table(
-      "error-rungs", "What each set of terms brought, and what it cost",
+      "error-rungs",
+      "What each set of terms brought, and what it cost; mean, max and change "
+      "at " +
+          poses,
       {Table::Column("model").Wrapped(kNameWidth),
        ">terms|coefficients besides the geometry",
        ">weight [%]|in what is delivered",
        ">regions [mm]|mean error at training poses in regions of joint space "
        "that were left out of the fit",
-       ">random [mm]|the same, left out at random",
-       ">mean [mm]|position error at " + poses, ">max [mm]|at " + poses,
-       ">mean [deg]|orientation error at " + poses,
-       Table::PageOnly(">change [%]|of the mean error at " + poses +
-                       ", against geometry alone")});
+       ">random [mm]|the same, left out at random", ">mean [mm]|position error",
+       ">max [mm]|position error", ">mean [deg]|orientation error",
+       Table::PageOnly(
+           ">change [%]|of the mean position error, against geometry alone")});
   const double before = ShownAccuracy(result, errors.rungs.front()).mean;
   const auto add = [&](const ErrorRung& rung, const TableCell& weight) {
     const Accuracy& accuracy = ShownAccuracy(result, rung);
@@ -350,21 +355,20 @@ std::string DescribeErrorTerms(const CalibrationResult& result) {
           "they fit as freely as " +
           FormatSignificant(errors.effective_terms, 3) +
           " parameters without priors would.";
-  const auto compare = [](const std::string& where, double before,
-                          double after) {
-    return where + " " + FormatLength(before, 3) + " with geometry alone and " +
+  const auto compare = [](double before, double after) {
+    return FormatLength(before, 3) + " with geometry alone and " +
            FormatLength(after, 3) + " with the terms";
   };
-  text +=
-      " The mean error is " +
-      compare(result.validation ? "at validation poses" : "at training poses",
-              ShownAccuracy(result, geometry).mean,
-              ShownAccuracy(result, delivered).mean);
+  text += " The mean error at " +
+          std::string(result.validation ? "validation" : "training") +
+          " poses is " +
+          compare(ShownAccuracy(result, geometry).mean,
+                  ShownAccuracy(result, delivered).mean);
   if (errors.region_error > 0.0) {
-    text += ", " + compare(
-                       "in regions of joint space that a fit to the other "
-                       "training poses has not seen",
-                       geometry.region_error, errors.region_error);
+    text +=
+        "; in regions of joint space that a fit to the other training "
+        "poses has not seen it is " +
+        compare(geometry.region_error, errors.region_error);
   }
   text += ".";
   if (errors.share < 0.995 && errors.region_error > 0.0) {

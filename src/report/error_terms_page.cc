@@ -33,18 +33,20 @@ std::string Compliances(const CalibrationResult& result) {
   const ErrorTermsResult& errors = *result.error_terms;
   const std::string loads =
       result.arm.errors.links.empty()
-          ? "Masses are not stated: they are moments of 1 kg at each joint and "
-            "of the payload, so that a compliance is per kilogram."
+          ? "Masses are not stated, so that moments are those of 1 kg at each "
+            "joint and of the payload: a compliance takes up how heavy the arm "
+            "is."
           : "Moments are those of the stated masses.";
   const Table compliances = ComplianceTable(result.arm, errors.terms);
-  return Part("What bends and what else turns",
-              compliances.empty()
-                  ? ""
-                  : "A compliance is what a moment of gravity in the axes of a "
-                    "joint's frame turns all behind it by. " +
-                        loads,
-              HtmlPair({compliances.ToHtml(),
-                        OtherTermTable(result.arm, errors.terms).ToHtml()}));
+  return Part(
+      "Compliances and other terms",
+      compliances.empty()
+          ? ""
+          : "A compliance is what a moment of gravity about an axis of "
+            "a joint's frame turns everything after that joint by; z "
+            "is the joint's own axis. " +
+                loads,
+      compliances.ToHtml() + OtherTermTable(result.arm, errors.terms).ToHtml());
 }
 
 }  // namespace
@@ -53,8 +55,8 @@ std::string ErrorStagesPart(const CalibrationResult& result) {
   const ErrorTermsResult& errors = *result.error_terms;
   return HtmlPair(
              {HtmlFigure("stages-figure", ErrorStagesFigure(result),
-                         "regions: mean error at training poses in regions "
-                         "of joint space that were left out of the fit"),
+                         "Regions left out of the fit are training poses in "
+                         "parts of joint space that it has not seen."),
               PriorTable(errors).ToHtml()}) +
          RungTable(errors, result).ToHtml();
 }
@@ -75,10 +77,10 @@ PageSection ErrorTermsSectionOf(const CalibrationResult& result) {
       "Error function of each joint",
       "What each joint turns further than its value says, against that value. "
       "Dots are training poses: the function and what is left of the error "
-      "along the joint. Dashed, where the joint was not measured: there the "
-      "function fades out and its band grows to what is known of such "
-      "functions "
-      "beforehand.",
+      "along the joint. The band is that of the shape: a constant cannot be "
+      "distinguished from the joint's offset. Grey and dashed, where the joint "
+      "was not measured: there the function fades out and its band grows to "
+      "what is known of such functions beforehand.",
       ChartsByJoint(result, "function", JointFunctionChart));
   section.html += FunctionTable(result.arm, errors.measured).ToHtml();
   section.html += Compliances(result);

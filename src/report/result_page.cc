@@ -172,8 +172,8 @@ PageSection StagesSection(const CalibrationResult& result) {
   if (has_rungs) {
     return {"stages", "Accuracy by stage",
             ErrorStagesPart(result) +
-                HtmlPair({StagesTable(result, Dimension::kLength).ToHtml(),
-                          StagesTable(result, Dimension::kAngle).ToHtml()})};
+                StagesTable(result, Dimension::kLength).ToHtml() +
+                StagesTable(result, Dimension::kAngle).ToHtml()};
   }
   if (result.stages.empty()) return {"stages", "Accuracy by stage", ""};
   RowChart chart{std::string("Error by what was calibrated, ") +

@@ -117,7 +117,7 @@ TEST(ErrorTermTablesTest, ReportStatesTermsWithTheirStandardDeviations) {
   const std::string text = testing::Flat(report);
   EXPECT_THAT(text, HasSubstr("Error terms are estimated. What is delivered "
                               "has 13 coefficients"));
-  EXPECT_THAT(text, HasSubstr("1 0 0.0100 0.0450 ± 0.012"));
+  EXPECT_THAT(text, HasSubstr("1 0 0.0100 0.045 ± 0.012"));
   EXPECT_THAT(text, HasSubstr("h1_c2 cosine of 2.000 per turn of joint 1 0.300 "
                               "± 0.020 mrad"));
   EXPECT_THAT(text, HasSubstr("together - - 0.300 1.00"));
@@ -194,8 +194,8 @@ TEST(JointFunctionChartTest, BandIsAboutTheFunctionAndEndsWhereMeasured) {
       JointFunctionChart(MakeErrorResult(), 0);
   ASSERT_TRUE(chart);
   EXPECT_FALSE(JointFunctionChart(MakeErrorResult(), 1));
-  const ChartSeries& measured = SeriesOf(*chart, "function, 95 % band");
-  const ChartSeries& beyond = SeriesOf(*chart, "not measured there");
+  const ChartSeries& measured = SeriesOf(*chart, "function, 95 %");
+  const ChartSeries& beyond = SeriesOf(*chart, "not measured");
   int num_measured = 0;
   for (std::size_t k = 0; k < measured.x.size(); ++k) {
     const double q = measured.x[k] * kDegree;

@@ -103,6 +103,51 @@ TEST(ResultJsonTest, KeepsCrossValidation) {
   EXPECT_FALSE(RoundTrip(result).cross_validation.has_value());
 }
 
+TEST(ResultJsonTest, KeepsErrorTerms) {
+  CalibrationResult result = MakeResult();
+  ErrorTermsResult& errors = result.error_terms.emplace();
+  errors.share = 0.75;
+  errors.sentence = "error terms are estimated";
+  errors.region_error = 1.5e-4;
+  errors.random_error = 1.25e-4;
+  ErrorRung& rung = errors.rungs.emplace_back();
+  rung.name = "elasticity";
+  rung.num_terms = 18;
+  rung.weight = 0.5;
+  rung.compliance_std = 3e-5;
+  rung.validation = MakeAccuracy(7.0);
+  errors.terms = {{"k2_z", 4.5e-5, 1.25e-5, "rad/(N m)"},
+                  {"g2_3", 1e-4, kNan, "1"}};
+  errors.effects = {{0, "all", 1e-3, 2e-3}, {2, "elasticity", 1e-4, 3e-4}};
+  errors.measured = {{1, -0.5, 0.25}};
+  const CalibrationResult read = RoundTrip(result);
+  ASSERT_TRUE(read.error_terms);
+  EXPECT_EQ(read.error_terms->share, 0.75);
+  EXPECT_EQ(read.error_terms->sentence, errors.sentence);
+  EXPECT_EQ(read.error_terms->region_error, 1.5e-4);
+  EXPECT_EQ(read.error_terms->random_error, 1.25e-4);
+  ASSERT_EQ(read.error_terms->rungs.size(), 1U);
+  EXPECT_EQ(read.error_terms->rungs[0].num_terms, 18);
+  EXPECT_EQ(read.error_terms->rungs[0].weight, 0.5);
+  EXPECT_EQ(read.error_terms->rungs[0].compliance_std, 3e-5);
+  ExpectEqual(read.error_terms->rungs[0].validation, rung.validation);
+  ASSERT_EQ(read.error_terms->terms.size(), 2U);
+  EXPECT_EQ(read.error_terms->terms[0].name, "k2_z");
+  EXPECT_EQ(read.error_terms->terms[0].value, 4.5e-5);
+  EXPECT_EQ(read.error_terms->terms[0].std, 1.25e-5);
+  EXPECT_EQ(read.error_terms->terms[0].unit, "rad/(N m)");
+  EXPECT_TRUE(std::isnan(read.error_terms->terms[1].std));
+  ASSERT_EQ(read.error_terms->effects.size(), 2U);
+  EXPECT_EQ(read.error_terms->effects[1].joint, 2);
+  EXPECT_EQ(read.error_terms->effects[1].term, "elasticity");
+  EXPECT_EQ(read.error_terms->effects[1].rms, 1e-4);
+  EXPECT_EQ(read.error_terms->effects[1].max, 3e-4);
+  ASSERT_EQ(read.error_terms->measured.size(), 1U);
+  EXPECT_EQ(read.error_terms->measured[0].joint, 1);
+  EXPECT_EQ(read.error_terms->measured[0].lower, -0.5);
+  EXPECT_EQ(read.error_terms->measured[0].upper, 0.25);
+}
+
 TEST(ResultJsonTest, KeepsRejectedRowsAndAliases) {
   const CalibrationResult result = MakeResultOfKinds();
   const CalibrationResult read = RoundTrip(result);
