@@ -15,9 +15,7 @@ struct JointFunction {
   double first = 0.0;      ///< joint value of the first knot (rad, m)
   double spacing = 0.0;    ///< between knots (rad, m), > 0 where there are any
   Eigen::VectorXd values;  ///< at the knots (rad, m)
-  /// Standard deviations of the values less their mean over what was measured,
-  /// which is the joint's zero as well; may be empty.
-  Eigen::VectorXd deviations;
+  Eigen::VectorXd deviations;  ///< std of values less their mean, or empty
 
   bool empty() const { return values.size() == 0; }
   double At(double joint_value) const;
