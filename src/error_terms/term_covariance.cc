@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCore>
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -23,6 +22,19 @@ void AddWithin(const Eigen::MatrixXd& own,
   const Eigen::MatrixXd half =
       from * own.bottomRightCorner(from.cols(), from.cols());
   covariance->bottomRightCorner(size, size) += half * from.transpose();
+}
+
+// A root of a matrix that may be singular to rounding.
+Eigen::MatrixXd RootOf(Eigen::MatrixXd* covariance) {
+  constexpr double kRounding = 1e-10;
+  covariance->diagonal() *= 1.0 + kRounding;
+  covariance->diagonal().array() += 1e-14;
+  const Eigen::LLT<Eigen::MatrixXd> plain(*covariance);
+  if (plain.info() == Eigen::Success) return plain.matrixL();
+  const Eigen::LDLT<Eigen::MatrixXd> pivoted(*covariance);
+  Eigen::MatrixXd root = pivoted.matrixL();
+  root *= pivoted.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  return pivoted.transpositionsP().transpose() * root;
 }
 
 }  // namespace
@@ -65,41 +77,38 @@ Eigen::MatrixXd TermCovariance::Spread(const TermRows& rows,
 std::shared_ptr<const TermCovariance> CovarianceOfStack(
     const std::vector<RungEstimate>& rungs, double share,
     const TermColumns& all, const std::vector<int>& geometry) {
-  constexpr double kRounding = 1e-10;
+  const auto count = static_cast<Eigen::Index>(rungs.size());
   const auto p = static_cast<Eigen::Index>(geometry.size());
   const Eigen::Index size = p + all.size();
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(size, size);
+  Eigen::VectorXd weights(count);
+  for (Eigen::Index k = 0; k < count; ++k) weights[k] = share * rungs[k].weight;
+  weights[0] += 1.0 - share;
+  const Eigen::VectorXd probabilities =
+      weights.cwiseAbs2() / weights.squaredNorm();
   auto result = std::make_shared<TermCovariance>();
   result->columns = all;
   result->geometry = geometry;
-  Eigen::MatrixXd estimates =
-      Eigen::MatrixXd::Zero(size, static_cast<Eigen::Index>(rungs.size()));
-  Eigen::VectorXd stack = Eigen::VectorXd::Zero(size);
-  for (std::size_t k = 0; k < rungs.size(); ++k) {
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(size, size);
+  Eigen::MatrixXd estimates = Eigen::MatrixXd::Zero(size, count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    if (!(weights[k] > 0.0)) continue;
     const RungEstimate& rung = rungs[k];
-    const double weight = share * rung.weight + (k == 0 ? 1.0 - share : 0.0);
-    if (!(weight > 0.0)) continue;
     const Eigen::SparseMatrix<double> from = all.From(rung.columns);
-    AddWithin(weight * rung.covariance, from, &covariance);
-    auto estimate = estimates.col(static_cast<Eigen::Index>(k));
-    estimate << rung.values.head(p), from * rung.values.tail(from.cols());
-    stack += rung.weight * estimate;
+    AddWithin(probabilities[k] * rung.covariance, from, &covariance);
+    estimates.col(k) << rung.values.head(p),
+        from * rung.values.tail(from.cols());
     for (const FunctionKnots& knots : rung.columns.functions()) {
       result->gaps.push_back({knots, rung.columns.function_length(),
-                              weight * rung.function_variance});
+                              probabilities[k] * rung.function_variance});
     }
   }
-  for (std::size_t k = 0; k < rungs.size(); ++k) {
-    double weight = share * rungs[k].weight;
-    if (k == 0) weight += (1.0 - share) * std::min(share, 1.0 - share);
-    if (!(weight > 0.0)) continue;
-    const Eigen::VectorXd off =
-        estimates.col(static_cast<Eigen::Index>(k)) - stack;
-    covariance += weight * off * off.transpose();
+  const Eigen::VectorXd mean = estimates * weights;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    if (!(weights[k] > 0.0)) continue;
+    const Eigen::VectorXd off = estimates.col(k) - mean;
+    covariance += probabilities[k] * off * off.transpose();
   }
-  covariance.diagonal() *= 1.0 + kRounding;
-  covariance.diagonal().array() += 1e-14;
-  result->root = covariance.llt().matrixL().toDenseMatrix();
+  result->root = RootOf(&covariance);
   return result;
 }
 

@@ -53,11 +53,12 @@ struct RungEstimate {
   double function_variance = 0.0;   ///< of the functions' prior (kTermUnit^2)
 };
 
-/// The covariance of geometry + share (stack - geometry) about the truth:
-/// within the rungs by their weights, and between them by the squares of their
-/// distances from the stack. What is delivered lies 1 - share of the way to the
-/// geometry alone: where the evidence is for the stack (share > 1 / 2), that is
-/// its bias; else both may be right. `all` can express the terms of all rungs,
+/// The covariance of geometry + share (stack - geometry), the mean of all rungs
+/// by their weights W, about the truth: within and between the rungs, as if
+/// each were right with a probability proportional to W^2. Weights of least
+/// squares are no probabilities: where two rungs disagree by d, and one has
+/// almost all weight, the mean is off by (1 - W) d and not by the root of
+/// W (1 - W) d^2. `all` can express the terms of all rungs,
 /// of which the first is the geometry; `geometry`: columns of the layout.
 /// O(size^3).
 std::shared_ptr<const TermCovariance> CovarianceOfStack(

