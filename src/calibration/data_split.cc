@@ -30,8 +30,8 @@ HoldOut SplitData(const Dataset& data, const HoldOutOptions& options,
   HoldOut split = Split(data, options, communicator);
   if (split.train.global_poses() == 0 || split.validation.global_poses() == 0) {
     throw InputError({},
-                     "leaves no configuration on one side: the data set has "
-                     "too few different ones for it");
+                     "holdout.fraction leaves no configuration on one side: the "
+                     "data set has too few different ones for it");
   }
   return split;
 }

@@ -25,7 +25,11 @@ void TakeFraction(const YamlValue& fraction, const HoldOutOptions& options,
   try {
     Take(SplitData(job->data.training, options, job->communicator), job);
   } catch (const InputError& error) {
-    fraction.Fail(error.message());
+    // Here it is the key that the message begins with.
+    const std::string key = "holdout.fraction ";
+    const std::string message = error.message();
+    fraction.Fail(message.rfind(key, 0) == 0 ? message.substr(key.size())
+                                             : message);
   }
   job->options.holdout = options;
 }

@@ -212,7 +212,7 @@ INSTANTIATE_TEST_SUITE_P(
         ErrorsCase{"NoDirection",
                    "errors:\n  gravity: [0, 0, 0]\n",
                    {8, 12, "errors.gravity", "direction"}}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& bad) { return std::string(bad.param.name); });
 
 // Line 6 of the job's text is that of the measurement.
 ErrorTermOptions LoadJobErrors(const std::string& errors) {
@@ -272,7 +272,7 @@ INSTANTIATE_TEST_SUITE_P(
         ErrorsCase{"NoCycles",
                    "errors: {harmonics: [0]}\n",
                    {7, 22, "errors.harmonics[1]", "above 0"}}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& bad) { return std::string(bad.param.name); });
 
 }  // namespace
 }  // namespace alidade::internal
