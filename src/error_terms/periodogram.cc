@@ -79,7 +79,10 @@ std::vector<FoundHarmonic> FindHarmonics(const WeightedRows& data,
                                          int num_threads) {
   // Frequencies in one width of a peak.
   constexpr double kOversampling = 4.0;
-  constexpr double kShortest = 0.5;  // rad
+  // Ranges of joints that are looked at (rad): farther ones, of dozens of
+  // turns, have frequencies without end.
+  constexpr double kShortest = 0.5;
+  constexpr double kLongest = 40.0;
   const auto num_joints = static_cast<std::int64_t>(is_revolute.size());
   std::vector<Peak> highest(is_revolute.size());
   std::vector<double> independent(is_revolute.size(), 0.0);
@@ -97,8 +100,10 @@ std::vector<FoundHarmonic> FindHarmonics(const WeightedRows& data,
         for (std::int64_t j = begin; j < end; ++j) {
           if (!is_revolute[j]) continue;
           const JointRows rows = RowsOf(data, residuals, static_cast<int>(j));
-          if (rows.range < kShortest || rows.turns.squaredNorm() == 0.0)
+          if (rows.range < kShortest || !(rows.range <= kLongest) ||
+              rows.turns.squaredNorm() == 0.0) {
             continue;
+          }
           const double width = 2.0 * kPi / rows.range;
           independent[j] = (kMostCycles - kFewestCycles) / width;
           for (double cycles = kFewestCycles; cycles <= kMostCycles;

@@ -253,9 +253,15 @@ TermSolution TermRidge::Solve(const Eigen::MatrixXd& gram,
 
 Eigen::MatrixXd TermRidge::Covariance(const Eigen::MatrixXd& gram,
                                       const LogPrecisions& precisions) const {
-  const Eigen::MatrixXd matrix = Penalised(gram, precisions);
-  return matrix.llt().solve(
-      Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols()));
+  Eigen::MatrixXd matrix = Penalised(gram, precisions);
+  Eigen::LLT<Eigen::MatrixXd> factor(matrix);
+  // Rounding may leave a matrix that is singular to it indefinite.
+  for (double more = 1e-14; factor.info() != Eigen::Success && more < 1.0;
+       more *= 10.0) {
+    matrix.diagonal() *= 1.0 + more;
+    factor.compute(matrix);
+  }
+  return factor.solve(Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols()));
 }
 
 TermRidge::Eliminated TermRidge::Eliminate(const Eigen::MatrixXd& gram,

@@ -125,15 +125,9 @@ Eigen::MatrixXd ReadCouplingMatrix(const YamlValue& value, const Units& units,
   return matrix;
 }
 
-void CheckErrors(const YamlMap& map, Arm* arm) {
-  constexpr double kRounding = 1e-12;
-  const ErrorTerms& errors = arm->errors;
-  const std::size_t num_joints = arm->joints.size();
-  const double length = errors.gravity.norm();
-  if (length == 0.0) {
-    map.Required("gravity").Fail("is no direction, expected one of any length");
-  }
-  if (std::abs(length - 1.0) > kRounding) arm->errors.gravity /= length;
+void CheckErrors(const YamlMap& map, const Arm& arm) {
+  const ErrorTerms& errors = arm.errors;
+  const std::size_t num_joints = arm.joints.size();
   const auto check_count = [&](const char* key, std::size_t count) {
     if (count == 0 || count == num_joints) return;
     map.Required(key).Fail("expected one per joint, " +

@@ -18,9 +18,8 @@ std::vector<double> ReadQuantities(const YamlValue& value, Dimension dimension,
 std::vector<Harmonic> ReadHarmonics(const YamlValue& value, const Units& units);
 Eigen::MatrixXd ReadCouplingMatrix(const YamlValue& value, const Units& units,
                                    const Arm& arm);
-/// Makes the direction of gravity one of length 1. @throws InputError where
-/// terms and the arm do not go together.
-void CheckErrors(const YamlMap& map, Arm* arm);
+/// @throws InputError where terms and the arm do not go together.
+void CheckErrors(const YamlMap& map, const Arm& arm);
 
 template <typename Visitor>
 void VisitLoad(Visitor& v, Load& load) {
@@ -136,7 +135,7 @@ void VisitErrors(Visitor& v, Arm* arm) {
               RefuseRepeatedName(map, effect, arm->errors.covariates);
             });
           });
-  v.Check([arm](const YamlMap& map) { CheckErrors(map, arm); });
+  v.Check([arm](const YamlMap& map) { CheckErrors(map, *arm); });
 }
 
 /// As VisitErrors reads them, in m and rad; empty for a rigid arm of which no

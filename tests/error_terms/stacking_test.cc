@@ -103,8 +103,8 @@ TEST(StackTest, OneOutlierDoesNotDecide) {
 
 TEST(StackTest, NoGainIsNotTaken) {
   Random random(152);
-  // The second rung is worse, or the same.
-  EXPECT_EQ(Stack(DrawFolds(Eigen::Vector2d(0.5, 2.0), 0.0, &random)).share,
+  // The second rung is the first one and more noise, or the same.
+  EXPECT_EQ(Stack(DrawFolds(Eigen::Vector2d(0.0, 2.0), 0.5, &random)).share,
             0.0);
   std::vector<FoldErrors> same =
       DrawFolds(Eigen::Vector2d(0.5, 2.0), 0.0, &random);
@@ -131,11 +131,14 @@ TEST(StackTest, ShareIsOfTheSmallerEvidence) {
   std::vector<FoldErrors> folds =
       DrawFolds(Eigen::Vector2d(1.0, 0.4), 0.0, &random);
   for (FoldErrors& fold : folds) {
-    if (!fold.is_region) continue;
-    for (Eigen::MatrixXd& residual : fold.residuals) residual.col(1) *= 6.0;
+    for (Eigen::MatrixXd& residual : fold.residuals) {
+      residual.col(1) = (fold.is_region ? 1.2 : 0.3) * residual.col(0);
+    }
   }
   const StackingResult result = Stack(folds);
-  EXPECT_LT(result.t_regions, 2.0);
+  EXPECT_GT(result.weights[1], 0.5);
+  EXPECT_GT(result.t_random, 10.0);
+  EXPECT_LT(result.t_regions, 0.0);
   EXPECT_EQ(result.share, 0.0);
 }
 

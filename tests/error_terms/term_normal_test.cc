@@ -169,9 +169,10 @@ TEST_F(TermNormalTest, RidgeIsGeneralisedLeastSquares) {
   const Kriging expected(dense, PriorCovariance(columns, length, precisions),
                          100.0);
   const TermSolution solution = ridge.Solve(gram, precisions);
-  // Both lose some four digits to the condition of their matrices.
+  // Both lose some digits to the condition of their matrices, and the ridge has
+  // a precision of 1e-6 of what nothing determines.
   EXPECT_LT((solution.geometry - expected.geometry).norm(),
-            1e-8 * expected.geometry.norm());
+            1e-6 * expected.geometry.norm());
   EXPECT_LT((solution.terms - expected.terms).norm(),
             1e-7 * expected.terms.norm());
   EXPECT_NEAR(solution.cost, expected.cost, 1e-8 * expected.cost);

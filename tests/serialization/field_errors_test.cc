@@ -100,7 +100,9 @@ std::string RequiredBut(const std::vector<FieldRecord>& fields,
 }
 
 std::string SampleOf(const FieldRecord& field, const std::string& format) {
-  if (std::string(field.key.name) == "format") return field.text;
+  if (std::string(field.key.name) == "format") {
+    return field.text.substr(0, field.text.find('`'));
+  }
   const auto known = KnownValues().find(field.key.name);
   if (known != KnownValues().end() && field.kind != Kind::kSection) {
     return known->second;
