@@ -29,9 +29,10 @@ HoldOut SplitData(const Dataset& data, const HoldOutOptions& options,
                   Communicator* communicator) {
   HoldOut split = Split(data, options, communicator);
   if (split.train.global_poses() == 0 || split.validation.global_poses() == 0) {
-    throw InputError({},
-                     "holdout.fraction leaves no configuration on one side: the "
-                     "data set has too few different ones for it");
+    throw InputError(
+        {},
+        "holdout.fraction leaves no configuration on one side: the "
+        "data set has too few different ones for it");
   }
   return split;
 }

@@ -472,9 +472,7 @@ LoadedData DatasetRows::Finish(References* references) {
     if (is_pose[i]) {
       data.sources.push_back({0, lines_[i]});
       if (!sets_.empty()) loaded.sets.push_back(std::move(sets_[i]));
-      if (!stations_.empty()) {
-        loaded.stations.push_back(std::move(stations_[i]));
-      }
+      if (!stations_.empty()) loaded.stations.push_back(stations_[i]);
       if (!kept) continue;
       numbers.poses[i] = static_cast<int>(kept->size());
       kept->push_back(static_cast<Eigen::Index>(i));

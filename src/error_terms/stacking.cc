@@ -37,7 +37,7 @@ Eigen::MatrixXd ProductsOf(const FoldErrors& fold) {
 // a part is looked at.
 Eigen::VectorXd Weights(const Eigen::MatrixXd& products) {
   const auto rungs = static_cast<int>(products.cols());
-  constexpr double kWorthwhile = 1e-4;
+  constexpr double kWorthwhile = 2e-3;
   const double little = 1e-12 * products.trace();
   Eigen::VectorXd best = Eigen::VectorXd::Unit(rungs, 0);
   double least = std::numeric_limits<double>::infinity();
