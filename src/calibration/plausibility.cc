@@ -312,7 +312,8 @@ std::optional<Finding> DiagnoseFar(const Arm& arm, const Dataset& data,
 // Positions that stay where they are while the joints move.
 std::optional<Finding> DiagnoseStill(const Arm& arm,
                                      const PositionSample& sample) {
-  constexpr double kStill = 1e-3;  // of what the nominal arm moves its target
+  // Of what the nominal arm moves its target: m that were read as mm are 1e-3.
+  constexpr double kStill = 2e-4;
   const double measured = ExtentOf(sample.points);
   const double expected = ExtentOf(TargetPositions(arm, sample.joint_values));
   if (measured >= kStill * expected) return std::nullopt;

@@ -61,6 +61,13 @@ INSTANTIATE_TEST_SUITE_P(
         InputMistake{
             "metres", "in m but read as mm",
             [](Dataset* data) { *testing::Edit(&data->positions()) /= 1e3; }},
+        // They lie within a thousandth of what the joints move the target by.
+        InputMistake{"metres_and_columns", "in m but read as mm",
+                     [](Dataset* data) {
+                       auto q = testing::Edit(&data->joint_values);
+                       q->row(1).swap(q->row(2));
+                       *testing::Edit(&data->positions()) /= 1e3;
+                     }},
         InputMistake{
             "centimetres", "cm read as mm",
             [](Dataset* data) { *testing::Edit(&data->positions()) *= 0.1; }},
