@@ -146,6 +146,17 @@ class GramSum {
   std::vector<Touched> touched_;
 };
 
+// Rounding may leave a matrix that is singular to it indefinite.
+Eigen::LLT<Eigen::MatrixXd> FactorOf(Eigen::MatrixXd matrix) {
+  Eigen::LLT<Eigen::MatrixXd> factor(matrix);
+  for (double more = 1e-14; factor.info() != Eigen::Success && more < 1.0;
+       more *= 10.0) {
+    matrix.diagonal() *= 1.0 + more;
+    factor.compute(matrix);
+  }
+  return factor;
+}
+
 }  // namespace
 
 Eigen::MatrixXd TermGram(const WeightedRows& data, const TermColumns& columns,
@@ -230,7 +241,8 @@ TermSolution TermRidge::Solve(const Eigen::MatrixXd& gram,
                               const LogPrecisions& precisions) const {
   const Eigen::Index p = num_geometry();
   const Eigen::Index size = p + columns_.size();
-  const Eigen::LLT<Eigen::MatrixXd> factor(Penalised(gram, precisions));
+  const Eigen::LLT<Eigen::MatrixXd> factor =
+      FactorOf(Penalised(gram, precisions));
   TermSolution solution;
   if (factor.info() != Eigen::Success) {
     solution.geometry.setZero(p);
@@ -253,15 +265,9 @@ TermSolution TermRidge::Solve(const Eigen::MatrixXd& gram,
 
 Eigen::MatrixXd TermRidge::Covariance(const Eigen::MatrixXd& gram,
                                       const LogPrecisions& precisions) const {
-  Eigen::MatrixXd matrix = Penalised(gram, precisions);
-  Eigen::LLT<Eigen::MatrixXd> factor(matrix);
-  // Rounding may leave a matrix that is singular to it indefinite.
-  for (double more = 1e-14; factor.info() != Eigen::Success && more < 1.0;
-       more *= 10.0) {
-    matrix.diagonal() *= 1.0 + more;
-    factor.compute(matrix);
-  }
-  return factor.solve(Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols()));
+  const Eigen::MatrixXd matrix = Penalised(gram, precisions);
+  return FactorOf(matrix).solve(
+      Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols()));
 }
 
 TermRidge::Eliminated TermRidge::Eliminate(const Eigen::MatrixXd& gram,

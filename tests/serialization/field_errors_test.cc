@@ -101,7 +101,9 @@ std::string RequiredBut(const std::vector<FieldRecord>& fields,
 
 std::string SampleOf(const FieldRecord& field, const std::string& format) {
   if (std::string(field.key.name) == "format") {
-    return field.text.substr(0, field.text.find('`'));
+    // The first of the words that the format may be.
+    const std::size_t begin = field.text.find('`') == 0 ? 1 : 0;
+    return field.text.substr(begin, field.text.find('`', begin) - begin);
   }
   const auto known = KnownValues().find(field.key.name);
   if (known != KnownValues().end() && field.kind != Kind::kSection) {
