@@ -23,7 +23,7 @@ void CheckErrors(const YamlMap& map, const Arm& arm);
 
 template <typename Visitor>
 void VisitLoad(Visitor& v, Load& load) {
-  v.Field(Key("mass").In("kg").AtLeast(0), load.mass, "");
+  v.Field(Key("mass").In("kg").AtLeast(0), load.mass, "of the load");
   v.Field(LengthKey("centre"), load.centre, "`[x, y, z]`");
 }
 
