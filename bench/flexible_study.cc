@@ -318,8 +318,9 @@ Trial RunTrial(const Simulated& arm, const Truth& truth, bool selects,
   SolveLevenbergMarquardt(problem, SolverOptions(), &values);
   Trial trial;
   ErrorTermsResult result;
+  std::vector<Finding> findings;
   const std::optional<FlexibleFit> fit =
-      FitFlexible({task, problem, values}, &result);
+      FitFlexible({task, problem, values}, &result, &findings);
   trial.share = result.share;
   trial.rung = LargestRung(result);
   if (!fit) return trial;
