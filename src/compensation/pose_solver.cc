@@ -185,9 +185,9 @@ void PoseSolver::Iterate(const Eigen::Isometry3d& target, int* iterations) {
     trial_.joint_values = current_.joint_values + step_;
     ClampToLimits(&trial_.joint_values);
     MoveTo(target, &trial_);
-    // Later parts of a task disturb a first one that is nearly there.
-    const bool is_slow = trial_.cost > 0.99 * current_.cost &&
-                         (is_square_ || current_.cost > kNearCost);
+    // Where later parts of a task have their time, they take it of the steps.
+    const bool is_slow =
+        trial_.cost > 0.99 * current_.cost && (is_square_ || only_first_);
     num_slow_ = is_slow ? num_slow_ + 1 : 0;
     if (num_slow_ > kMostSlow && !is_reached) return;
     const bool is_nearer =
