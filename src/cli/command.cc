@@ -120,6 +120,55 @@ std::vector<Command> ResultCommands() {
            "predictions."},
           {"seed", "out"}, 2, kAnyNumber, RunValidate),
       Command(
+          {"correct", "RESULT | ARM.yaml  TARGETS.csv | PROGRAM",
+           "targets and programs for a controller that believes in the nominal "
+           "arm",
+           "Reads poses (columns as data sets have them) or joint values and "
+           "writes the same file with columns added: the pose and the joint "
+           "values to command so that the real arm reaches the target, the "
+           "size of the correction, what remains and whether it is reached. "
+           "Prints a summary; --out=FILE names the table (default: results/ "
+           "and its name with _corrected), a figure stands beside it. "
+           "--inverse takes corrected targets and restores what they were.\n"
+           "Poses are those that the nominal arm gives, of its tool in its "
+           "base frame: what the controller shows.\n"
+           "Programs are known by their endings: .script (URScript), .src and "
+           ".dat (KUKA), .mod (ABB), .ls (Fanuc). Their positions are "
+           "rewritten in place; what is computed at run time is listed and not "
+           "touched, and where a position is not understood nothing is "
+           "written (docs/robot.md)."},
+          {"nominal", "inverse", "from", "frames", "rotation", "target",
+           "calibrated-tool", "out", "seed"},
+          2, 2, RunCorrect),
+      Command(
+          {"export", "RESULT | ARM.yaml  --as=FORMAT",
+           "the calibrated arm as other programs and controllers take it",
+           "dh, mdh: Denavit-Hartenberg tables (--table); offsets: zeros of "
+           "the "
+           "joints alone; ur: the kinematics file of Universal Robots' ROS "
+           "driver; urdf: the URDF of the nominal arm with new origins, every "
+           "other byte as it is; json: the arm file in JSON. What a format "
+           "lacks is made up for by the numbers that it has, and it is said "
+           "what is lost and what that costs over the workspace. The text goes "
+           "to standard output or --out=FILE (docs/robot.md)."},
+          {"as", "table", "nominal", "out"}, 1, 1, RunExport),
+      Command(
+          {"fk", "ARM.yaml | RESULT  JOINTS.csv", "poses of joint values",
+           "Adds to each row of joint values the pose of the arm's target in "
+           "the instrument's frame, with all that the arm file holds: x_mm, "
+           "y_mm, z_mm and the rotation vector wx_deg ..., or with --rotation "
+           "angles rx_deg .... The table goes to standard output or "
+           "--out=FILE."},
+          {"rotation", "target", "out"}, 2, 2, RunFk),
+      Command(
+          {"ik", "ARM.yaml | RESULT  POSES.csv", "joint values of poses",
+           "Adds to each row of a pose the joint values that bring the arm's "
+           "target there, what remains, and whether it is reached. Joint "
+           "values in the table are where each solution starts, and so choose "
+           "its posture; without, each starts at the one before. The table "
+           "goes to standard output or --out=FILE."},
+          {"rotation", "target", "out", "seed"}, 2, 2, RunIk),
+      Command(
           {"report", "RESULT...",
            "make an HTML page of a result, or one that compares several",
            "RESULT is a result directory or its result.json. One makes its "

@@ -31,7 +31,16 @@ struct CommandLine {
   bool fail_fast = false;
   int threads = 1;
   std::optional<std::uint64_t> seed;
-  std::string text;  ///< the whole command line, for the result
+  std::string text;              ///< the whole command line, for the result
+  std::string nominal;           ///< --nominal; empty = not given
+  std::string rotation;          ///< --rotation; empty = not given
+  std::string target;            ///< --target; empty = the first
+  std::string from;              ///< --from; empty = not given
+  bool inverse = false;          ///< --inverse
+  bool calibrated_tool = false;  ///< --calibrated-tool
+  std::string as;                ///< --as; empty = not given
+  std::string table;             ///< --table; empty = not given
+  std::string frames;            ///< --frames; empty = not given
 };
 
 /// The texts of a command.
@@ -77,6 +86,10 @@ ExitStatus RunCalibrate(const CommandLine& line);
 ExitStatus RunCompare(const CommandLine& line);
 ExitStatus RunMonteCarlo(const CommandLine& line);
 ExitStatus RunValidate(const CommandLine& line);
+ExitStatus RunFk(const CommandLine& line);
+ExitStatus RunIk(const CommandLine& line);
+ExitStatus RunExport(const CommandLine& line);
+ExitStatus RunCorrect(const CommandLine& line);
 ExitStatus RunReport(const CommandLine& line);
 ExitStatus RunBatchCommand(const CommandLine& line);
 

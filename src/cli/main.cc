@@ -20,9 +20,21 @@
 
 // The help of a command shows these texts; the first word of one in capitals
 // stands for the flag's value.
+DEFINE_string(as, "",
+              "FORMAT dh, mdh (Denavit-Hartenberg, standard and modified), "
+              "offsets, ur, urdf or json");
 DEFINE_string(arm, "", "ARM.yaml the arm that the data are of");
+DEFINE_bool(calibrated_tool, false,
+            "the tool itself was calibrated, and the controller's is wrong");
 DEFINE_bool(dry_run, false, "print what would run, a line a job");
 DEFINE_bool(fail_fast, false, "start no more jobs once one is not done");
+DEFINE_string(frames, "",
+              "FILE.csv tools and bases that a program refers to and does not "
+              "state: columns name, x_mm, y_mm, z_mm and an orientation");
+DEFINE_string(from, "",
+              "WHAT targets are, where a table has both: poses (joint values "
+              "are their posture), the default, or joints");
+DEFINE_bool(inverse, false, "undo a correction");
 DEFINE_bool(keep_rejected, false,
             "write a result that must not be used, its arm as "
             "arm.rejected.yaml");
@@ -30,10 +42,18 @@ DEFINE_bool(keep_going, false,
             "run all jobs whatever becomes of one, the default");
 DEFINE_string(list, "",
               "FILE jobs and folders, one a line, from the list's folder");
+DEFINE_string(nominal, "",
+              "ARM.yaml the arm that the controller believes in; of a result, "
+              "the one that it was calibrated from by default");
 DEFINE_string(out, "", "PATH where results are written");
 DEFINE_string(read_as, "",
               "WHAT fleet (arms), time (one arm, in order) or methods (of one "
               "calibration); chosen by the data otherwise");
+DEFINE_string(rotation, "",
+              "CONVENTION of the columns rx, ry, rz: intrinsic_zyx, "
+              "extrinsic_xyz, rotation_vector ...");
+DEFINE_string(table, "", "FORMAT of tables: csv (the default), yaml, latex");
+DEFINE_string(target, "", "NAME of the arm's target, where it has several");
 DEFINE_bool(report, false, "also write report.html");
 DEFINE_string(outputs, "", "WHAT ");  // as a job's `outputs`
 DEFINE_uint64(seed, 0, "N seed of all that is drawn, instead of the file's");
@@ -267,10 +287,28 @@ ExitStatus RunCommand(const std::string& name,
   }
   SetVerbosity();
   if (FLAGS_memory > 0) SetMemoryLimit(FLAGS_memory * 1000000);
-  return command.run({line.files, FLAGS_out, FLAGS_arm, FLAGS_read_as,
-                      FLAGS_report, FLAGS_keep_rejected, FLAGS_list,
-                      FLAGS_outputs, FLAGS_dry_run, FLAGS_fail_fast,
-                      FLAGS_threads, line.seed, line.text});
+  return command.run({line.files,
+                      FLAGS_out,
+                      FLAGS_arm,
+                      FLAGS_read_as,
+                      FLAGS_report,
+                      FLAGS_keep_rejected,
+                      FLAGS_list,
+                      FLAGS_outputs,
+                      FLAGS_dry_run,
+                      FLAGS_fail_fast,
+                      FLAGS_threads,
+                      line.seed,
+                      line.text,
+                      FLAGS_nominal,
+                      FLAGS_rotation,
+                      FLAGS_target,
+                      FLAGS_from,
+                      FLAGS_inverse,
+                      FLAGS_calibrated_tool,
+                      FLAGS_as,
+                      FLAGS_table,
+                      FLAGS_frames});
 }
 
 ExitStatus Main(const std::vector<std::string>& arguments) {

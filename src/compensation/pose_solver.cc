@@ -185,7 +185,10 @@ void PoseSolver::Iterate(const Eigen::Isometry3d& target, int* iterations) {
     trial_.joint_values = current_.joint_values + step_;
     ClampToLimits(&trial_.joint_values);
     MoveTo(target, &trial_);
-    num_slow_ = trial_.cost > 0.99 * current_.cost ? num_slow_ + 1 : 0;
+    // Where later parts of a task have their time, they take it of the steps.
+    const bool is_slow =
+        trial_.cost > 0.99 * current_.cost && (is_square_ || only_first_);
+    num_slow_ = is_slow ? num_slow_ + 1 : 0;
     if (num_slow_ > kMostSlow && !is_reached) return;
     const bool is_nearer =
         trial_.cost < current_.cost || (!is_square_ && trial_.cost < kNearCost);

@@ -1,9 +1,12 @@
 #include "src/dataio/rotation_convention.h"
 
 #include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "alidade/rotation.h"
+#include "alidade/units.h"
 
 namespace alidade::internal {
 namespace {
@@ -55,6 +58,50 @@ std::array<Turn, 3> TurnsOf(const RotationConvention& convention) {
   return turns;
 }
 
+double NearestTurn(double angle, double near) {
+  return angle + 2.0 * kPi * std::round((near - angle) / (2.0 * kPi));
+}
+
+Eigen::Vector3d VectorNear(const Eigen::Matrix3d& rotation,
+                           const Eigen::Vector3d& near) {
+  const Eigen::Vector3d vector = VectorFromRotation(rotation);
+  const double angle = vector.norm();
+  if (angle < 1e-9) return vector;
+  const Eigen::Vector3d axis = vector / angle;
+  return axis * NearestTurn(angle, axis.dot(near));
+}
+
+// Below this sine of the angle between the first and the third axis, angles are
+// in gimbal lock.
+constexpr double kLocked = 1e-9;
+
+// The three angles from left to right, the first given where locked. In the
+// axes of the sequence, R's column of the third axis is what the first two
+// angles make of it; with the first one undone the other two remain.
+Eigen::Vector3d AnglesFrom(const std::array<Turn, 3>& turns,
+                           const Eigen::Matrix3d& rotation, double near) {
+  const Eigen::Vector3d& a = turns[0].axis;
+  const Eigen::Vector3d& b = turns[1].axis;
+  const Eigen::Vector3d& c = turns[2].axis;
+  const Eigen::Vector3d side = a.cross(b);
+  const Eigen::Vector3d third = rotation * c;
+  // b stays at right angles to the third axis wherever that turns.
+  const double across = b.dot(third);
+  const double along = side.dot(third);
+  double first = near;
+  if (std::hypot(across, along) > kLocked) {
+    // third = Rot(a) (in the plane of a and side).
+    first = std::atan2(-across, along);
+  }
+  const Eigen::Matrix3d rest =
+      Eigen::AngleAxisd(-first, a).toRotationMatrix() * rotation;
+  const Eigen::Vector3d turned = rest * c;
+  const double second = std::atan2(c.cross(turned).dot(b), c.dot(turned));
+  const double last = std::atan2(-(rest.transpose() * b).dot(c.cross(b)),
+                                 (rest.transpose() * b).dot(b));
+  return {first, second, last};
+}
+
 }  // namespace
 
 const std::vector<std::string>& RotationConventionNames() {
@@ -84,6 +131,34 @@ Eigen::Matrix3d RotationOf(const RotationConvention& convention,
     rotation *= Eigen::AngleAxisd(numbers[number], axis).toRotationMatrix();
   }
   return rotation;
+}
+
+Eigen::Vector3d NumbersOf(const RotationConvention& convention,
+                          const Eigen::Matrix3d& rotation,
+                          const Eigen::Vector3d& near) {
+  if (convention.is_vector) return VectorNear(rotation, near);
+  const std::array<Turn, 3> turns = TurnsOf(convention);
+  const bool is_proper = convention.axes[0] == convention.axes[2];
+  Eigen::Vector3d best;
+  double least = std::numeric_limits<double>::infinity();
+  const Eigen::Vector3d angles =
+      AnglesFrom(turns, rotation, near[turns[0].number]);
+  // The same rotation the other way round.
+  const Eigen::Vector3d other(angles[0] + kPi,
+                              is_proper ? -angles[1] : kPi - angles[1],
+                              angles[2] + kPi);
+  for (const Eigen::Vector3d& candidate : {angles, other}) {
+    Eigen::Vector3d numbers;
+    for (int i = 0; i < 3; ++i) {
+      const int number = turns[i].number;
+      numbers[number] = NearestTurn(candidate[i], near[number]);
+    }
+    const double distance = (numbers - near).norm();
+    if (distance >= least) continue;
+    least = distance;
+    best = numbers;
+  }
+  return best;
 }
 
 Eigen::Matrix3d TurningAxes(const RotationConvention& convention,

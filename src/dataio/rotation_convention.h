@@ -39,6 +39,13 @@ std::optional<RotationConvention> FindRotationConvention(std::string_view name);
 Eigen::Matrix3d RotationOf(const RotationConvention& convention,
                            const Eigen::Vector3d& numbers);
 
+/// The numbers of R: of the many that state it, angles nearest to `near`; in
+/// gimbal lock the first angle is that of `near`. A rotation vector is the one
+/// of at most half a turn, or, where `near` is longer, with whole turns added.
+Eigen::Vector3d NumbersOf(const RotationConvention& convention,
+                          const Eigen::Matrix3d& rotation,
+                          const Eigen::Vector3d& near);
+
 /// The axes that R turns about, on the left, as its numbers grow: with B what
 /// is returned, R(numbers + e) = Exp(B e) R(numbers) to first order. Singular
 /// in gimbal lock.

@@ -32,11 +32,32 @@ class UrdfReader {
 
   std::vector<ChainJoint> Chain(const std::string& base,
                                 const std::string& tip) const {
+    std::vector<ChainJoint> chain;
+    bool moves = false;
+    for (const XMLElement* joint : Joints(base, tip)) {
+      chain.push_back(ReadJoint(*joint));
+      moves = moves || chain.back().type != ChainJoint::Type::kFixed;
+    }
+    if (!moves) Fail(robot_, "no joint between the links moves");
+    return chain;
+  }
+
+  std::vector<std::string> Names(const std::string& base,
+                                 const std::string& tip) const {
+    std::vector<std::string> names;
+    for (const XMLElement* joint : Joints(base, tip)) {
+      names.push_back(Attribute(joint, "name"));
+    }
+    return names;
+  }
+
+ private:
+  // From the base to the tip.
+  std::vector<const XMLElement*> Joints(const std::string& base,
+                                        const std::string& tip) const {
     CheckLink(base);
     CheckLink(tip);
-    std::vector<ChainJoint> chain;
     std::vector<const XMLElement*> passed;
-    bool moves = false;
     for (std::string link = tip; link != base;) {
       const XMLElement* joint = JointAbove(link);
       const bool loops =
@@ -46,16 +67,12 @@ class UrdfReader {
                          Quote(tip) + ", expected the tip to hang on the base");
       }
       passed.push_back(joint);
-      chain.push_back(ReadJoint(*joint));
-      moves = moves || chain.back().type != ChainJoint::Type::kFixed;
       link = Attribute(joint->FirstChildElement("parent"), "link");
     }
-    if (!moves) Fail(robot_, "no joint between the links moves");
-    std::reverse(chain.begin(), chain.end());
-    return chain;
+    std::reverse(passed.begin(), passed.end());
+    return passed;
   }
 
- private:
   [[noreturn]] void Fail(const XMLElement* at,
                          const std::string& message) const {
     throw InputError({path_, at == nullptr ? 0 : at->GetLineNum(), 0, ""},
@@ -167,6 +184,12 @@ std::vector<ChainJoint> LoadUrdfChain(const std::string& path,
                                       const std::string& base_link,
                                       const std::string& tip_link) {
   return UrdfReader(path).Chain(base_link, tip_link);
+}
+
+std::vector<std::string> LoadUrdfJointNames(const std::string& path,
+                                            const std::string& base_link,
+                                            const std::string& tip_link) {
+  return UrdfReader(path).Names(base_link, tip_link);
 }
 
 }  // namespace alidade::internal

@@ -19,6 +19,11 @@ std::vector<ChainJoint> LoadUrdfChain(const std::string& path,
                                       const std::string& base_link,
                                       const std::string& tip_link);
 
+/// The names of those joints.
+std::vector<std::string> LoadUrdfJointNames(const std::string& path,
+                                            const std::string& base_link,
+                                            const std::string& tip_link);
+
 }  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_DATAIO_URDF_FILE_H_

@@ -15,6 +15,7 @@
 #include "src/serialization/arm_errors.h"
 #include "src/serialization/arm_fields.h"
 #include "src/serialization/config_file.h"
+#include "src/serialization/ur_kinematics.h"
 
 namespace alidade {
 namespace internal {
@@ -338,6 +339,10 @@ Arm LoadArm(const std::string& path) {
 }
 
 Arm LoadArm(const std::string& path, std::vector<std::string>* input_files) {
+  const internal::YamlValue root = internal::ReadYaml(path);
+  if (internal::IsUrKinematics(root)) {
+    return internal::ReadUrKinematics(root, path);
+  }
   internal::NamedFiles files(path);
   internal::ArmReading reading;
   reading.files = &files;

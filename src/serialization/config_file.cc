@@ -8,6 +8,7 @@
 #include "src/dataio/dataset_csv.h"
 #include "src/dataio/file_pattern.h"
 #include "src/serialization/result_json.h"
+#include "src/serialization/ur_kinematics.h"
 
 namespace alidade::internal {
 namespace {
@@ -39,6 +40,7 @@ std::string ReaderOf(FileFormat format) {
 }
 
 FileFormat ReadFormat(const YamlValue& root) {
+  if (IsUrKinematics(root)) return FileFormat::kArm;
   const YamlValue entry = FormatEntry(root);
   if (entry.Text() == kResultFormat) {
     entry.Fail(

@@ -84,6 +84,42 @@ TEST(RotationConventionTest, ReadsARotationVector) {
   ExpectNear(quarter, Turn('z', M_PI / 2.0), 1e-15, "vector");
 }
 
+TEST(RotationConventionTest, NumbersComeBackNearToWhatTheyWere) {
+  const Vector3d numbers(0.4, -0.8, 1.3);
+  for (const std::string& name : RotationConventionNames()) {
+    const auto convention = FindRotationConvention(name);
+    // Other numbers of the same rotation, and half a turn to either side.
+    for (const Vector3d& offset :
+         {Vector3d(0.0, 0.0, 0.0), Vector3d(2.0 * M_PI, 0.0, -2.0 * M_PI),
+          Vector3d(M_PI, 0.0, 0.0), Vector3d(-2.4, 1.9, 0.7)}) {
+      const Vector3d near = numbers + offset;
+      const Matrix3d rotation = RotationOf(*convention, near);
+      const Vector3d found = NumbersOf(*convention, rotation, near);
+      EXPECT_LT((found - near).cwiseAbs().maxCoeff(), 1e-14) << name;
+      // A small turn moves them a little.
+      const Matrix3d moved = RotationOf(*convention, near) * Turn('y', 1e-4);
+      const Vector3d other = NumbersOf(*convention, moved, near);
+      EXPECT_LT((other - near).norm(), 1e-3) << name;
+      ExpectNear(RotationOf(*convention, other), moved, 1e-14, name);
+    }
+  }
+}
+
+TEST(RotationConventionTest, GimbalLockKeepsTheFirstAngle) {
+  for (const std::string& name : RotationConventionNames()) {
+    const auto convention = FindRotationConvention(name);
+    if (convention->is_vector) continue;
+    const bool is_proper = convention->axes[0] == convention->axes[2];
+    Vector3d numbers(0.7, 0.7, 0.7);
+    // The second angle, wherever it stands.
+    numbers[is_proper ? 1 : convention->axes[1]] = is_proper ? 0.0 : M_PI / 2.0;
+    const Matrix3d rotation = RotationOf(*convention, numbers);
+    const Vector3d found = NumbersOf(*convention, rotation, numbers);
+    EXPECT_LT((found - numbers).cwiseAbs().maxCoeff(), 1e-7) << name;
+    ExpectNear(RotationOf(*convention, found), rotation, 1e-14, name);
+  }
+}
+
 // Against central differences of Log(R(numbers + e) R(numbers)^T).
 TEST(RotationConventionTest, TurningAxesAreTheDerivative) {
   const Vector3d numbers(0.4, -0.8, 1.3);

@@ -1,0 +1,231 @@
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <map>
+
+#include "alidade/correction.h"
+#include "alidade/error.h"
+#include "alidade/units.h"
+#include "src/cli/command.h"
+#include "src/cli/targets.h"
+#include "src/common/files.h"
+#include "src/common/text.h"
+#include "src/dataio/robot_program.h"
+#include "src/job/arm_source.h"
+#include "src/job/program_correction.h"
+#include "src/job/result_directory.h"
+#include "src/kernel/measurement_model.h"
+#include "src/report/correction_report.h"
+#include "src/uncertainty/prediction.h"
+
+namespace alidade::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+// results/welds.csv of parts/welds.csv, unless --out says otherwise.
+std::string OutputFile(const CommandLine& line) {
+  if (!line.out.empty()) return line.out;
+  const fs::path targets = line.files[1];
+  return "results/" + targets.stem().string() + "_corrected" +
+         targets.extension().string();
+}
+
+std::string FigureBeside(const std::string& path) {
+  fs::path figure = path;
+  return figure.replace_extension(".svg").string();
+}
+
+class CorrectCommand {
+ public:
+  explicit CorrectCommand(const CommandLine& line)
+      : line_(line),
+        source_(LoadArmSource(line.files[0], line.nominal)),
+        out_(OutputFile(line)) {
+    std::vector<std::string> inputs = source_.inputs;
+    inputs.push_back(line.files[1]);
+    CheckOutputFile(out_, inputs);
+    CheckOutputFile(FigureBeside(out_), inputs);
+    target_ = TargetFlag(line, source_.nominal);
+    if (target_ >= source_.real.num_targets()) target_ = 0;
+    arms_ = MakeCorrectionArms(
+        source_.nominal, source_.real, target_,
+        line.calibrated_tool ? ToolSource::kCalibrated : ToolSource::kNominal);
+    options_.inverse = line.inverse;
+    options_.solver.num_threads = line.threads;
+    // Programs state positions in up to 1e-12 m, and --inverse restores them.
+    options_.solver.position_tolerance = 1e-12;
+    options_.solver.rotation_tolerance = 1e-12;
+    if (line.seed) options_.seed = *line.seed;
+  }
+
+  ExitStatus Run() {
+    if (ProgramLanguageOf(line_.files[1])) return RunProgram();
+    const TargetTable table =
+        ReadTargets(line_.files[1], arms_.nominal, RotationFlag(line_));
+    const Correction correction = Correct(table);
+    const CorrectionReport report = ReportOf(correction, RowNames(table));
+    WriteFileWithFolder(out_, WithColumns(table, Columns(table, report)));
+    WriteFileWithFolder(FigureBeside(out_),
+                        CorrectionFigure(report).render(FigureMedium::kFile));
+    std::cout << FormatCorrection(report);
+    PrintResults({out_, FigureBeside(out_)});
+    return kExitDone;
+  }
+
+ private:
+  ExitStatus RunProgram() {
+    std::map<std::string, Eigen::Isometry3d> frames;
+    if (!line_.frames.empty()) {
+      frames = LoadFrames(line_.frames, arms_.nominal, RotationFlag(line_));
+    }
+    const RobotProgram program =
+        ReadProgram(line_.files[1], arms_.nominal.num_joints(), frames);
+    const ProgramCorrection corrected =
+        CorrectProgram(program, arms_, options_);
+    const CorrectionReport report =
+        ReportOf(corrected.correction, corrected.names);
+    WriteFileWithFolder(out_, corrected.text);
+    WriteFileWithFolder(FigureBeside(out_),
+                        CorrectionFigure(report).render(FigureMedium::kFile));
+    std::cout << FormatCorrection(report);
+    if (!program.left.empty()) std::cout << "Not touched\n";
+    for (const ProgramNote& note : program.left) {
+      std::cout << "  line " << note.line << ": " << note.text << "\n";
+    }
+    PrintResults({out_, FigureBeside(out_)});
+    return kExitDone;
+  }
+
+  static void WriteFileWithFolder(const std::string& path,
+                                  const std::string& text) {
+    const fs::path folder = fs::path(path).parent_path();
+    if (!folder.empty()) MakeDirectories(folder.string());
+    WriteFileAtomically(path, text);
+  }
+
+  // Whole poses are targets, and joint values beside them their posture;
+  // without orientations joint values are the targets.
+  Correction Correct(const TargetTable& table) {
+    const bool has_pose = table.format.form != OrientationForm::kNone;
+    if (table.has_joints && (!has_pose || line_.from == "joints")) {
+      return CorrectJoints(arms_, table.motors, options_);
+    }
+    if (!has_pose) {
+      if (arms_.nominal.num_joints() > 5) {
+        throw InputError({table.path, 0, 0, ""},
+                         "positions without orientations, expected rx_deg ... "
+                         "(with --rotation), qw ... or wx_deg ...: the "
+                         "posture of six joints hangs on them");
+      }
+      options_.solver.task = PoseTask::kPosition;
+    }
+    return CorrectPoses(arms_, table.poses, table.motors, options_);
+  }
+
+  static std::vector<std::string> RowNames(const TargetTable& table) {
+    std::vector<std::string> names;
+    for (Eigen::Index i = 0; i < table.num_rows; ++i) {
+      names.push_back("row " + std::to_string(i + 1));
+    }
+    return names;
+  }
+
+  CorrectionReport ReportOf(const Correction& correction,
+                            std::vector<std::string> names) const {
+    CorrectionReport report{correction, source_.real.name};
+    report.names = std::move(names);
+    // What the real arm does.
+    const Eigen::MatrixXd joints =
+        JointsFromMotors(arms_.real, line_.inverse ? correction.asked_motors
+                                                   : correction.motors);
+    if (source_.calibrated) report.position_std = Deviations(joints);
+    if (source_.measured.size() > 0) report.outside = Outside(joints);
+    return report;
+  }
+
+  Eigen::VectorXd Deviations(const Eigen::MatrixXd& joints) const {
+    const Arm& arm = source_.calibrated->arm;
+    const MeasurementModel model(arm, line_.threads);
+    const auto covariances =
+        PredictCovariances(model, model.NominalValues(),
+                           source_.calibrated->covariance, joints, target_);
+    Eigen::VectorXd deviations(joints.cols());
+    for (Eigen::Index i = 0; i < joints.cols(); ++i) {
+      deviations[i] = std::sqrt(covariances[i].position.trace());
+    }
+    return deviations;
+  }
+
+  std::vector<std::string> Outside(const Eigen::MatrixXd& joints) const {
+    // Corrections themselves take joints a little out of it.
+    constexpr double kMargin = 0.02;  // rad, m
+    std::vector<std::string> outside;
+    for (const auto& q : joints.colwise()) {
+      std::vector<std::string> names;
+      for (Eigen::Index j = 0; j < q.size(); ++j) {
+        if (q[j] >= source_.measured(j, 0) - kMargin &&
+            q[j] <= source_.measured(j, 1) + kMargin) {
+          continue;
+        }
+        names.push_back("q" + std::to_string(j + 1));
+      }
+      outside.push_back(Join(names, " "));
+    }
+    return outside;
+  }
+
+  std::vector<AddedColumn> Columns(const TargetTable& table,
+                                   const CorrectionReport& report) const {
+    const Correction& correction = report.correction;
+    const std::string prefix = line_.inverse ? "restored_" : "corrected_";
+    PoseFormat format = table.format;
+    if (!table.has_positions) format.form = OrientationForm::kVector;
+    std::vector<AddedColumn> columns =
+        PoseColumns(prefix, correction.poses, format, table.numbers);
+    for (AddedColumn& column :
+         MotorColumns(prefix, arms_.nominal, correction.motors)) {
+      columns.push_back(std::move(column));
+    }
+    const PoseSolutions& solutions = correction.solutions;
+    columns.push_back(
+        NumberColumn("correction_mm", correction.shift, kMillimetre, 6));
+    columns.push_back(
+        NumberColumn("correction_deg", correction.turn, kDegree, 6));
+    columns.push_back(
+        NumberColumn("remaining_mm", solutions.position_error, kMillimetre, 9));
+    columns.push_back(
+        NumberColumn("remaining_deg", solutions.rotation_error, kDegree, 9));
+    if (report.position_std.size() > 0) {
+      columns.push_back(NumberColumn("predicted_std_mm", report.position_std,
+                                     kMillimetre, 6));
+    }
+    if (!report.outside.empty()) {
+      columns.push_back({"outside_measured", report.outside});
+    }
+    AddedColumn status{"status", {}};
+    for (Eigen::Index i = 0; i < table.num_rows; ++i) {
+      status.cells.push_back(StatusOf(correction, i));
+    }
+    columns.push_back(std::move(status));
+    return columns;
+  }
+
+  const CommandLine& line_;
+  const ArmSource source_;
+  const std::string out_;
+  int target_ = 0;
+  CorrectionArms arms_;
+  CorrectionOptions options_;
+};
+
+}  // namespace
+
+ExitStatus RunCorrect(const CommandLine& line) {
+  if (!line.from.empty() && line.from != "joints" && line.from != "poses") {
+    throw InputError({}, "--from=" + line.from + ", expected joints or poses");
+  }
+  return CorrectCommand(line).Run();
+}
+
+}  // namespace alidade::internal

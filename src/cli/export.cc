@@ -1,0 +1,57 @@
+#include <algorithm>
+#include <iostream>
+
+#include "alidade/error.h"
+#include "alidade/units.h"
+#include "src/cli/command.h"
+#include "src/cli/targets.h"
+#include "src/common/format.h"
+#include "src/common/names.h"
+#include "src/common/text.h"
+#include "src/job/arm_export.h"
+#include "src/job/arm_source.h"
+
+namespace alidade::internal {
+namespace {
+
+void RequireOneOf(const char* flag, const std::string& value,
+                  const std::vector<std::string>& choices) {
+  if (std::find(choices.begin(), choices.end(), value) != choices.end()) return;
+  throw InputError({}, std::string("--") + flag + ": " +
+                           UnknownName("format", value, choices));
+}
+
+std::string Statement(const ArmExport& exported) {
+  std::string text;
+  for (const std::string& sentence : exported.lost) {
+    text += Paragraph(sentence);
+  }
+  const auto mm = [](double length) {
+    return FormatSignificant(length / kMillimetre, 3);
+  };
+  return text +
+         Paragraph("Over the workspace it differs from the calibrated arm by " +
+                   mm(exported.cost.mean) + " mm in the mean, " +
+                   mm(exported.cost.p95) + " mm in 95 %, " +
+                   mm(exported.cost.max) + " mm at most.");
+}
+
+}  // namespace
+
+ExitStatus RunExport(const CommandLine& line) {
+  RequireOneOf("as", line.as, {"dh", "mdh", "offsets", "ur", "urdf", "json"});
+  const std::string table = line.table.empty() ? "csv" : line.table;
+  RequireOneOf("table", table, {"csv", "yaml", "latex"});
+  const std::string& path = line.files[0];
+  // An arm file alone is its own nominal arm.
+  const bool is_alone = !IsResult(path) && line.nominal.empty();
+  const ArmSource source = LoadArmSource(path, is_alone ? path : line.nominal);
+  const ArmExport exported = ExportArm({line.as, table, source.nominal_path},
+                                       source.nominal, source.real);
+  WriteTable(line, exported.text, source.inputs);
+  // Beside the text itself, where that is on standard output.
+  (line.out.empty() ? std::cerr : std::cout) << Statement(exported);
+  return kExitDone;
+}
+
+}  // namespace alidade::internal

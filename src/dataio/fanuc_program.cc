@@ -1,0 +1,147 @@
+// Fanuc TP programs as text (.ls): P[1]{ GP1: UF : 0, UT : 1, CONFIG : '...',
+// X = 1.000 mm, ... W = 0.000 deg, ... }; or J1 = 0.000 deg, ....
+
+#include <algorithm>
+#include <utility>
+
+#include "src/dataio/program_text.h"
+
+namespace alidade::internal {
+namespace {
+
+constexpr std::size_t kNowhere = std::string::npos;
+
+class FanucReader {
+ public:
+  FanucReader(int num_joints, RobotProgram* program)
+      : text_(program->text, "//", '"'), program_(program) {
+    for (int j = 1; j <= num_joints; ++j) {
+      axes_.push_back("J" + std::to_string(j));
+    }
+  }
+
+  void Read() {
+    const std::size_t positions = text_.text().find("/POS");
+    ListComputed(std::min(positions, text_.size()));
+    if (positions == kNowhere) return;
+    for (std::size_t at = positions;
+         (at = text_.text().find("P[", at)) != kNowhere; ++at) {
+      if (at > 0 && IsWordCharacter(text_.at(at - 1))) continue;
+      const std::size_t open = text_.text().find('{', at);
+      if (open >= text_.LineEnd(at)) continue;
+      const std::size_t close =
+          std::min(text_.text().find('}', open), text_.size());
+      ReadPosition(at, open, close);
+    }
+  }
+
+ private:
+  void Refuse(std::size_t at, const std::string& why) {
+    program_->refused.push_back({text_.LineOf(at), why});
+  }
+  void Leave(std::size_t at, const std::string& why) {
+    program_->left.push_back({text_.LineOf(at), why});
+  }
+
+  // Motions that move by what registers hold.
+  void ListComputed(std::size_t end) {
+    for (const auto& [word, why] :
+         {std::pair<const char*, const char*>{
+              "OFFSET", "moves to a position plus an offset at run time"},
+          {"TOOL_OFFSET", "moves to a position plus an offset at run time"},
+          {"INC", "moves relative to where the robot is"},
+          {"PR", "uses a position register"}}) {
+      int last = 0;
+      for (std::size_t at = 0; (at = text_.FindWord(word, at)) < end; ++at) {
+        const int line = text_.LineOf(at);
+        if (line != last) Leave(at, why);
+        last = line;
+      }
+    }
+  }
+
+  // The number behind "NAME =" or "NAME :" between two places.
+  std::optional<NumberSpan> Entry(const std::string& name, std::size_t from,
+                                  std::size_t to) const {
+    for (std::size_t at = from; (at = text_.FindWord(name, at)) < to; ++at) {
+      const std::size_t sign = text_.SkipSpaces(at + name.size());
+      if (text_.at(sign) != '=' && text_.at(sign) != ':') continue;
+      return text_.NumberAt(text_.SkipSpaces(sign + 1));
+    }
+    return std::nullopt;
+  }
+
+  std::vector<NumberSpan> Entries(const std::vector<std::string>& names,
+                                  std::size_t from, std::size_t to) const {
+    std::vector<NumberSpan> spans;
+    for (const std::string& name : names) {
+      const auto span = Entry(name, from, to);
+      if (span) spans.push_back(*span);
+    }
+    return spans;
+  }
+
+  void ReadPosition(std::size_t at, std::size_t open, std::size_t close) {
+    const std::size_t group = text_.FindWord("GP1", open);
+    const std::size_t other = text_.FindWord("GP2", open);
+    if (group >= close) {
+      Leave(at, "has no group 1");
+      return;
+    }
+    if (other < close) Leave(other, "other groups than 1 are not touched");
+    const std::size_t end = std::min(other, close);
+    const std::vector<std::string> names = {"X", "Y", "Z", "W", "P", "R"};
+    const auto pose = Entries(names, group, end);
+    const auto joints = Entries(axes_, group, end);
+    if (pose.empty() && joints.empty()) {
+      Leave(at, "is not taught");
+      return;
+    }
+    ProgramTarget target;
+    target.is_joints = pose.empty();
+    target.line = text_.LineOf(at);
+    const std::size_t bracket = text_.text().find(']', at);
+    target.name = program_->text.substr(at, bracket + 1 - at);
+    target.numbers = target.is_joints ? joints : pose;
+    const std::size_t wanted = target.is_joints ? axes_.size() : names.size();
+    const bool has_extra =
+        text_.FindWord("E1", group) < end ||
+        text_.FindWord("J" + std::to_string(axes_.size() + 1), group) < end;
+    if (target.numbers.size() != wanted || has_extra) {
+      Refuse(at, has_extra ? "has more axes than the arm file"
+                           : "states only some of its numbers");
+      return;
+    }
+    if (!target.is_joints && !SetFrames(group, end, &target)) return;
+    program_->targets.push_back(target);
+  }
+
+  bool SetFrames(std::size_t from, std::size_t to, ProgramTarget* target) {
+    const auto frame = Entry("UF", from, to);
+    const auto tool = Entry("UT", from, to);
+    if (!frame || !tool) {
+      Refuse(from, "uses the current frame or tool (F), expected numbers");
+      return false;
+    }
+    const auto name = [](const char* kind, double number) {
+      const int index = static_cast<int>(number);
+      return index == 0 ? "" : kind + (" " + std::to_string(index));
+    };
+    target->frame = name("base", frame->value);
+    target->tool = name("tool", tool->value);
+    return KnowsFrame(target->tool, target->line, program_) &&
+           KnowsFrame(target->frame, target->line, program_);
+  }
+
+  const ProgramText text_;
+  RobotProgram* const program_;
+  std::vector<std::string> axes_;
+};
+
+}  // namespace
+
+void ReadFanuc(int num_joints, RobotProgram* program) {
+  FanucReader(num_joints, program).Read();
+}
+
+}  // namespace alidade::internal

@@ -1,0 +1,166 @@
+#include "src/dataio/program_text.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "src/common/numbers.h"
+
+namespace alidade::internal {
+
+bool IsWordCharacter(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' ||
+         c == '$';
+}
+
+ProgramText::ProgramText(const std::string& text, std::string_view comment,
+                         char quote, bool keep_case)
+    : masked_(text) {
+  bool in_string = false;
+  bool in_comment = false;
+  line_starts_.push_back(0);
+  for (std::size_t i = 0; i < masked_.size(); ++i) {
+    char& c = masked_[i];
+    if (c == '\n') {
+      in_string = in_comment = false;
+      line_starts_.push_back(i + 1);
+    } else if (in_comment || c == '\r') {
+      c = ' ';
+    } else if (in_string) {
+      in_string = c != quote;
+      if (in_string) c = ' ';
+    } else if (c == quote) {
+      in_string = true;
+    } else if (std::string_view(text).substr(i, comment.size()) == comment) {
+      in_comment = true;
+      c = ' ';
+    } else if (!keep_case) {
+      c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    }
+  }
+}
+
+int ProgramText::LineOf(std::size_t place) const {
+  const auto after =
+      std::upper_bound(line_starts_.begin(), line_starts_.end(), place);
+  return static_cast<int>(after - line_starts_.begin());
+}
+
+std::size_t ProgramText::LineStart(std::size_t place) const {
+  return line_starts_[static_cast<std::size_t>(LineOf(place)) - 1];
+}
+
+std::size_t ProgramText::LineEnd(std::size_t place) const {
+  return std::min(masked_.find('\n', place), masked_.size());
+}
+
+std::size_t ProgramText::SkipSpaces(std::size_t place) const {
+  while (at(place) == ' ' || at(place) == '\t') ++place;
+  return place;
+}
+
+std::size_t ProgramText::SkipSpacesBack(std::size_t place) const {
+  while (place > 0 && (at(place - 1) == ' ' || at(place - 1) == '\t')) --place;
+  return place;
+}
+
+std::optional<NumberSpan> ProgramText::NumberAt(std::size_t place) const {
+  NumberSpan span;
+  span.begin = place;
+  std::size_t end = place;
+  const auto digits = [&] {
+    const std::size_t from = end;
+    while (std::isdigit(static_cast<unsigned char>(at(end))) != 0) ++end;
+    return static_cast<int>(end - from);
+  };
+  if (at(end) == '-' || at(end) == '+') ++end;
+  int count = digits();
+  if (at(end) == '.') {
+    ++end;
+    span.decimals = digits();
+    count += span.decimals;
+  }
+  if (count == 0) return std::nullopt;
+  if (at(end) == 'E' || at(end) == 'e') {
+    std::size_t exponent = end + 1;
+    const bool is_small = at(exponent) == '-';
+    if (is_small || at(exponent) == '+') ++exponent;
+    std::size_t after = exponent;
+    while (std::isdigit(static_cast<unsigned char>(at(after))) != 0) ++after;
+    if (after == exponent) return std::nullopt;
+    const auto power = ParseWhole<int>(
+        std::string_view(masked_).substr(exponent, after - exponent));
+    span.decimals += is_small ? power.value_or(0) : 0;
+    end = after;
+  }
+  if (IsWordCharacter(at(end)) || at(end) == '.') return std::nullopt;
+  span.end = end;
+  // A plus sign and a missing zero are not ParseNumber's.
+  std::string text = masked_.substr(place, end - place);
+  if (text.front() == '+') text.erase(0, 1);
+  const std::size_t sign = text.front() == '-' ? 1 : 0;
+  if (text[sign] == '.') text.insert(sign, "0");
+  const auto value = ParseNumber(text);
+  if (!value) return std::nullopt;
+  span.value = *value;
+  return span;
+}
+
+std::optional<std::vector<NumberSpan>> ProgramText::ListAt(
+    std::size_t place, std::size_t* end) const {
+  if (at(place) != '[') return std::nullopt;
+  std::vector<NumberSpan> numbers;
+  const auto skip = [this](std::size_t from) {
+    while (std::isspace(static_cast<unsigned char>(at(from))) != 0 &&
+           from < size()) {
+      ++from;
+    }
+    return from;
+  };
+  for (std::size_t next = place;;) {
+    const auto number = NumberAt(skip(next + 1));
+    if (!number) return std::nullopt;
+    numbers.push_back(*number);
+    next = skip(number->end);
+    if (at(next) == ']') {
+      *end = next + 1;
+      return numbers;
+    }
+    if (at(next) != ',') return std::nullopt;
+  }
+}
+
+std::string ProgramText::WordBefore(std::size_t place) const {
+  std::size_t begin = place;
+  while (begin > 0 && IsWordCharacter(at(begin - 1))) --begin;
+  return masked_.substr(begin, place - begin);
+}
+
+std::string ProgramText::WordAt(std::size_t place) const {
+  std::size_t end = place;
+  while (IsWordCharacter(at(end))) ++end;
+  return masked_.substr(place, end - place);
+}
+
+std::size_t ProgramText::FindWord(const std::string& word,
+                                  std::size_t from) const {
+  for (std::size_t at_word = from;
+       (at_word = masked_.find(word, at_word)) != std::string::npos;
+       ++at_word) {
+    const bool begins = at_word == 0 || !IsWordCharacter(masked_[at_word - 1]);
+    if (begins && !IsWordCharacter(at(at_word + word.size()))) return at_word;
+  }
+  return std::string::npos;
+}
+
+bool KnowsFrame(const std::string& name, int line, RobotProgram* program) {
+  if (name.empty() || program->frames.count(name) > 0) return true;
+  const bool is_computed = name == "?";
+  program->refused.push_back(
+      {line, is_computed
+                 ? "its tool or base is set at run time to what is not stated"
+                 : name + " is not stated in the program, expected it in the "
+                          "table of --frames"});
+  return false;
+}
+
+}  // namespace alidade::internal

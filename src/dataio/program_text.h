@@ -1,0 +1,67 @@
+#ifndef ALIDADE_SRC_DATAIO_PROGRAM_TEXT_H_
+#define ALIDADE_SRC_DATAIO_PROGRAM_TEXT_H_
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "src/dataio/robot_program.h"
+
+namespace alidade::internal {
+
+/// The text of a program with comments and the content of strings blanked out,
+/// in capital letters, every byte at its place: what a reader looks at.
+class ProgramText {
+ public:
+  /// `comment` begins a comment that ends with the line; `quote` strings.
+  ProgramText(const std::string& text, std::string_view comment, char quote,
+              bool keep_case = false);
+
+  const std::string& text() const { return masked_; }
+  char at(std::size_t place) const {
+    return place < masked_.size() ? masked_[place] : '\n';
+  }
+  std::size_t size() const { return masked_.size(); }
+
+  int LineOf(std::size_t place) const;
+  std::size_t LineStart(std::size_t place) const;
+  std::size_t LineEnd(std::size_t place) const;
+
+  std::size_t SkipSpaces(std::size_t place) const;
+  /// The last place before `place` that is no space or tab, plus one.
+  std::size_t SkipSpacesBack(std::size_t place) const;
+
+  /// A number that begins at `place`.
+  std::optional<NumberSpan> NumberAt(std::size_t place) const;
+  /// `[1, -2.5]` at `place`, and where it ends; nothing where it holds
+  /// anything but numbers.
+  std::optional<std::vector<NumberSpan>> ListAt(std::size_t place,
+                                                std::size_t* end) const;
+  /// The identifier that ends before `place`, or begins there.
+  std::string WordBefore(std::size_t place) const;
+  std::string WordAt(std::size_t place) const;
+  /// Where `word` stands as a whole identifier, from `from` on; npos.
+  std::size_t FindWord(const std::string& word, std::size_t from) const;
+
+ private:
+  std::string masked_;
+  std::vector<std::size_t> line_starts_;
+};
+
+bool IsWordCharacter(char c);
+
+// One source each.
+void ReadUrScript(int num_joints, RobotProgram* program);
+void ReadKrl(int num_joints, RobotProgram* program);
+void ReadRapid(int num_joints, RobotProgram* program);
+void ReadFanuc(int num_joints, RobotProgram* program);
+
+/// Whether the program knows a frame, or none is asked for; else a refusal is
+/// noted at `line`.
+bool KnowsFrame(const std::string& name, int line, RobotProgram* program);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_DATAIO_PROGRAM_TEXT_H_

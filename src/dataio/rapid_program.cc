@@ -1,0 +1,310 @@
+// ABB RAPID: robtarget [[x,y,z],[q1,q2,q3,q4],[cf1,cf4,cf6,cfx],[eax_a ...
+// eax_f]] in mm, jointtarget [[rax_1 ... rax_6],[eax_a ... eax_f]] in deg.
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "src/dataio/program_text.h"
+
+namespace alidade::internal {
+namespace {
+
+constexpr std::size_t kNowhere = std::string::npos;
+// What RAPID calls an external axis that is not there.
+constexpr double kNoAxis = 8e9;
+
+using Lists = std::vector<std::vector<NumberSpan>>;
+
+// Tool and work object of a motion.
+using Frames = std::pair<std::string, std::string>;
+
+// A robtarget or jointtarget in numbers.
+struct Literal {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+  Lists lists;
+  bool is_joints() const { return lists.size() == 2; }
+};
+
+class RapidReader {
+ public:
+  RapidReader(int num_joints, RobotProgram* program)
+      : text_(program->text, "!", '"'),
+        num_joints_(static_cast<std::size_t>(num_joints)),
+        program_(program) {}
+
+  void Read() {
+    ReadFrames("TOOLDATA", "TRUE", 1);
+    ReadFrames("WOBJDATA", "FALSE", 2);
+    for (std::size_t at = 0; (at = text_.text().find('[', at)) != kNowhere;
+         ++at) {
+      // Of an array of targets the elements come next.
+      if (const auto literal = LiteralAt(at)) ReadLiteral(*literal);
+    }
+    for (const auto& [name, literals] : variables_) {
+      ReadVariable(name, literals);
+    }
+    std::stable_sort(program_->targets.begin(), program_->targets.end(),
+                     [](const ProgramTarget& a, const ProgramTarget& b) {
+                       return a.numbers.front().begin < b.numbers.front().begin;
+                     });
+  }
+
+ private:
+  void Refuse(std::size_t at, const std::string& why) {
+    program_->refused.push_back({text_.LineOf(at), why});
+  }
+  void Leave(std::size_t at, const std::string& why) {
+    program_->left.push_back({text_.LineOf(at), why});
+  }
+
+  std::size_t SkipWhite(std::size_t at) const {
+    while (at < text_.size() &&
+           std::isspace(static_cast<unsigned char>(text_.at(at))) != 0) {
+      ++at;
+    }
+    return at;
+  }
+
+  // [[...],[...]] of so many lists of numbers.
+  std::optional<Lists> ListsAt(std::size_t at, std::size_t count,
+                               std::size_t* end) const {
+    Lists lists;
+    std::size_t next = SkipWhite(at + 1);
+    while (lists.size() < count) {
+      std::size_t after = 0;
+      const auto list = text_.ListAt(next, &after);
+      if (!list) return std::nullopt;
+      lists.push_back(*list);
+      next = SkipWhite(after);
+      if (lists.size() < count) {
+        if (text_.at(next) != ',') return std::nullopt;
+        next = SkipWhite(next + 1);
+      }
+    }
+    if (text_.at(next) != ']') return std::nullopt;
+    *end = next + 1;
+    return lists;
+  }
+
+  std::optional<Literal> LiteralAt(std::size_t at) const {
+    Literal literal;
+    literal.begin = at;
+    const auto sizes = [](const Lists& lists) {
+      std::vector<std::size_t> all;
+      for (const auto& list : lists) all.push_back(list.size());
+      return all;
+    };
+    using Sizes = std::vector<std::size_t>;
+    auto lists = ListsAt(at, 4, &literal.end);
+    if (lists && sizes(*lists) == Sizes{3, 4, 4, 6}) {
+      literal.lists = *lists;
+      return literal;
+    }
+    lists = ListsAt(at, 2, &literal.end);
+    if (lists && sizes(*lists) == Sizes{6, 6}) {
+      literal.lists = *lists;
+      return literal;
+    }
+    return std::nullopt;
+  }
+
+  static Eigen::Isometry3d FrameOf(const Lists& lists) {
+    ProgramTarget frame;
+    for (const auto& list : lists) {
+      frame.numbers.insert(frame.numbers.end(), list.begin(), list.end());
+    }
+    return PoseOf(ProgramLanguage::kRapid, frame);
+  }
+
+  std::size_t StatementEnd(std::size_t at) const {
+    return std::min(text_.text().find(';', at), text_.size());
+  }
+
+  // Behind the last semicolon or, as PROC and IF have none, at the line, unless
+  // the line before is not complete.
+  std::size_t StatementStart(std::size_t at) const {
+    std::size_t start = at;
+    for (std::size_t p = at; p > 0 && text_.at(p - 1) != ';'; --p) {
+      const char c = text_.at(p - 1);
+      if (c == '\n') {
+        const std::size_t end = text_.SkipSpacesBack(p - 1);
+        const char last = end > 0 ? text_.at(end - 1) : ' ';
+        const bool goes_on = last == '=' || last == ',' || last == '[';
+        if (!goes_on) break;
+      }
+      start = p - 1;
+    }
+    return SkipWhite(start);
+  }
+
+  // tooldata NAME:=[TRUE,[[x,y,z],[q]],...], and wobjdata with two frames, one
+  // in the other; `holds` is what their first entry must be.
+  void ReadFrames(const std::string& type, const std::string& holds,
+                  std::size_t count) {
+    for (std::size_t at = 0; (at = text_.FindWord(type, at)) != kNowhere;
+         at += type.size()) {
+      const std::string name = text_.WordAt(SkipWhite(at + type.size()));
+      const std::size_t end = StatementEnd(at);
+      const std::size_t open = text_.text().find('[', at);
+      if (name.empty() || open >= end) continue;
+      if (text_.WordAt(SkipWhite(open + 1)) != holds) continue;
+      Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
+      std::size_t found = 0;
+      for (std::size_t next = open + 1; found < count && next < end; ++next) {
+        next = text_.text().find("[[", next);
+        if (next >= end) break;
+        std::size_t after = 0;
+        const auto lists = ListsAt(next, 2, &after);
+        if (!lists || (*lists)[0].size() != 3 || (*lists)[1].size() != 4) {
+          break;
+        }
+        frame = frame * FrameOf(*lists);
+        ++found;
+        next = after;
+      }
+      if (found == count) program_->frames[Key(name)] = frame;
+    }
+  }
+
+  // RAPID makes no difference between small and capital letters.
+  static std::string Key(std::string name) {
+    std::transform(name.begin(), name.end(), name.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
+    return name == "tool0" || name == "wobj0" ? "" : name;
+  }
+
+  static bool IsMove(const std::string& word) {
+    return word.rfind("MOVE", 0) == 0 && word.size() > 4;
+  }
+
+  // "..., tool1\WObj:=wobj1": the last argument of a motion.
+  Frames FramesOf(std::size_t at) const {
+    const std::size_t end = StatementEnd(at);
+    const std::size_t comma = text_.text().rfind(',', end);
+    if (comma == kNowhere || comma < at) return {"?", "?"};
+    Frames frames = {Key(text_.WordAt(SkipWhite(comma + 1))), ""};
+    const std::size_t object = text_.text().find("\\WOBJ", at);
+    if (object < end) {
+      const std::size_t equals = text_.text().find("=", object);
+      frames.second = Key(text_.WordAt(SkipWhite(equals + 1)));
+      // Optional arguments may stand before the last comma of the tool.
+      if (object < comma) return {"?", "?"};
+    }
+    return frames;
+  }
+
+  void ReadLiteral(const Literal& literal) {
+    const std::size_t start = StatementStart(literal.begin);
+    const std::string first = text_.WordAt(start);
+    const std::string before =
+        text_.text().substr(start, literal.begin - start);
+    if (IsMove(first)) {
+      if (before.find('(') == kNowhere) {
+        AddTarget(literal, "", FramesOf(literal.end));
+      } else {
+        Leave(literal.begin, "a position is computed at run time");
+      }
+      return;
+    }
+    const std::size_t assigns = before.find(":=");
+    if (assigns == kNowhere || before.find('(') != kNowhere) {
+      Leave(literal.begin, "a position in an expression");
+      return;
+    }
+    std::string name = before.substr(0, assigns);
+    name.erase(name.find_last_not_of(" \t") + 1);
+    const std::size_t brace = name.find('{');
+    if (brace != kNowhere) name.erase(brace);
+    name.erase(name.find_last_not_of(" \t") + 1);
+    name.erase(0, name.find_last_of(" \t") + 1);
+    variables_[name].push_back(literal);
+  }
+
+  void ReadVariable(const std::string& name,
+                    const std::vector<Literal>& literals) {
+    std::set<Frames> frames;
+    const bool is_joints = literals.front().is_joints();
+    for (std::size_t at = 0; (at = text_.FindWord(name, at)) != kNowhere;
+         at += name.size()) {
+      const std::size_t start = StatementStart(at);
+      if (!IsMove(text_.WordAt(start))) {
+        if (text_.at(at + name.size()) == '.') {
+          Refuse(at, name + " is changed or read in parts at run time");
+          return;
+        }
+        continue;
+      }
+      if (text_.text().substr(start, at - start).find('(') != kNowhere) {
+        Leave(at, "moves relative to " + name + ", as it is corrected");
+      }
+      frames.insert(FramesOf(at));
+    }
+    const std::size_t begin = literals.front().begin;
+    if (frames.empty()) {
+      Leave(begin, name + " is not moved to in this file");
+      return;
+    }
+    if (frames.size() > 1 && !is_joints) {
+      Refuse(begin, name + " is moved to with several tools or work objects");
+      return;
+    }
+    for (const Literal& literal : literals) {
+      AddTarget(literal, name, is_joints ? Frames() : *frames.begin());
+    }
+  }
+
+  void AddTarget(const Literal& literal, const std::string& name,
+                 const Frames& frames) {
+    for (const NumberSpan& axis : literal.lists.back()) {
+      if (axis.value == 0.0 || axis.value > kNoAxis) continue;
+      Refuse(literal.begin,
+             "has an external axis, which the arm file does not know");
+      return;
+    }
+    ProgramTarget target;
+    target.is_joints = literal.is_joints();
+    target.line = text_.LineOf(literal.begin);
+    target.name = name;
+    target.numbers = literal.lists[0];
+    if (target.is_joints) {
+      if (num_joints_ != target.numbers.size()) {
+        Refuse(literal.begin, "has six joints, the arm has others");
+        return;
+      }
+    } else {
+      const auto& turn = literal.lists[1];
+      target.numbers.insert(target.numbers.end(), turn.begin(), turn.end());
+      target.posture = {literal.lists[2].begin(), literal.lists[2].begin() + 3};
+      target.tool = frames.first;
+      target.frame = frames.second;
+      if (!KnowsFrame(target.tool, target.line, program_) ||
+          !KnowsFrame(target.frame, target.line, program_)) {
+        return;
+      }
+      double norm = 0.0;
+      for (const NumberSpan& q : turn) norm += q.value * q.value;
+      if (std::abs(norm - 1.0) > 1e-2) {
+        Refuse(literal.begin, "its quaternion is not of length 1");
+        return;
+      }
+    }
+    program_->targets.push_back(target);
+  }
+
+  const ProgramText text_;
+  const std::size_t num_joints_;
+  RobotProgram* const program_;
+  std::map<std::string, std::vector<Literal>> variables_;
+};
+
+}  // namespace
+
+void ReadRapid(int num_joints, RobotProgram* program) {
+  RapidReader(num_joints, program).Read();
+}
+
+}  // namespace alidade::internal

@@ -1,0 +1,39 @@
+#include <algorithm>
+
+#include "src/common/files.h"
+#include "src/dataio/program_text.h"
+#include "src/dataio/robot_program.h"
+
+namespace alidade::internal {
+
+RobotProgram ReadProgram(
+    const std::string& path, int num_joints,
+    const std::map<std::string, Eigen::Isometry3d>& frames) {
+  RobotProgram program;
+  program.path = path;
+  program.text = ReadFile(path);
+  program.language = *ProgramLanguageOf(path);
+  program.frames = frames;
+  switch (program.language) {
+    case ProgramLanguage::kUrScript:
+      ReadUrScript(num_joints, &program);
+      break;
+    case ProgramLanguage::kKrl:
+      ReadKrl(num_joints, &program);
+      break;
+    case ProgramLanguage::kRapid:
+      ReadRapid(num_joints, &program);
+      break;
+    case ProgramLanguage::kFanuc:
+      ReadFanuc(num_joints, &program);
+      break;
+  }
+  const auto by_line = [](const ProgramNote& a, const ProgramNote& b) {
+    return a.line < b.line;
+  };
+  std::stable_sort(program.left.begin(), program.left.end(), by_line);
+  std::stable_sort(program.refused.begin(), program.refused.end(), by_line);
+  return program;
+}
+
+}  // namespace alidade::internal

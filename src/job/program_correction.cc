@@ -1,0 +1,198 @@
+#include "src/job/program_correction.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "alidade/error.h"
+#include "src/common/format.h"
+#include "src/common/text.h"
+#include "src/dataio/target_table.h"
+#include "src/report/correction_report.h"
+
+namespace alidade::internal {
+namespace {
+
+constexpr std::size_t kMostListed = 20;
+
+// The arms with a program's tool behind the flange.
+CorrectionArms WithTool(const CorrectionArms& arms,
+                        const Eigen::Isometry3d& flange_from_tool) {
+  CorrectionArms with = arms;
+  for (Arm* arm : {&with.nominal, &with.real}) {
+    const Eigen::Vector3d load = MeanTargetOf(*arm);
+    arm->last_from_target() = arm->last_from_target() * flange_from_tool;
+    if (arm->errors.load_geometry.size() > 0) continue;
+    arm->errors.payload.centre += load - MeanTargetOf(*arm);
+  }
+  return with;
+}
+
+// Limits narrowed to what the posture allows, where each motor turns a joint
+// of its own.
+Arm WithBounds(const Arm& arm, const Eigen::MatrixXd& bounds) {
+  Arm narrow = arm;
+  const Eigen::MatrixXd& map = arm.joints_from_motors;
+  for (int j = 0; j < arm.num_joints(); ++j) {
+    double scale = 1.0;
+    if (map.size() > 0) {
+      scale = map(j, j);
+      if (std::abs(map.row(j).cwiseAbs().sum() - std::abs(scale)) > 0.0 ||
+          scale == 0.0) {
+        continue;
+      }
+    }
+    const double offset =
+        arm.motor_offsets.size() > 0 ? arm.motor_offsets[j] : 0.0;
+    double lower = scale * bounds(j, 0) + offset;
+    double upper = scale * bounds(j, 1) + offset;
+    if (lower > upper) std::swap(lower, upper);
+    Joint& joint = narrow.joints[j];
+    const bool has_limits = HasLimits(joint);
+    joint.lower = has_limits ? std::max(joint.lower, lower) : lower;
+    joint.upper = has_limits ? std::min(joint.upper, upper) : upper;
+  }
+  return narrow;
+}
+
+void Append(const Correction& one, Eigen::Index i, Correction* all) {
+  all->targets.push_back(one.targets[0]);
+  all->asked_motors.col(i) = one.asked_motors;
+  all->asked_status.push_back(one.asked_status[0]);
+  all->motors.col(i) = one.motors;
+  all->poses.push_back(one.poses[0]);
+  PoseSolutions& solutions = all->solutions;
+  solutions.joint_values.col(i) = one.solutions.joint_values;
+  solutions.status.push_back(one.solutions.status[0]);
+  solutions.position_error[i] = one.solutions.position_error[0];
+  solutions.rotation_error[i] = one.solutions.rotation_error[0];
+  solutions.iterations.push_back(one.solutions.iterations[0]);
+  all->shift[i] = one.shift[0];
+  all->turn[i] = one.turn[0];
+}
+
+[[noreturn]] void Refuse(const RobotProgram& program,
+                         const std::vector<ProgramNote>& notes) {
+  std::string text =
+      "nothing is written, as " +
+      Count(static_cast<std::int64_t>(notes.size()), "position") +
+      " cannot be corrected:";
+  for (std::size_t i = 0; i < std::min(notes.size(), kMostListed); ++i) {
+    text += "\n  line " + std::to_string(notes[i].line) + ": " + notes[i].text;
+  }
+  throw InputError({program.path, notes.front().line, 0, ""}, text);
+}
+
+class ProgramCorrector {
+ public:
+  ProgramCorrector(const RobotProgram& program, const CorrectionArms& arms,
+                   const CorrectionOptions& options)
+      : program_(program), arms_(arms), options_(options) {}
+
+  ProgramCorrection Run() {
+    if (!program_.refused.empty()) Refuse(program_, program_.refused);
+    const auto count = static_cast<Eigen::Index>(program_.targets.size());
+    const int n = arms_.nominal.num_joints();
+    Correction& all = result_.correction;
+    all.asked_motors.resize(n, count);
+    all.motors.resize(n, count);
+    all.solutions.joint_values.resize(n, count);
+    all.solutions.position_error.resize(count);
+    all.solutions.rotation_error.resize(count);
+    all.shift.resize(count);
+    all.turn.resize(count);
+    before_ = MotorsFromJoints(arms_.nominal, MiddleOfLimits(arms_.nominal));
+    std::vector<ProgramValues> values;
+    std::vector<ProgramNote> failed;
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const ProgramTarget& target = program_.targets[i];
+      values.push_back(CorrectOne(target, i));
+      result_.names.push_back("line " + std::to_string(target.line) +
+                              (target.name.empty() ? "" : ", ") + target.name);
+      if (all.IsReached(i)) {
+        before_ = all.asked_motors.col(i);
+        continue;
+      }
+      failed.push_back({target.line, StatusOf(all, i) + Posture(target)});
+    }
+    if (!failed.empty()) Refuse(program_, failed);
+    result_.text = RewriteProgram(program_, values);
+    return std::move(result_);
+  }
+
+ private:
+  static std::string Posture(const ProgramTarget& target) {
+    return target.posture.empty() ? "" : ", in the posture that is stated";
+  }
+
+  Eigen::Isometry3d Frame(const std::string& name) const {
+    return name.empty() ? Eigen::Isometry3d::Identity()
+                        : program_.frames.at(name);
+  }
+
+  ProgramValues CorrectOne(const ProgramTarget& target, Eigen::Index i) {
+    const ProgramLanguage language = program_.language;
+    const CorrectionArms arms =
+        target.tool.empty() ? arms_ : WithTool(arms_, Frame(target.tool));
+    ProgramValues values;
+    if (target.is_joints) {
+      const Eigen::VectorXd motors = MotorsOf(language, target, arms.nominal);
+      const Correction one = CorrectJoints(arms, motors, options_);
+      Append(one, i, &result_.correction);
+      values.numbers =
+          NumbersOfMotors(language, arms.nominal, one.motors.col(0));
+      return values;
+    }
+    const Eigen::Isometry3d frame = Frame(target.frame);
+    const Eigen::Isometry3d pose = frame * PoseOf(language, target);
+    const Arm narrow =
+        WithBounds(arms.nominal,
+                   PostureBounds(language, target, arms.nominal.num_joints()));
+    const PoseSolutions start =
+        FindPoses(narrow, {pose}, JointsFromMotors(narrow, before_),
+                  options_.num_trials, options_.seed, options_.solver);
+    Correction one = CorrectPoses(
+        arms, {pose}, MotorsFromJoints(narrow, start.joint_values), options_);
+    // Not in another posture than the program's.
+    if (start.status[0] != PoseStatus::kReached) {
+      one.asked_status[0] = start.status[0];
+    }
+    Append(one, i, &result_.correction);
+    values.numbers =
+        NumbersOfPose(language, target, frame.inverse() * one.poses[0]);
+    values.posture = PostureOf(language, target, one.motors.col(0));
+    return values;
+  }
+
+  const RobotProgram& program_;
+  const CorrectionArms& arms_;
+  const CorrectionOptions& options_;
+  Eigen::VectorXd before_;
+  ProgramCorrection result_;
+};
+
+}  // namespace
+
+ProgramCorrection CorrectProgram(const RobotProgram& program,
+                                 const CorrectionArms& arms,
+                                 const CorrectionOptions& options) {
+  return ProgramCorrector(program, arms, options).Run();
+}
+
+std::map<std::string, Eigen::Isometry3d> LoadFrames(
+    const std::string& path, const Arm& arm,
+    const std::optional<RotationConvention>& rotation) {
+  const TargetTable table = ReadTargets(path, arm, rotation);
+  if (table.names.empty() || !table.has_positions ||
+      table.format.form == OrientationForm::kNone) {
+    throw InputError({path, 0, 0, ""},
+                     "expected the columns name, x_mm, y_mm, z_mm and an "
+                     "orientation");
+  }
+  std::map<std::string, Eigen::Isometry3d> frames;
+  for (std::size_t i = 0; i < table.poses.size(); ++i) {
+    frames[table.names[i]] = table.poses[i];
+  }
+  return frames;
+}
+
+}  // namespace alidade::internal
