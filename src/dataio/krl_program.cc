@@ -77,6 +77,7 @@ class KrlReader {
       ReadAggregate(at);
     }
     for (const Variable& variable : variables_) ReadVariable(variable);
+    ListOtherMoves();
     std::stable_sort(program_->targets.begin(), program_->targets.end(),
                      [](const ProgramTarget& a, const ProgramTarget& b) {
                        return a.numbers.front().begin < b.numbers.front().begin;
@@ -340,6 +341,23 @@ class KrlReader {
       return;
     }
     AddTarget(variable.value, is_axes, name, *frames.begin());
+  }
+
+  // Motions to what this file does not state in numbers.
+  void ListOtherMoves() {
+    for (std::size_t start = 0; start < text_.size();
+         start = text_.LineEnd(start) + 1) {
+      const std::size_t at = text_.SkipSpaces(start);
+      const std::string first = text_.WordAt(at);
+      if (!IsMotion(first)) continue;
+      const std::string name =
+          text_.WordAt(text_.SkipSpaces(at + first.size()));
+      const bool is_here =
+          std::any_of(variables_.begin(), variables_.end(),
+                      [&](const Variable& v) { return v.name == name; });
+      if (name.empty() || is_here) continue;
+      Leave(at, "moves to " + name + ", which is not stated in this file");
+    }
   }
 
   void AddTarget(const Aggregate& value, bool is_axes, const std::string& name,

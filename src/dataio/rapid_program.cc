@@ -47,6 +47,7 @@ class RapidReader {
     for (const auto& [name, literals] : variables_) {
       ReadVariable(name, literals);
     }
+    ListOtherMoves();
     std::stable_sort(program_->targets.begin(), program_->targets.end(),
                      [](const ProgramTarget& a, const ProgramTarget& b) {
                        return a.numbers.front().begin < b.numbers.front().begin;
@@ -254,6 +255,23 @@ class RapidReader {
     }
     for (const Literal& literal : literals) {
       AddTarget(literal, name, is_joints ? Frames() : *frames.begin());
+    }
+  }
+
+  // Motions to what this file does not state in numbers.
+  void ListOtherMoves() {
+    for (std::size_t start = 0; start < text_.size();
+         start = text_.LineEnd(start) + 1) {
+      const std::size_t at = text_.SkipSpaces(start);
+      const std::string first = text_.WordAt(at);
+      if (!IsMove(first)) continue;
+      const std::string name =
+          text_.WordAt(text_.SkipSpaces(at + first.size()));
+      if (name.empty() || name == "OFFS" || name == "RELTOOL" ||
+          variables_.count(name) > 0) {
+        continue;
+      }
+      Leave(at, "moves to " + name + ", which is not stated in this file");
     }
   }
 

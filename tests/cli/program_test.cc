@@ -227,6 +227,27 @@ class RefusedProgramTest : public ::testing::Test {
   const TemporaryDirectory directory_;
 };
 
+TEST_F(RefusedProgramTest, WhatIsComputedAtRunTimeIsListedAndStays) {
+  const std::string arm = kSource + "/configs/robots/irb120.yaml";
+  const std::string text =
+      "DEF a()\nPTP {A1 0,A2 10,A3 5,A4 0,A5 30,A6 0}\nPTP XP7 C_PTP\n"
+      "LIN_REL {Z 10}\nLIN XP7:{X 1,Y 2,Z 3,A 0,B 0,C 0}\nEND\n";
+  WriteWhole(directory_ / "a.src", text);
+  const auto result =
+      testing::RunProcess(std::string(ALIDADE_BINARY) + " correct " + arm +
+                          " " + (directory_ / "a.src") + " --nominal=" + arm +
+                          " --out=" + (directory_ / "b.src"));
+  EXPECT_EQ(result.status, 0) << result.err;
+  for (const char* line : {"line 3: moves to XP7", "line 4: LIN_REL moves",
+                           "line 5: a position is computed"}) {
+    EXPECT_THAT(result.out, HasSubstr(line));
+  }
+  // The nominal arm itself: nothing moves but decimals that a controller shows.
+  const std::string out = ReadWhole(directory_ / "b.src");
+  EXPECT_THAT(out, HasSubstr("{A1 0.0000,A2 10.0000,A3 5.0000,A4 0.0000,"));
+  EXPECT_EQ(out.substr(out.find("PTP XP7")), text.substr(text.find("PTP XP7")));
+}
+
 TEST_F(RefusedProgramTest, WhatIsNotUnderstoodIsNamedByItsLine) {
   EXPECT_THAT(Refusal("a.src", "DEF a()\nPTP {A1 0,A2 0}\nEND\n"),
               HasSubstr("line 2: states only some of A1 to A6"));

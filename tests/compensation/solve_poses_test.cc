@@ -132,6 +132,45 @@ TEST(ChainEvaluatorTest, TheJacobianIsTheSlopeOfThePose) {
   }
 }
 
+// Large ones, so that each shows.
+TEST(ChainEvaluatorTest, TheJacobianHasSlopesAndCoupling) {
+  Random random(812);
+  constexpr double kStep = 1e-6;
+  for (int i = 0; i < 20; ++i) {
+    Arm arm = testing::RandomArm(6, &random);
+    arm.errors.coupling = Eigen::MatrixXd::Random(6, 6) * 0.1;
+    for (const Joint& joint : arm.joints) {
+      JointErrors errors;
+      errors.function.first = -4.0;
+      errors.function.spacing = 0.5;
+      errors.function.values = Eigen::VectorXd::Random(17) * 0.1;
+      if (joint.type == JointType::kRevolute) {
+        errors.harmonics = {{3.0, 0.05, -0.02}};
+      }
+      arm.errors.joints.push_back(errors);
+    }
+    const ErrorTermKinematics oracle(arm);
+    ChainEvaluator chain(arm, 0);
+    ChainState state;
+    state.jacobian.resize(6, 6);
+    const Eigen::VectorXd q = testing::RandomJointValues(arm, 1, &random);
+    chain.Evaluate(q.data(), &state);
+    for (int j = 0; j < 6; ++j) {
+      Eigen::VectorXd ahead = q;
+      Eigen::VectorXd behind = q;
+      ahead[j] += kStep;
+      behind[j] -= kStep;
+      const Eigen::Vector3d slope =
+          ((oracle.TargetFrame(ahead) - oracle.TargetFrame(behind))
+               .topRightCorner<3, 1>() /
+           (2.0 * kStep))
+              .cast<double>();
+      // No knot is within a step of these joint values.
+      EXPECT_LT((state.jacobian.col(j).head<3>() - slope).norm(), 1e-9);
+    }
+  }
+}
+
 class SolvePosesTest : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(SolvePosesTest, TheRealArmReachesWhatTheNominalOneWasAskedFor) {
