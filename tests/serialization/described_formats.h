@@ -89,7 +89,10 @@ inline std::string FormatRows(const std::vector<FieldRecord>& fields,
     if (key.is_required) value = "required";
     const std::string range = RangeOf(key);
     std::string text = field.text;
-    if (std::string(key.name) == "format") text = "`" + text + "`";
+    // Where there are several, they are named so already.
+    if (std::string(key.name) == "format" && text[0] != '`') {
+      text = "`" + text + "`";
+    }
     if (field.kind == Kind::kItems) text = "list: " + text;
     if (key.former_name != nullptr) {
       text += std::string("; formerly `") + key.former_name + "`";
@@ -106,6 +109,18 @@ inline std::string FormatRows(const std::vector<FieldRecord>& fields,
     rows += FormatRows(field.fields, path + list, collapsed);
   }
   return rows;
+}
+
+/// The schema of a key `format`: one word, or those in backticks.
+inline nlohmann::ordered_json FormatWords(const std::string& text) {
+  if (text[0] != '`') return {{"const", text}};
+  std::vector<std::string> words;
+  for (std::size_t begin = text.find("`alidade-"); begin != std::string::npos;
+       begin = text.find("`alidade-", begin + 1)) {
+    words.push_back(
+        text.substr(begin + 1, text.find('`', begin + 1) - begin - 1));
+  }
+  return {{"enum", words}};
 }
 
 inline nlohmann::ordered_json SchemaOf(const std::vector<FieldRecord>& fields,
@@ -142,7 +157,7 @@ inline nlohmann::ordered_json SchemaOf(const FieldRecord& field,
       schema = Json::parse(key.schema);
       break;
   }
-  if (std::string(key.name) == "format") schema = {{"const", field.text}};
+  if (std::string(key.name) == "format") schema = FormatWords(field.text);
   // Bounds other than zero depend on the file's units.
   const auto add = [&](const char* what, double bound) {
     if (!std::isfinite(bound) || (key.dimension && bound != 0.0)) return;
