@@ -139,7 +139,11 @@ class CorrectCommand {
     const Eigen::MatrixXd joints =
         JointsFromMotors(arms_.real, line_.inverse ? correction.asked_motors
                                                    : correction.motors);
-    if (source_.calibrated) report.position_std = Deviations(joints);
+    // Results keep the covariance of the parameters, which alone says too much
+    // of an arm whose error terms were estimated with them.
+    if (source_.calibrated && source_.calibrated->arm.errors.empty()) {
+      report.position_std = Deviations(joints);
+    }
     if (source_.measured.size() > 0) report.outside = Outside(joints);
     return report;
   }

@@ -37,7 +37,8 @@ std::vector<Sums> SumByPlace(const WeightedRows& data,
     const TermRows::Observation& one = rows.observations[k];
     if (one.pose < 0 || one.second_pose >= 0) continue;
     const double weight = data.weights[static_cast<Eigen::Index>(k)];
-    Sums& sum = sums[static_cast<std::size_t>(one.pose * places / num_poses)];
+    Sums& sum = sums[static_cast<std::size_t>(Eigen::Index{places} * one.pose /
+                                              num_poses)];
     const auto base =
         rows.turns.middleRows(one.first_row, one.height).rightCols<6>();
     const auto left = residuals.segment(one.first_row, one.height);

@@ -191,7 +191,10 @@ class Assessor {
       excess.rotation = rotations.excess;
       excess.noise_ratio[kRotations] = NoiseRatio(rotations);
     }
-    result_.differs = excess.is_there() && !covariance_.is_sandwich;
+    // With error terms the parameters' own part is no inverse information, and
+    // predictions take the root of both together.
+    result_.differs = excess.is_there() && !covariance_.is_sandwich &&
+                      covariance_.terms == nullptr;
     if (!result_.differs) return;
     const double noise = lengths.is_taken_in() ? lengths.noise : 1.0;
     const double sample = SampleFactor();
