@@ -330,6 +330,11 @@ struct ErrorMeans {
   }
 };
 
+// Of orientations, which not all sets have.
+std::string NumberOrDash(double value) {
+  return value > 0.0 ? Number(value) : "-";
+}
+
 enum class SplitKind { kRandom, kRegion };
 
 ErrorMeans WithErrors(const RealArm& arm, SplitKind kind, int count,
@@ -359,9 +364,9 @@ void PrintErrorTerms(const RealArm& arm) {
               << Number(means.geometry) << " | " << Number(means.mean) << " | "
               << Number(means.mean / means.geometry) << " | "
               << Number(means.geometry_max) << " | " << Number(means.max)
-              << " | " << Number(means.geometry_rotation) << " | "
-              << Number(means.rotation) << " | " << Number(means.share) << " | "
-              << Number(means.predicted) << " |" << std::endl;
+              << " | " << NumberOrDash(means.geometry_rotation) << " | "
+              << NumberOrDash(means.rotation) << " | " << Number(means.share)
+              << " | " << Number(means.predicted) << " |" << std::endl;
   };
   print("random", WithErrors(arm, SplitKind::kRandom, kSeeds));
   print("region", WithErrors(arm, SplitKind::kRegion, kRegions));
