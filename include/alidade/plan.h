@@ -207,7 +207,7 @@ struct PlannedErrorTerm {
   double prior_std = 0.0;
   double planned_std = 0.0;  ///< predicted; of a function its root mean square
   /// So many poses of this kind halve the prior deviation, or more where other
-  /// terms have to be told from it; 0 = no number does.
+  /// terms have to be separated from it; 0 = no number does.
   int poses_needed = 0;
 };
 

@@ -97,7 +97,7 @@ Projection Project(const TermRows& rows) {
 }
 
 // Poses at which a joint moves what is measured three times less than usual, or
-// a hundred times less than another joint does, tell nothing of it.
+// a hundred times less than another joint does, say nothing of it.
 void LeaveOutInsensitive(const Eigen::MatrixXd& deviations,
                          JointResiduals* residuals) {
   constexpr double kTolerated = 3.0;

@@ -12,8 +12,8 @@ namespace alidade::internal {
 /// gravity about a joint's axis, whose ranks among all poses differ most
 /// between them and the others (Wilcoxon's rank-sum test, corrected for as many
 /// tests), as "the gravity moment of joint 2"; empty where p >= 1e-4, or fewer
-/// than five were rejected. What follows a moment bends, and is no mistake of
-/// measurement. O(N log N).
+/// than five were rejected. What follows a moment is elastic, and is no mistake
+/// of measurement. O(N log N).
 std::string PatternOf(const Arm& arm, const Dataset& data,
                       const std::vector<Outlier>& outliers);
 

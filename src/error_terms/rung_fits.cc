@@ -326,7 +326,7 @@ void RungFits::WeighBy(const Eigen::VectorXd& left) {
   }
 }
 
-// By the richest rung of moderate size, so that what bends is no outlier.
+// By the richest rung of moderate size, so that what is elastic is no outlier.
 void RungFits::Reweight() {
   const RungFit& rung = rungs_[std::min<std::size_t>(1, rungs_.size() - 1)];
   const TermRidge ridge = RidgeOf(rung);
