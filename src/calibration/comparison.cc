@@ -261,10 +261,11 @@ void AddErrorTerms(const CalibrationResult& result, ComparedResult* compared) {
     if (function.deviations.size() == 0 || range == measured.end()) continue;
     std::vector<double> places;
     double mean = 0.0;
-    for (double q = std::ceil(range->lower / kStep) * kStep; q <= range->upper;
-         q += kStep) {
-      places.push_back(q);
-      mean += function.At(q);
+    const auto last = static_cast<int>(std::floor(range->upper / kStep));
+    for (auto k = static_cast<int>(std::ceil(range->lower / kStep)); k <= last;
+         ++k) {
+      places.push_back(k * kStep);
+      mean += function.At(places.back());
     }
     mean /= std::max<double>(1.0, static_cast<double>(places.size()));
     for (const double q : places) {

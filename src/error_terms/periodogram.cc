@@ -60,10 +60,11 @@ Peak PowerAt(const JointRows& rows, double cycles) {
 
 // The top of the peak, which lies within `step` of it.
 Peak Refine(const JointRows& rows, Peak peak, double step) {
-  constexpr double kFinest = 0.01;  // of the first step
-  for (double finer = 0.5 * step; finer > kFinest * step; finer *= 0.5) {
+  constexpr int kHalvings = 6;
+  for (int k = 0; k < kHalvings; ++k) {
+    step *= 0.5;
     const double middle = peak.cycles;
-    for (const double cycles : {middle - finer, middle + finer}) {
+    for (const double cycles : {middle - step, middle + step}) {
       const Peak beside = PowerAt(rows, cycles);
       if (beside.power > peak.power) peak = beside;
     }
@@ -106,9 +107,10 @@ std::vector<FoundHarmonic> FindHarmonics(const WeightedRows& data,
           }
           const double width = 2.0 * kPi / rows.range;
           independent[j] = (kMostCycles - kFewestCycles) / width;
-          for (double cycles = kFewestCycles; cycles <= kMostCycles;
-               cycles += width / kOversampling) {
-            const Peak peak = PowerAt(rows, cycles);
+          const auto places = static_cast<int>(kOversampling * independent[j]);
+          for (int k = 0; k <= places; ++k) {
+            const Peak peak =
+                PowerAt(rows, kFewestCycles + k * width / kOversampling);
             if (peak.power > highest[j].power) highest[j] = peak;
           }
           highest[j] = Refine(rows, highest[j], width / kOversampling);
