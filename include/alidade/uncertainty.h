@@ -56,9 +56,10 @@ struct ParameterUncertainty {
   /// Part of the prior in what is known of it: 0 = the data alone, 1 = the
   /// prior alone.
   double prior_share = 0.0;
-  /// The standard deviation by the sandwich over configurations, which the
-  /// residuals themselves scale: it holds where the model lacks something, if
-  /// only roughly for few configurations. NaN where it is not computed.
+  /// The standard deviation by the sandwich over configurations, and over
+  /// blocks of neighbouring ones where these are enough, whose errors are
+  /// alike. The residuals themselves scale it: it holds where the model lacks
+  /// something, if only roughly for few. NaN where it is not computed.
   double robust_std = std::numeric_limits<double>::quiet_NaN();
 };
 
@@ -122,12 +123,14 @@ enum class StructureKind {
   kGravitySign,    ///< its sign: backlash
   kApproach,       ///< the direction that the joint came from: backlash
   kRowOrder,       ///< the order of rows: drift, thermal growth
+  kCovariate,      ///< a recorded quantity: temperature, time, tilt, payload
 };
 
 /// One test of the residuals for structure (residual_structure.h).
 struct StructureTest {
   StructureKind kind = StructureKind::kJointValue;
   int joint = 0;                    ///< from 1; 0 = of all joints, or of none
+  std::string covariate;            ///< its name, of kCovariate
   double statistic = 0.0;           ///< F
   double degrees_of_freedom = 0.0;  ///< of its numerator
   double p_value = 1.0;             ///< corrected for all tests (Holm)

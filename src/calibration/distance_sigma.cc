@@ -113,11 +113,14 @@ double EstimateDistanceFactor(const CalibrationTask& task,
   const double as_stated = Unlikelihood(others, distances, count, 1.0);
   double best = 1.0;
   double least = as_stated - kByChance;
-  for (double factor = kStep; factor <= most; factor *= kStep) {
+  double factor = kStep;
+  while (factor <= most) {
     const double unlikelihood = Unlikelihood(others, distances, count, factor);
-    if (!(unlikelihood < least)) continue;
-    least = unlikelihood;
-    best = factor;
+    if (unlikelihood < least) {
+      least = unlikelihood;
+      best = factor;
+    }
+    factor *= kStep;
   }
   return best;
 }

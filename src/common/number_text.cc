@@ -40,8 +40,8 @@ int WriteDigits(std::uint64_t number, char* digits) {
   auto high = static_cast<std::uint32_t>(number / 100000000);
   auto low = static_cast<std::uint32_t>(number % 100000000);
   for (int i = 6; i >= 0; i -= 2, high /= 100, low /= 100) {
-    std::memcpy(digits + i, &kPairs[2 * (high % 100)], 2);
-    std::memcpy(digits + 8 + i, &kPairs[2 * (low % 100)], 2);
+    std::memcpy(digits + i, &kPairs[std::size_t{2} * (high % 100)], 2);
+    std::memcpy(digits + 8 + i, &kPairs[std::size_t{2} * (low % 100)], 2);
   }
   int zeros = kMostDigits - 1;
   double power = 10.0;
@@ -54,7 +54,7 @@ int WriteDigits(std::uint64_t number, char* digits) {
 // w * 10^-decimals, with all of the decimals or without zeros at the end.
 // @pre 0 <= decimals <= 9, |w| < 1e15.
 void AppendScaled(double w, int decimals, bool drops_zeros, std::string* text) {
-  std::array<char, 2 * kMostDigits> digits;
+  std::array<char, std::size_t{2} * kMostDigits> digits;
   const int zeros =
       WriteDigits(static_cast<std::uint64_t>(std::abs(w)), digits.data());
   const int point = kMostDigits - decimals;
@@ -62,7 +62,7 @@ void AppendScaled(double w, int decimals, bool drops_zeros, std::string* text) {
   int end = kMostDigits;
   while (drops_zeros && end > point && digits[end - 1] == '0') --end;
   // Copies of one length, of which only the beginning stays.
-  std::array<char, 3 * kMostDigits> buffer;
+  std::array<char, std::size_t{3} * kMostDigits> buffer;
   char* p = buffer.data();
   *p = '-';
   p += w < 0.0 ? 1 : 0;
@@ -73,7 +73,7 @@ void AppendScaled(double w, int decimals, bool drops_zeros, std::string* text) {
   std::memcpy(p, &digits[point], kMostDigits);
   p += end - point;
   const std::size_t size = text->size() + (p - buffer.data());
-  text->append(buffer.data(), 2 * kMostDigits);
+  text->append(buffer.data(), std::size_t{2} * kMostDigits);
   text->resize(size);
 }
 

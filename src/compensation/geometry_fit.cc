@@ -44,7 +44,7 @@ class PoseRows {
     for (int j = 0; j < arm_.num_joints(); ++j) {
       const Eigen::Vector3d alpha = axes_.alpha_axis.col(j);
       const Eigen::Vector3d z = axes_.joint_axis.col(j);
-      auto columns = jacobian.middleCols<5>(5 * j);
+      auto columns = jacobian.middleCols<5>(Eigen::Index{5} * j);
       columns.col(0) =
           Turn(axes_.beta_axis.col(j), p - axes_.origin_before.col(j));
       columns.col(1) = Turn(alpha, p - axes_.origin_before.col(j));
@@ -90,8 +90,9 @@ Arm FitGeometry(const Arm& real, const Arm& start, const FreeGeometry& free) {
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     PoseRows rows(fitted, 0.1 * reach);
     for (int i = 0; i < kFitPoses; ++i) {
-      rows.Fill(poses.col(i), wanted[i], jacobian.middleRows<6>(6 * i),
-                residual.segment<6>(6 * i));
+      rows.Fill(poses.col(i), wanted[i],
+                jacobian.middleRows<6>(Eigen::Index{6} * i),
+                residual.segment<6>(Eigen::Index{6} * i));
     }
     Eigen::MatrixXd kept = jacobian(Eigen::all, columns);
     // Lengths in parts of the reach, so that columns are of one size.

@@ -104,8 +104,9 @@ std::string FormatCsv(const JointTable& table) {
     for (const double value : table.rows[j]) {
       text += "," + ShortestNumber(value);
     }
-    if (table.convention.empty())
+    if (table.convention.empty()) {
       text += table.is_prismatic[j] ? ",mm" : ",deg";
+    }
     text += "\n";
   }
   return text;

@@ -173,8 +173,8 @@ class KrlReader {
     if (text_.at(at) != '{') return "?";
     const Aggregate aggregate = Parse(at);
     if (!aggregate.HasAll(PoseNames()) || !aggregate.only_numbers) return "?";
-    const std::string name = std::string("$") + word + " in line " +
-                             std::to_string(text_.LineOf(at));
+    std::string name = std::string("$") + word + " in line " +
+                       std::to_string(text_.LineOf(at));
     program_->frames[name] = FrameOf(aggregate);
     return name;
   }

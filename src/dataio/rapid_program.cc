@@ -190,7 +190,7 @@ class RapidReader {
     Frames frames = {Key(text_.WordAt(SkipWhite(comma + 1))), ""};
     const std::size_t object = text_.text().find("\\WOBJ", at);
     if (object < end) {
-      const std::size_t equals = text_.text().find("=", object);
+      const std::size_t equals = text_.text().find('=', object);
       frames.second = Key(text_.WordAt(SkipWhite(equals + 1)));
       // Optional arguments may stand before the last comma of the tool.
       if (object < comma) return {"?", "?"};

@@ -327,6 +327,10 @@ class Assessor {
         return "thermal growth, or the base or the instrument moves. Let the "
                "arm and the instrument warm up, measure in less time, and "
                "measure one pose again and again in between";
+      case StructureKind::kCovariate:
+        return "name it among `columns: {covariates: [...]}` and choose "
+               "`errors: auto`, which moves the base with it, or keep it as "
+               "it is where the arm works";
     }
     return "";
   }
@@ -361,6 +365,8 @@ std::string NameOf(const StructureTest& test) {
       return "the approach direction" + of_joint;
     case StructureKind::kRowOrder:
       return "the order of rows";
+    case StructureKind::kCovariate:
+      return "`" + test.covariate + "`";
   }
   return "";
 }

@@ -185,6 +185,7 @@ class Search {
       StructureTest test;
       test.kind = family.kind;
       test.joint = family.joint;
+      test.covariate = family.covariate;
       const StructureFit::Gain gain = fit_->GainOf(family.columns);
       const double rest = fit_->AllSquares() - gain.squares;
       const double freedom = fit_->AllFreedom() - gain.rank;

@@ -47,13 +47,15 @@ StructureColumns::StructureColumns(const MeasurementModel& model,
   for (int j = 0; j < arm_.num_joints(); ++j) AddJoint(j, ripples, has_order);
   for (const StructureKind kind :
        {StructureKind::kGravityMoment, StructureKind::kApproach}) {
-    StructureFamily all{kind, 0, {}};
+    StructureFamily all{kind, 0, "", {}};
     for (const StructureFamily& one : families_) {
       if (one.kind == kind) all.columns.push_back(one.columns.front());
     }
     if (all.columns.size() > 1) families_.push_back(std::move(all));
   }
-  AddRowOrder();
+  AddSlowChanges({StructureKind::kRowOrder, 0, "", {}},
+                 {Factor::kTime, 0, 1, 0}, 2);
+  AddCovariates();
 }
 
 int StructureColumns::DirectionOf(int layout_column) {
@@ -77,7 +79,7 @@ void StructureColumns::AddJoint(int joint, int ripples, bool has_order) {
   const int q = DirectionOf(
       layout_.Column(turns ? ParameterKind::kTheta : ParameterKind::kR, joint));
   const auto add_harmonics = [&](StructureKind kind, int first, int last) {
-    StructureFamily family{kind, joint + 1, {}};
+    StructureFamily family{kind, joint + 1, "", {}};
     for (int k = first; k <= last; ++k) {
       Add({Factor::kSine, joint, k, q}, &family);
       Add({Factor::kCosine, joint, k, q}, &family);
@@ -88,44 +90,65 @@ void StructureColumns::AddJoint(int joint, int ripples, bool has_order) {
   add_harmonics(StructureKind::kJointRipple, kLowHarmonics + 1,
                 kLowHarmonics + ripples);
   if (turns) {
-    StructureFamily moment{StructureKind::kGravityMoment, joint + 1, {}};
+    StructureFamily moment{StructureKind::kGravityMoment, joint + 1, "", {}};
     Add({Factor::kMoment, joint, 1, q}, &moment);
     Add({Factor::kLoad, joint, 1, q}, &moment);
     families_.push_back(std::move(moment));
-    StructureFamily sign{StructureKind::kGravitySign, joint + 1, {}};
+    StructureFamily sign{StructureKind::kGravitySign, joint + 1, "", {}};
     Add({Factor::kSign, joint, 1, q}, &sign);
     families_.push_back(std::move(sign));
   }
   if (!has_order) return;
-  StructureFamily approach{StructureKind::kApproach, joint + 1, {}};
+  StructureFamily approach{StructureKind::kApproach, joint + 1, "", {}};
   Add({Factor::kApproach, joint, 1, q}, &approach);
   families_.push_back(std::move(approach));
 }
 
-void StructureColumns::AddRowOrder() {
-  constexpr int kAllLengths = -1;
-  StructureFamily growth{StructureKind::kRowOrder, 0, {}};
-  for (const int power : {1, 2}) {
-    Add({Factor::kTime, 0, power, kAllLengths}, &growth);
+// What warms up or moves with a quantity: all lengths grow, the base moves, the
+// zeros of the joints do.
+void StructureColumns::AddSlowChanges(const StructureFamily& kind,
+                                      Column factor, int most_powers) {
+  StructureFamily growth = kind;
+  factor.direction = -1;
+  for (int power = 1; power <= most_powers; ++power) {
+    if (most_powers > 1) factor.order = power;
+    Add(factor, &growth);
   }
-  StructureFamily base{StructureKind::kRowOrder, 0, {}};
-  for (const ParameterKind kind :
+  if (most_powers > 1) factor.order = 1;
+  StructureFamily base = kind;
+  for (const ParameterKind of :
        {ParameterKind::kBaseTranslation, ParameterKind::kBaseRotation}) {
     for (int axis = 0; axis < 3; ++axis) {
-      const int column = DirectionOf(layout_.Column(kind, axis));
-      Add({Factor::kTime, 0, 1, column}, &base);
+      factor.direction = DirectionOf(layout_.Column(of, axis));
+      Add(factor, &base);
     }
   }
-  StructureFamily zeros{StructureKind::kRowOrder, 0, {}};
+  StructureFamily zeros = kind;
   for (int j = 0; j < arm_.num_joints(); ++j) {
-    const ParameterKind kind =
+    const ParameterKind of =
         IsRevolute(arm_.joints[j]) ? ParameterKind::kTheta : ParameterKind::kR;
-    const int column = DirectionOf(layout_.Column(kind, j));
-    Add({Factor::kTime, j, 1, column}, &zeros);
+    factor.direction = DirectionOf(layout_.Column(of, j));
+    Add(factor, &zeros);
     DirectionOf(layout_.Column(ParameterKind::kD, j));
     DirectionOf(layout_.Column(ParameterKind::kR, j));
   }
   families_.insert(families_.end(), {growth, base, zeros});
+}
+
+// Marks of a station are 1 at its poses: its base is what moves.
+void StructureColumns::AddCovariates() {
+  if (data_.covariate_names.empty()) return;
+  const auto values = data_.covariates.map();
+  lowest_ = values.rowwise().minCoeff();
+  span_ = values.rowwise().maxCoeff() - lowest_;
+  for (int c = 0; c < values.rows(); ++c) {
+    if (!(span_[c] > 0.0)) continue;
+    AddSlowChanges({StructureKind::kCovariate,
+                    0,
+                    data_.covariate_names[static_cast<std::size_t>(c)],
+                    {}},
+                   {Factor::kCovariate, 0, c, 0}, 1);
+  }
 }
 
 // A joint that stands still keeps the side that it came from.
@@ -165,6 +188,12 @@ double StructureColumns::FactorOf(const Column& column, const Pose& at) const {
                                                  : -1.0;
     case Factor::kApproach:
       return approach_(j, at.number);
+    case Factor::kCovariate:
+      return 2.0 *
+                 (data_.covariates(column.order, at.number) -
+                  lowest_[column.order]) /
+                 span_[column.order] -
+             1.0;
     case Factor::kTime:
       break;
   }
@@ -181,7 +210,7 @@ void StructureColumns::Fill(int pose, int target,
   ChainAxes axes;
   ComputeChainAxes(arm_, q.data(), &axes);
   const Eigen::Vector3d down =
-      -arm_.instrument_from_base.linear().col(2).normalized();
+      arm_.instrument_from_base.linear() * arm_.errors.gravity.normalized();
   const Eigen::Vector3d load =
       axes.instrument_from_last * arm_.last_from_target(target).translation();
   Pose at{pose, Eigen::VectorXd(n), Eigen::VectorXd(n)};

@@ -2,6 +2,7 @@
 #define ALIDADE_SRC_UNCERTAINTY_STRUCTURE_COLUMNS_H_
 
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "alidade/uncertainty.h"
@@ -13,6 +14,7 @@ namespace alidade::internal {
 struct StructureFamily {
   StructureKind kind = StructureKind::kJointValue;
   int joint = 0;             ///< from 1; 0 = of all joints, or of none
+  std::string covariate;     ///< its name
   std::vector<int> columns;  ///< of StructureColumns
 };
 
@@ -29,6 +31,8 @@ struct StructureFamily {
 ///   approach           J_q times the sign of the joint's last movement
 ///   row order          J_q t; the base's columns times t; growth of all
 ///                      lengths with t and t^2; t from -1 to 1 over the rows
+///   covariate          the same of each covariate, from -1 to 1 over its
+///                      range, without the square
 ///
 /// Of the moment and the approach there is also a family of all joints at once.
 /// A sliding joint's value counts in half turns over its range.
@@ -50,9 +54,19 @@ class StructureColumns {
             Eigen::Ref<Eigen::MatrixXd> columns) const;
 
  private:
-  enum class Factor { kSine, kCosine, kMoment, kLoad, kSign, kApproach, kTime };
+  enum class Factor {
+    kSine,
+    kCosine,
+    kMoment,
+    kLoad,
+    kSign,
+    kApproach,
+    kTime,
+    kCovariate
+  };
   // Factor of joint `joint` times direction `direction`; the growth of all
-  // lengths where that is -1. `order`: of a harmonic, or power of the time.
+  // lengths where that is -1. `order`: of a harmonic, power of the time, or the
+  // covariate.
   struct Column {
     Factor factor;
     int joint;
@@ -64,7 +78,9 @@ class StructureColumns {
   int Add(const Column& column, StructureFamily* family);
   int DirectionOf(int layout_column);
   void AddJoint(int joint, int ripples, bool has_order);
-  void AddRowOrder();
+  void AddSlowChanges(const StructureFamily& kind, Column factor,
+                      int most_powers);
+  void AddCovariates();
   void AddApproaches();
   double Phase(int joint, int pose) const;
   double FactorOf(const Column& column, const Pose& at) const;
@@ -78,6 +94,8 @@ class StructureColumns {
   Eigen::VectorXd lower_;  // of each joint's values
   Eigen::VectorXd range_;
   Eigen::MatrixXd approach_;  // signs, n x poses
+  Eigen::VectorXd lowest_;    // of each covariate
+  Eigen::VectorXd span_;
 };
 
 }  // namespace alidade::internal

@@ -24,6 +24,7 @@ inline constexpr std::array kWords<StructureKind> = {
     std::pair{StructureKind::kGravitySign, "gravity_sign"},
     std::pair{StructureKind::kApproach, "approach_direction"},
     std::pair{StructureKind::kRowOrder, "row_order"},
+    std::pair{StructureKind::kCovariate, "covariate"},
 };
 
 template <>
@@ -117,6 +118,7 @@ template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, StructureTest>& test) {
   v.Field("kind", test.kind);
   v.Field("joint", test.joint);
+  v.Optional("covariate", test.covariate);
   v.Field("statistic", test.statistic);
   v.Field("degrees_of_freedom", test.degrees_of_freedom);
   v.Field("p_value", test.p_value);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "src/common/random.h"
@@ -67,6 +68,10 @@ class Fitted {
     model_.Linearize(values_, data_, columns_, &rows);
     return rows;
   }
+  void AddCovariate(const std::string& name, const Eigen::MatrixXd& values) {
+    data_.covariate_names.push_back(name);
+    data_.covariates = values;
+  }
   const MeasurementModel& model() const { return model_; }
   const Dataset& data() const { return data_; }
 
@@ -96,6 +101,7 @@ RealArm OffBy(double size, std::uint64_t seed) {
 // The derivative of the heights of the frames beyond joint j and of the target
 // by the joint's value: what the moment of unit weights is, up to its sign.
 double MomentByHeights(const Arm& arm, const Eigen::VectorXd& joints, int j) {
+  const Eigen::Vector3d upwards = -arm.errors.gravity;
   constexpr double kStep = 1e-6;
   double moment = 0.0;
   for (int frames = j + 2; frames <= arm.num_joints() + 1; ++frames) {
@@ -110,14 +116,22 @@ double MomentByHeights(const Arm& arm, const Eigen::VectorXd& joints, int j) {
     Eigen::VectorXd down = joints;
     up[j] += kStep;
     down[j] -= kStep;
-    moment +=
-        (PositionOf(part, up) - PositionOf(part, down)).z() / (2.0 * kStep);
+    moment += upwards.dot(PositionOf(part, up) - PositionOf(part, down)) /
+              (2.0 * kStep);
   }
   return moment;
 }
 
-TEST(StructureColumnsTest, GravityMomentsAreSlopesOfHeights) {
+// Of an arm that stands, and of one that hangs on a wall.
+class GravityMomentsTest : public ::testing::TestWithParam<Eigen::Vector3d> {};
+
+INSTANTIATE_TEST_SUITE_P(Directions, GravityMomentsTest,
+                         ::testing::Values(Eigen::Vector3d(0.0, 0.0, -1.0),
+                                           Eigen::Vector3d(0.6, -0.8, 0.0)));
+
+TEST_P(GravityMomentsTest, AreSlopesOfHeights) {
   Arm arm = testing::Rv2ajFlange();
+  arm.errors.gravity = GetParam();
   arm.last_from_target().translation() << 0.03, -0.02, 0.05;
   const MeasurementModel model(arm);
   const Dataset data = testing::NoisyPositions(arm, 20, kSigma, 3);
@@ -188,7 +202,7 @@ TEST(StructureFitTest, GainsAreThoseOfLeastSquares) {
   for (const StructureFamily& family : columns.families()) {
     const double expected = squares({}) - squares(family.columns);
     EXPECT_NEAR(fit.GainOf(family.columns).squares, expected, 1e-3)
-        << NameOf(StructureTest{family.kind, family.joint});
+        << NameOf(StructureTest{family.kind, family.joint, family.covariate});
   }
 }
 
@@ -311,6 +325,28 @@ TEST(LackOfFitTest, StructureIsNamedAndTakenForTheExcess) {
   ASSERT_FALSE(found.warnings.empty());
   EXPECT_NE(found.warnings[0].find("the gravity moment of joint 2"),
             std::string::npos);
+}
+
+// A temperature, recorded in no order, by which the arm grows.
+TEST(LackOfFitTest, CovariateIsNamed) {
+  const auto temperature = [](int row) {
+    return 20.0 + 10.0 * std::sin(2.4 * row);
+  };
+  const RealArm grows = [&](const Eigen::VectorXd& joints, int row) {
+    const double growth = 2e-5 * (temperature(row) - 20.0);
+    return Eigen::Vector3d((1.0 + growth) * Rigid(joints, row));
+  };
+  Fitted fitted(60, 1, 8, grows);
+  Eigen::MatrixXd values(1, 60);
+  for (int i = 0; i < 60; ++i) values(0, i) = temperature(i);
+  fitted.AddCovariate("t_c", values);
+  const LackAssessment found = fitted.Assess(kGiven);
+  ASSERT_FALSE(found.lack.structure.empty());
+  EXPECT_TRUE(found.lack.structure[0].is_found);
+  EXPECT_EQ(found.lack.structure[0].kind, StructureKind::kCovariate);
+  EXPECT_EQ(found.lack.structure[0].covariate, "t_c");
+  ASSERT_FALSE(found.warnings.empty());
+  EXPECT_NE(found.warnings.back().find("depend on `t_c`"), std::string::npos);
 }
 
 // 50 data sets without any: both tests fail at most 0.5 % of them.
