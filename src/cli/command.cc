@@ -30,6 +30,12 @@ std::vector<Command> InputCommands() {
                "named before it. All files are looked at; the exit status is 2 "
                "where one is wrong."},
               {}, 1, kAnyNumber, RunCheck),
+      Command({"keys", "[FORMAT[.SECTION]]",
+               "list what files may say: keys, units, defaults, meaning",
+               "FORMAT is arm, deviations, job, plan or simulation, or data, "
+               "errors or simulate, parts of these; SECTION a map in it, as in "
+               "'job.uncertainty'. Without any, their names."},
+              {}, 0, 1, RunKeys),
       Command(
           {"convert", "IN OUT --arm=ARM.yaml",
            "turn a data set from CSV into a NumPy array, or back",

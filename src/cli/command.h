@@ -78,6 +78,7 @@ const std::vector<Command>& Commands();
 // One file each. All throw InputError for wrong input.
 ExitStatus RunShow(const CommandLine& line);
 ExitStatus RunCheck(const CommandLine& line);
+ExitStatus RunKeys(const CommandLine& line);
 ExitStatus RunConvert(const CommandLine& line);
 ExitStatus RunSimulate(const CommandLine& line);
 ExitStatus RunPlanCommand(const CommandLine& line);

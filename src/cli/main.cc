@@ -2,6 +2,7 @@
 #include <glog/logging.h>
 
 #include <algorithm>
+#include <cctype>
 #include <csignal>
 #include <exception>
 #include <iostream>
@@ -16,6 +17,7 @@
 #include "src/cli/launch.h"
 #include "src/common/memory.h"
 #include "src/common/text.h"
+#include "src/serialization/described_formats.h"
 #include "src/serialization/job_config.h"
 
 // The help of a command shows these texts; the first word of one in capitals
@@ -153,6 +155,16 @@ void PrintHelp(const Command& command) {
     PrintFlag(flag, DescriptionOf(flag));
   }
   PrintFlag("help", "this text");
+  for (const DescribedFormat& format : DescribeFormats()) {
+    std::string file = format.name + ".yaml";
+    std::transform(file.begin(), file.end() - 5, file.begin(),
+                   [](unsigned char c) { return std::toupper(c); });
+    if (std::string(command.arguments).find(file) == std::string::npos) {
+      continue;
+    }
+    std::cout << "\n'alidade keys " << format.name
+              << "' lists all that the file " << file << " may say.\n";
+  }
 }
 
 [[noreturn]] void ThrowUsage(const Command& command,

@@ -64,7 +64,7 @@ double NearestTurn(double angle, double near) {
 
 Eigen::Vector3d VectorNear(const Eigen::Matrix3d& rotation,
                            const Eigen::Vector3d& near) {
-  const Eigen::Vector3d vector = VectorFromRotation(rotation);
+  Eigen::Vector3d vector = VectorFromRotation(rotation);
   const double angle = vector.norm();
   if (angle < 1e-9) return vector;
   const Eigen::Vector3d axis = vector / angle;

@@ -309,7 +309,8 @@ JournalRecords ReadJournal(const std::string& path) {
   while (std::getline(lines, line)) {
     std::optional<BatchRecord> record = ParseBatchRecord(line);
     if (!record) continue;
-    records[record->entry.name] = *std::move(record);
+    const std::string name = record->entry.name;
+    records[name] = *std::move(record);
   }
   return records;
 }

@@ -45,8 +45,8 @@ bool CoversAll(const std::vector<int>& indices, int count) {
 std::vector<Eigen::Vector3d> StartTargets() {
   std::vector<Eigen::Vector3d> targets = {Eigen::Vector3d::Zero()};
   for (int axis = 0; axis < 3; ++axis) {
-    targets.push_back(kStartOffset * Eigen::Vector3d::Unit(axis));
-    targets.push_back(-targets.back());
+    targets.emplace_back(kStartOffset * Eigen::Vector3d::Unit(axis));
+    targets.emplace_back(-targets.back());
   }
   return targets;
 }
@@ -92,7 +92,7 @@ void StartRotations(const Poses& base_from_last, const Poses& measured,
     const Eigen::Matrix3d last = base_from_last[i].linear();
     for (int row = 0; row < 3; ++row) {
       for (int column = 0; column < 3; ++column) {
-        sum.block<3, 3>(3 * row, 3 * column) +=
+        sum.block<3, 3>(Eigen::Index{3} * row, Eigen::Index{3} * column) +=
             measured[i].linear()(column, row) * last.transpose();
       }
     }
@@ -161,7 +161,7 @@ std::vector<PoseStartModel> PoseStarts(const Poses& base_from_last,
       FitRigid(TargetsInBase(base_from_last, Eigen::Vector3d::Zero()),
                measured_positions);
   if (by_positions) {
-    bases.push_back(by_positions->b_from_a.linear());
+    bases.emplace_back(by_positions->b_from_a.linear());
     targets.push_back(TargetRotation(base_from_last, measured, bases.back()));
   }
   bases.emplace_back();
@@ -203,7 +203,7 @@ std::vector<Eigen::Vector3d> Trilaterate(const Eigen::Matrix3Xd& points,
       std::max(0.0, distance_squared - in_axes.head<2>().squaredNorm()));
   for (const double side : {height, -height}) {
     in_axes[2] = side;
-    anchors.push_back(centre + svd.v * in_axes);
+    anchors.emplace_back(centre + svd.v * in_axes);
   }
   return anchors;
 }

@@ -73,7 +73,7 @@ class Exporter {
 
   // The real arm's geometry, all of it.
   Arm Geometry() const {
-    const Arm rigid = WithoutErrorTerms(arms_.real);
+    Arm rigid = WithoutErrorTerms(arms_.real);
     if (arms_.real.errors.empty()) return rigid;
     return FitGeometry(arms_.real, rigid, AllFree(rigid.num_joints()));
   }
@@ -142,8 +142,9 @@ class Exporter {
   ArmExport Ur() {
     const Arm held = Geometry();
     for (const Joint& joint : held.joints) {
-      if (joint.type == JointType::kRevolute && held.num_joints() == 6)
+      if (joint.type == JointType::kRevolute && held.num_joints() == 6) {
         continue;
+      }
       throw InputError({}, "--as=ur: the arm has " +
                                std::to_string(held.num_joints()) +
                                " joints, expected six that turn");

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string>
 
+#include "src/serialization/described_formats.h"
 #include "tests/report/well_formed.h"
 #include "tests/support/process.h"
 #include "tests/support/without_times.h"
@@ -22,6 +23,7 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using testing::ProcessResult;
 using testing::ReadWhole;
+using ::testing::StartsWith;
 using testing::TemporaryDirectory;
 using testing::WithoutTimes;
 using testing::WriteWhole;
@@ -50,7 +52,7 @@ TEST(CliTest, HelpNamesEveryCommandOnStandardOutput) {
   for (const char* command :
        {"show", "check", "convert", "simulate", "plan", "identify", "calibrate",
         "compare", "montecarlo", "validate", "correct", "export", "fk", "ik",
-        "report", "batch"}) {
+        "report", "batch", "keys"}) {
     EXPECT_THAT(result.out, HasSubstr(command));
     const ProcessResult help = Alidade(std::string(command) + " --help");
     EXPECT_EQ(help.status, 0) << command;
@@ -96,7 +98,26 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"convert a.csv b.csv --arm=a.yaml", "one of each"},
         BadUsage{"convert a.csv b.txt --arm=a.yaml", "ends in .csv or .npy"},
         BadUsage{"calibrate no_such_file.yaml", "no_such_file.yaml"},
+        BadUsage{"keys jub", "unknown format \"jub\", did you mean \"job\"?"},
+        BadUsage{"keys job.uncertainy", "did you mean \"uncertainty\"?"},
         BadUsage{"show /", "/"}));
+
+// Every key of every format, from the descriptions that its reader goes by.
+TEST(CliTest, KeysAreThoseOfTheDescriptions) {
+  for (const DescribedFormat& format : DescribeFormats()) {
+    const ProcessResult result = Alidade("keys " + format.name);
+    EXPECT_EQ(result.status, 0);
+    std::size_t place = 0;
+    for (const FieldRow& row : FieldRows(format.fields)) {
+      const std::string line = "  " + row.path;
+      place = result.out.find(line, place);
+      ASSERT_NE(place, std::string::npos) << format.name << ": " << row.path;
+    }
+  }
+  const ProcessResult section = Alidade("keys job.uncertainty");
+  EXPECT_THAT(section.out, StartsWith("  confidence  (0.95)\n      of "));
+  EXPECT_THAT(Alidade("keys").out, HasSubstr("  job         sections "));
+}
 
 // Of a file that a calibration of the study wrote: figures are XML with
 // something drawn, tables have as many cells in each row and as many rows as

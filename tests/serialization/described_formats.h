@@ -1,112 +1,32 @@
 #ifndef ALIDADE_TESTS_SERIALIZATION_DESCRIBED_FORMATS_H_
 #define ALIDADE_TESTS_SERIALIZATION_DESCRIBED_FORMATS_H_
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "src/serialization/arm_fields.h"
 #include "src/serialization/data_section.h"
+#include "src/serialization/described_formats.h"
 #include "src/serialization/errors_section.h"
-#include "src/serialization/field_records.h"
-#include "src/serialization/job_config.h"
-#include "src/serialization/plan_file.h"
 #include "src/serialization/simulation_file.h"
 
 namespace alidade::internal::testing {
 
 using Kind = FieldRecord::Kind;
 
-/// A file format: its own fields, and those of parts that schemas refer to.
-struct DescribedFormat {
-  std::string name;
-  std::vector<FieldRecord> fields;
-};
-
-inline std::vector<DescribedFormat> DescribeFormats() {
-  return {{"arm", ArmFields()},
-          {"deviations", DeviationsFields()},
-          {"job", JobFields()},
-          {"plan", PlanFields()},
-          {"simulation", SimulationFields()}};
-}
-
-/// The fields of a path, "job" or "job.references": those of a format or of one
-/// of its sections; "data" and "simulate" are the maps of a job's data.
-inline std::vector<FieldRecord> FieldsAt(const std::string& path) {
-  if (path == "data") return DataFields();
-  if (path == "errors") return ErrorTermFields();
-  if (path == "simulate") return SimulatedDataFields();
-  if (path == "data.columns") {
-    for (const FieldRecord& field : DataFields()) {
-      if (std::string(field.key.name) == "columns") return field.fields;
-    }
-  }
-  const std::size_t dot = path.find('.');
-  for (const DescribedFormat& format : DescribeFormats()) {
-    if (format.name != path.substr(0, dot)) continue;
-    if (dot == std::string::npos) return format.fields;
-    for (const FieldRecord& field : format.fields) {
-      if (field.key.name == path.substr(dot + 1)) return field.fields;
-    }
-  }
-  ADD_FAILURE() << path << " is not described";
-  return {};
-}
-
-/// "above 0 and at most 180 deg".
-inline std::string RangeOf(const Key& key) {
-  if (!key.dimension) return key.Range();
-  if (*key.dimension == Dimension::kLength) return key.Range(kMillimetre, "mm");
-  const std::string degrees = key.Range(kDegree, "deg");
-  const bool is_round = degrees.find('.') == std::string::npos;
-  return is_round ? degrees : key.Range(1.0, "rad");
-}
-
 /// Rows of a table of docs/files.md, without the fields of the sections in
 /// `collapsed`.
 inline std::string FormatRows(const std::vector<FieldRecord>& fields,
-                              const std::string& prefix,
                               const std::vector<std::string>& collapsed) {
+  const auto cell = [](const std::string& content) {
+    return content.empty() ? " |" : " " + content + " |";
+  };
   std::string rows;
-  for (const FieldRecord& field : fields) {
-    const Key& key = field.key;
-    const std::string path = prefix + key.name;
-    std::string unit = key.unit_words != nullptr ? key.unit_words : "";
-    if (key.dimension) {
-      unit = *key.dimension == Dimension::kLength ? "length" : "angle";
-    }
-    std::string value = field.default_value;
-    if (field.kind == Kind::kBoolean || field.kind == Kind::kWord) {
-      value = "`" + value + "`";
-    }
-    if (key.default_words != nullptr) value = key.default_words;
-    if (key.is_required) value = "required";
-    const std::string range = RangeOf(key);
-    std::string text = field.text;
-    // Where there are several, they are named so already.
-    if (std::string(key.name) == "format" && text[0] != '`') {
-      text = "`" + text + "`";
-    }
-    if (field.kind == Kind::kItems) text = "list: " + text;
-    if (key.former_name != nullptr) {
-      text += std::string("; formerly `") + key.former_name + "`";
-    }
-    const auto cell = [](const std::string& content) {
-      return content.empty() ? " |" : " " + content + " |";
-    };
-    rows += "| `" + path + "` |" + cell(unit) + cell(value) +
-            cell(text + (range.empty() ? "" : " (" + range + ")")) + "\n";
-    const bool is_collapsed =
-        std::find(collapsed.begin(), collapsed.end(), path) != collapsed.end();
-    if (is_collapsed) continue;
-    const char* list = field.kind == Kind::kItems ? "[i]." : ".";
-    rows += FormatRows(field.fields, path + list, collapsed);
+  for (const FieldRow& row : FieldRows(fields, collapsed)) {
+    rows += "| `" + row.path + "` |" + cell(row.unit) +
+            cell(row.default_value) + cell(row.text) + "\n";
   }
   return rows;
 }

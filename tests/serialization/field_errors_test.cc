@@ -20,7 +20,6 @@
 namespace alidade::internal {
 namespace {
 
-using testing::FieldsAt;
 using testing::Kind;
 
 // Values of keys whose type does not say what would do. Units are mm and deg.

@@ -16,9 +16,6 @@
 namespace alidade::internal {
 namespace {
 
-using testing::DescribedFormat;
-using testing::DescribeFormats;
-
 // Compares a file with what it should be, or writes it.
 void ExpectGenerated(const std::string& name, const std::string& text) {
   const std::string path = SourcePath(name);
@@ -58,7 +55,7 @@ TEST(GeneratedFilesTest, TablesOfFilesMd) {
     const std::string path = names.front();
     names.erase(names.begin());
     text += "| key | unit | default | meaning |\n|---|---|---|---|\n" +
-            testing::FormatRows(testing::FieldsAt(path), "", names);
+            testing::FormatRows(FieldsAt(path), names);
     ++num_tables;
     while (std::getline(old, line) && line != "<!-- end -->") {
     }
