@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <glog/logging.h>
 #include <openssl/evp.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
@@ -97,8 +98,16 @@ bool LeavesSymbolicLink(const fs::path& path) {
 // take(data, size) of the file's consecutive pieces.
 template <typename Take>
 void ReadPieces(const std::string& path, const Take& take) {
-  const FileDescriptor file(path, O_RDONLY);
+  // Without waiting for whoever may write to a pipe.
+  const FileDescriptor file(path, O_RDONLY | O_NONBLOCK);
   if (file.get() < 0) Fail(path, "cannot be read", errno);
+  struct stat status = {};
+  if (fstat(file.get(), &status) == 0 && !S_ISREG(status.st_mode) &&
+      !S_ISDIR(status.st_mode)) {
+    throw InputError({path, 0, 0, ""},
+                     "is a pipe or a device, which may never end, expected a "
+                     "file: write what it holds to one");
+  }
   std::vector<char> buffer(std::size_t{1} << 18);
   while (true) {
     const ssize_t count = read(file.get(), buffer.data(), buffer.size());
@@ -111,9 +120,13 @@ void ReadPieces(const std::string& path, const Take& take) {
 }  // namespace
 
 std::string ReadFile(const std::string& path) {
+  constexpr std::size_t kMostBytes = std::size_t{1} << 30;
   std::string content;
   ReadPieces(path, [&](const char* data, std::size_t count) {
     content.append(data, count);
+    if (content.size() <= kMostBytes) return;
+    throw InputError({path, 0, 0, ""},
+                     "is larger than 1 GiB, expected a text to be read whole");
   });
   return content;
 }

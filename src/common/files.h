@@ -9,7 +9,9 @@
 
 namespace alidade::internal {
 
-/// The whole file. @throws InputError naming the path and the cause.
+/// The whole file, of at most 1 GiB. Pipes and devices, which may never end,
+/// are refused at once, here and below. @throws InputError naming the path and
+/// the cause.
 std::string ReadFile(const std::string& path);
 
 /// Writes to a temporary name in the same directory, syncs it and renames it,

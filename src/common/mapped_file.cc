@@ -12,7 +12,7 @@
 namespace alidade::internal {
 namespace {
 
-// Pipes must not be opened twice, so they are recognised by their names.
+// What is none, ReadFile refuses.
 bool IsRegular(const char* path) {
   struct stat status = {};
   return stat(path, &status) == 0 && S_ISREG(status.st_mode);

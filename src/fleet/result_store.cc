@@ -17,6 +17,7 @@
 #include "alidade/error.h"
 #include "alidade/version.h"
 #include "src/common/files.h"
+#include "src/job/directory_swap.h"
 #include "src/job/written_files.h"
 #include "src/serialization/result_json.h"
 
@@ -47,6 +48,11 @@ void TakeLock(const std::string& path, const FileDescriptor& file) {
 
 // The directory, which then exists.
 const std::string& Made(const std::string& directory) {
+  if (fs::is_symlink(directory)) {
+    throw InputError({directory, 0, 0, ""},
+                     "is a symbolic link, through which a batch does not "
+                     "write: remove it, or choose another --out");
+  }
   MakeDirectories(directory);
   return directory;
 }
@@ -58,10 +64,7 @@ bool IsResult(const fs::path& path) {
 
 // Puts `staged` at `place` and what was there at `staged`.
 void Exchange(const std::string& staged, const std::string& place) {
-  if (renameat2(AT_FDCWD, staged.c_str(), AT_FDCWD, place.c_str(),
-                RENAME_EXCHANGE) == 0) {
-    return;
-  }
+  if (TryExchangeNames(staged, place)) return;
   // Not every file system can; then there is a moment with no result.
   const std::string old = staged + "-old";
   if (rename(place.c_str(), old.c_str()) != 0 ||
@@ -76,7 +79,7 @@ void Exchange(const std::string& staged, const std::string& place) {
 ResultStore::ResultStore(const std::string& directory)
     : directory_(directory),
       staging_(directory, ""),
-      lock_(Made(staging_.path()) + "/lock", O_RDWR | O_CREAT) {
+      lock_(Made(staging_.path()) + "/lock", O_RDWR | O_CREAT | O_NOFOLLOW) {
   const std::string& work_directory = staging_.path();
   TakeLock(work_directory + "/lock", lock_);
   staging_.Clear();
@@ -286,11 +289,6 @@ std::string StagingArea::Stage(const std::vector<ReportFile>& files,
   return staged;
 }
 
-void RemoveStaged(const std::string& path) {
-  std::error_code ignored;
-  fs::remove_all(path, ignored);
-}
-
 namespace {
 
 [[noreturn]] void FailWriting(const std::string& path, int error) {
@@ -316,7 +314,7 @@ JournalRecords ReadJournal(const std::string& path) {
 }
 
 JournalWriter::JournalWriter(const std::string& path)
-    : path_(path), file_(path, O_RDWR | O_CREAT | O_APPEND) {
+    : path_(path), file_(path, O_RDWR | O_CREAT | O_APPEND | O_NOFOLLOW) {
   if (file_.get() < 0) FailWriting(path, errno);
   const off_t end = lseek(file_.get(), 0, SEEK_END);
   char last = '\n';

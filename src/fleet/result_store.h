@@ -44,9 +44,6 @@ class StagingArea {
   std::atomic<int> next_{0};
 };
 
-/// Takes down a directory or file that nobody reads.
-void RemoveStaged(const std::string& path);
-
 /// The last record of every job, by its name.
 using JournalRecords = std::unordered_map<std::string, BatchRecord>;
 

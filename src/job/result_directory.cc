@@ -1,5 +1,8 @@
 #include "src/job/result_directory.h"
 
+#include <unistd.h>
+
+#include <cerrno>
 #include <filesystem>
 #include <set>
 #include <system_error>
@@ -7,6 +10,7 @@
 #include "alidade/arm_file.h"
 #include "alidade/error.h"
 #include "src/common/files.h"
+#include "src/job/directory_swap.h"
 #include "src/job/written_files.h"
 #include "src/serialization/result_json.h"
 
@@ -86,14 +90,24 @@ bool IsSameFile(const std::string& a, const std::string& b) {
   return std::filesystem::equivalent(a, b, error) && !error;
 }
 
-void Remove(const std::string& directory, const std::string& name) {
-  const std::filesystem::path path = std::filesystem::path(directory) / name;
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return;
-  if (!std::filesystem::remove(path, error)) {
+// Found before the work, not after it.
+void CheckWritable(const std::string& directory) {
+  std::filesystem::path path = directory;
+  std::error_code ignored;
+  while (!std::filesystem::exists(path, ignored) && !path.empty()) {
+    path = path.parent_path();
+  }
+  if (path.empty()) path = ".";
+  if (!std::filesystem::is_directory(path, ignored)) {
+    throw InputError({path.string(), 0, 0, ""},
+                     "is no directory to write results to: choose another "
+                     "--out");
+  }
+  if (access(path.c_str(), W_OK | X_OK) != 0) {
     throw InputError(
         {path.string(), 0, 0, ""},
-        "is of an earlier result and cannot be removed: " + error.message());
+        "cannot be written: " + std::generic_category().message(errno) +
+            "; choose another --out");
   }
 }
 
@@ -153,6 +167,7 @@ void CheckOutputFile(const std::string& path,
 
 void CheckResultDirectory(const std::string& directory, OutputKind kind,
                           const std::vector<std::string>& inputs) {
+  CheckWritable(directory);
   const WrittenFiles written = ReadWrittenFiles(directory);
   const std::set<std::string> names = WithListed(NamesOf(kind), written);
   for (const std::string& name : names) {
@@ -164,25 +179,22 @@ void CheckResultDirectory(const std::string& directory, OutputKind kind,
 std::vector<std::string> WriteResultDirectory(
     const std::string& directory, const std::vector<ReportFile>& files) {
   MakeDirectories(directory);
+  const std::string place = std::filesystem::canonical(directory).string();
+  const DirectoryLock lock(place);
+  ClearStaged(place);
   std::set<std::string> names;
   for (const ReportFile& file : files) names.insert(file.name);
-  const WrittenFiles earlier = ReadWrittenFiles(directory);
+  const WrittenFiles earlier = ReadWrittenFiles(place);
   const std::set<std::string> both = WithListed(names, earlier);
   RefuseForeign(directory, both, earlier);
-  // Whatever happens below, the next run knows all that may be there.
-  WrittenFiles unfinished;
-  for (const std::string& name : both) unfinished[name] = std::nullopt;
-  NoteWrittenFiles(directory, unfinished);
-  if (!files.empty()) Remove(directory, files.back().name);
-  for (const std::string& name : both) {
-    if (names.count(name) == 0) Remove(directory, name);
-  }
+  StagedDirectory staged(place);
   std::vector<std::string> paths;
   for (const ReportFile& file : files) {
     paths.push_back(directory + "/" + file.name);
-    WriteFileAtomically(paths.back(), file.content);
+    WriteNewFile(staged.path() + "/" + file.name, file.content);
   }
-  NoteAllWritten(directory, {names.begin(), names.end()});
+  NoteAllWritten(staged.path(), {names.begin(), names.end()});
+  staged.PutInPlace(both, files.empty() ? "" : files.back().name);
   return paths;
 }
 

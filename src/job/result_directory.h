@@ -46,16 +46,19 @@ void CheckOutputFile(const std::string& path,
 
 /// That a run may write into `directory`, before it begins: what it would
 /// replace or remove there is none of the files that it reads (`inputs`), was
-/// written by Alidade (`.alidade-files`) and has not been changed since.
+/// written by Alidade (`.alidade-files`) and has not been changed since; and
+/// that it can be written.
 /// @throws InputError that names the file and says what to do.
 void CheckResultDirectory(const std::string& directory, OutputKind kind,
                           const std::vector<std::string>& inputs);
 
-/// Writes files into `directory`, which is created, each to a temporary name
-/// that is renamed. The last of them (result.json) is taken away first and
-/// written last, so that a directory which has it is complete. Files that an
-/// earlier call has written there and this one does not are removed, and so is
-/// an earlier report.html: no two results are ever mixed. Names, sizes and
+/// Writes files into `directory`, which is created: all of them to a new
+/// directory beside it, and that then takes its place, so that a run which is
+/// killed leaves the old result or the new one (directory_swap.h says where it
+/// cannot; the last file, result.json, then says that all is there). Files that
+/// an earlier call has written there and this one does not are removed, and so
+/// is an earlier report.html: no two results are ever mixed, nor are those of
+/// two processes, which wait for each other. Names, sizes and
 /// hashes are kept in `.alidade-files`. Files of others stay: where one that
 /// this call did not write, or that has been changed since, is in the way,
 /// nothing is written. Returns the paths. @throws InputError.

@@ -85,7 +85,19 @@ void NoteWrittenFiles(const std::string& directory, const WrittenFiles& files) {
     }
     text += "\n";
   }
-  WriteFileAtomically(directory + "/" + kList, text);
+  // Never through a link that somebody has put there.
+  const std::string path = directory + "/" + kList;
+  std::error_code ignored;
+  if (fs::is_symlink(path, ignored)) fs::remove(path, ignored);
+  WriteFileAtomically(path, text);
+}
+
+void MoveWrittenFiles(const std::string& from, const std::string& to) {
+  std::error_code error;
+  fs::rename(fs::path(from) / kList, fs::path(to) / kList, error);
+  if (error) {
+    throw InputError({to, 0, 0, ""}, "cannot be written: " + error.message());
+  }
 }
 
 void NoteAllWritten(const std::string& directory,

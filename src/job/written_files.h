@@ -39,6 +39,9 @@ void NoteWrittenFiles(const std::string& directory, const WrittenFiles& files);
 void NoteAllWritten(const std::string& directory,
                     const std::vector<std::string>& names);
 
+/// Moves the list of one directory to another. @throws InputError.
+void MoveWrittenFiles(const std::string& from, const std::string& to);
+
 /// What must not be replaced or removed of `names` in `directory`: a file that
 /// `written` does not list, and one that has been changed since. What is not
 /// there is no matter. @throws InputError that names it and says what to do.

@@ -28,6 +28,14 @@ std::set<std::string> NamesIn(const std::string& directory) {
   return names;
 }
 
+std::set<std::string> EverythingIn(const std::string& directory) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(directory)) {
+    names.insert(entry.path().filename().string());
+  }
+  return names;
+}
+
 TEST(WriteResultDirectoryTest, LeavesNothingOfAnEarlierResult) {
   const testing::TemporaryDirectory scratch;
   const std::string directory = scratch / "result";
@@ -44,9 +52,8 @@ TEST(WriteResultDirectoryTest, LeavesNothingOfAnEarlierResult) {
   EXPECT_EQ(testing::ReadWhole(directory + "/result.json"), "2");
 }
 
-// A run that ends in between leaves no result.json, and the next one knows what
-// may be there.
-TEST(WriteResultDirectoryTest, IsNoResultUntilAllIsWritten) {
+// Whatever goes wrong while files are written, the old result stays whole.
+TEST(WriteResultDirectoryTest, IsWholeOrOld) {
   const testing::TemporaryDirectory scratch;
   const std::string directory = scratch / "result";
   WriteResultDirectory(directory, {{"arm.yaml", "1"}, {"result.json", "1"}});
@@ -55,26 +62,78 @@ TEST(WriteResultDirectoryTest, IsNoResultUntilAllIsWritten) {
                                                 {std::string(300, 'h'), "2"},
                                                 {"result.json", "2"}}),
                InputError);
-  EXPECT_TRUE(fs::exists(directory + "/residuals.csv"));
-  EXPECT_FALSE(fs::exists(directory + "/result.json"));
-  WriteResultDirectory(directory, {{"arm.yaml", "3"}, {"result.json", "3"}});
-  EXPECT_THAT(NamesIn(directory),
-              UnorderedElementsAre("arm.yaml", "result.json"));
-}
-
-// A table that fails while it is made is as if it had never been begun.
-TEST(WriteResultDirectoryTest, LeavesNothingOfATableThatFails) {
-  const testing::TemporaryDirectory scratch;
-  const std::string directory = scratch / "result";
   const auto fail = [](const TextSink& sink) {
     sink("pose\n1\n");
     throw std::runtime_error("out of rows");
   };
-  EXPECT_THROW(WriteResultDirectory(directory, {{"arm.yaml", "1"},
+  EXPECT_THROW(WriteResultDirectory(directory, {{"arm.yaml", "3"},
                                                 {"residuals.csv", fail},
-                                                {"result.json", "1"}}),
+                                                {"result.json", "3"}}),
                std::runtime_error);
-  EXPECT_THAT(NamesIn(directory), UnorderedElementsAre("arm.yaml"));
+  EXPECT_THAT(NamesIn(directory),
+              UnorderedElementsAre("arm.yaml", "result.json"));
+  EXPECT_EQ(testing::ReadWhole(directory + "/arm.yaml"), "1");
+  EXPECT_EQ(testing::ReadWhole(directory + "/result.json"), "1");
+  EXPECT_THAT(EverythingIn(scratch.path()), UnorderedElementsAre("result"));
+}
+
+// What a killed run has left beside the directory or in it: a result that was
+// being written, and the old one after the exchange, with a folder of the user
+// that had not yet moved on.
+TEST(WriteResultDirectoryTest, ClearsWhatAKilledRunLeft) {
+  const testing::TemporaryDirectory scratch;
+  const std::string directory = scratch / "result";
+  WriteResultDirectory(directory, {{"result.json", "1"}});
+  const std::string begun = scratch / ".result.alidade-staged-1-0";
+  const std::string old = scratch / ".result.alidade-staged-2-0";
+  const std::string inside = directory + "/.alidade-staged-3-0";
+  for (const std::string& left : {begun, old, inside}) {
+    fs::create_directory(left);
+    testing::WriteWhole(left + "/arm.yaml", "0");
+  }
+  testing::WriteWhole(old + "/.alidade-files", "arm.yaml\n");
+  fs::create_directory(old + "/photos");
+  testing::WriteWhole(old + "/photos/1", "kept");
+  WriteResultDirectory(directory, {{"result.json", "2"}});
+  EXPECT_THAT(EverythingIn(scratch.path()), UnorderedElementsAre("result"));
+  EXPECT_THAT(EverythingIn(directory),
+              UnorderedElementsAre(".alidade-files", "result.json", "photos"));
+  EXPECT_EQ(testing::ReadWhole(directory + "/photos/1"), "kept");
+}
+
+// Where the directory has the current one in it, it is not exchanged; through a
+// link it is, and the link stays one.
+TEST(WriteResultDirectoryTest, WritesToTheCurrentDirectoryAndThroughLinks) {
+  const testing::TemporaryDirectory scratch;
+  const std::string directory = scratch / "result";
+  WriteResultDirectory(directory, {{"arm.yaml", "1"}, {"result.json", "1"}});
+  const fs::path before = fs::current_path();
+  fs::current_path(directory);
+  WriteResultDirectory(".", {{"report.txt", "2"}, {"result.json", "2"}});
+  EXPECT_EQ(testing::ReadWhole("result.json"), "2");
+  EXPECT_EQ(fs::current_path(), fs::canonical(directory));
+  fs::current_path(before);
+  EXPECT_THAT(
+      EverythingIn(directory),
+      UnorderedElementsAre(".alidade-files", "report.txt", "result.json"));
+  fs::create_symlink("result", scratch / "link");
+  WriteResultDirectory(scratch / "link", {{"result.json", "3"}});
+  EXPECT_TRUE(fs::is_symlink(scratch / "link"));
+  EXPECT_THAT(EverythingIn(directory),
+              UnorderedElementsAre(".alidade-files", "result.json"));
+  EXPECT_EQ(testing::ReadWhole(directory + "/result.json"), "3");
+}
+
+// A link where the list should be leads nowhere.
+TEST(WriteResultDirectoryTest, WritesThroughNoPlantedLink) {
+  const testing::TemporaryDirectory scratch;
+  const std::string directory = scratch / "result";
+  fs::create_directory(directory);
+  testing::WriteWhole(scratch / "precious", "stays");
+  fs::create_symlink("../precious", directory + "/.alidade-files");
+  WriteResultDirectory(directory, {{"result.json", "1"}});
+  EXPECT_EQ(testing::ReadWhole(scratch / "precious"), "stays");
+  EXPECT_FALSE(fs::is_symlink(directory + "/.alidade-files"));
 }
 
 // A list of names that somebody has changed never leads out of the directory.

@@ -1,0 +1,115 @@
+// Runs that are killed while they write, as users and schedulers do.
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+#include <thread>
+
+#include "src/common/files.h"
+#include "tests/support/process.h"
+
+namespace alidade::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+using testing::TemporaryDirectory;
+using testing::WriteWhole;
+
+// The files are those of the list, each with the bytes that it states; else
+// what is wrong.
+std::string WhatIsMixed(const std::string& directory) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(directory)) {
+    names.insert(entry.path().filename().string());
+  }
+  names.erase(".alidade-files");
+  names.erase("notes.txt");
+  std::ifstream list(directory + "/.alidade-files");
+  for (std::string line; std::getline(list, line);) {
+    std::istringstream cells(line);
+    std::string name, size, time, hash;
+    std::getline(cells, name, '\t') >> size >> time >> hash;
+    if (names.erase(name) == 0) return name + " is missing";
+    if (Sha256OfFile(directory + "/" + name) != hash) {
+      return name + " is of another result";
+    }
+  }
+  return names.empty() ? "" : *names.begin() + " is not listed";
+}
+
+class Run {
+ public:
+  Run(const std::string& job, const std::string& out, int seed)
+      : seed_("--seed=" + std::to_string(seed)), out_("--out=" + out) {
+    const char* const arguments[] = {ALIDADE_BINARY, "calibrate",   job.c_str(),
+                                     out_.c_str(),   seed_.c_str(), nullptr};
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    for (const int file : {STDOUT_FILENO, STDERR_FILENO}) {
+      posix_spawn_file_actions_addopen(&actions, file, "/dev/null", O_WRONLY,
+                                       0);
+    }
+    EXPECT_EQ(posix_spawn(&process_, ALIDADE_BINARY, &actions, nullptr,
+                          const_cast<char**>(arguments), environ),
+              0);
+    posix_spawn_file_actions_destroy(&actions);
+  }
+  void Kill() { kill(process_, SIGKILL); }
+  /// True where it ended by itself.
+  bool Wait() {
+    int status = 0;
+    waitpid(process_, &status, 0);
+    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  }
+
+ private:
+  const std::string seed_;
+  const std::string out_;
+  pid_t process_ = 0;
+};
+
+// Killed when the new result begins to stand beside the old one, and some
+// moments later each time: in the midst of writing, exchanging and clearing.
+TEST(KillTest, AResultIsWholeOrOld) {
+  const std::string job = ALIDADE_SOURCE_DIR "/configs/jobs/rv2aj_flange.yaml";
+  const TemporaryDirectory scratch;
+  const std::string out = scratch / "result";
+  ASSERT_TRUE(Run(job, out, 1).Wait());
+  WriteWhole(out + "/notes.txt", "mine");
+  const auto is_staged = [&scratch] {
+    for (const auto& entry : fs::directory_iterator(scratch.path())) {
+      if (entry.path().filename() != "result") return true;
+    }
+    return false;
+  };
+  int killed = 0;
+  for (int trial = 0; trial < 8; ++trial) {
+    Run run(job, out, 2 + trial);
+    for (int k = 0; k < 20000 && !is_staged(); ++k) {
+      std::this_thread::sleep_for(std::chrono::microseconds(500));
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(4 * trial));
+    run.Kill();
+    if (!run.Wait()) ++killed;
+    EXPECT_EQ(WhatIsMixed(out), "") << trial;
+    EXPECT_TRUE(fs::exists(out + "/notes.txt")) << trial;
+  }
+  EXPECT_GT(killed, 0);
+  ASSERT_TRUE(Run(job, out, 1).Wait());
+  EXPECT_EQ(WhatIsMixed(out), "");
+  EXPECT_FALSE(is_staged());
+}
+
+}  // namespace
+}  // namespace alidade::internal
