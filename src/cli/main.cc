@@ -17,6 +17,7 @@
 #include "src/common/memory.h"
 #include "src/common/text.h"
 #include "src/serialization/job_config.h"
+#include "src/serialization/robot_files.h"
 
 // The help of a command shows these texts; the first word of one in capitals
 // stands for the flag's value.
@@ -269,11 +270,16 @@ void SetVerbosity() {
   FLAGS_v = FLAGS_verbosity > 1 ? 1 : 0;
 }
 
+// Wherever a command takes an arm file it takes the name of one, too.
+std::string FileOf(const std::string& argument) {
+  return ArmPath(argument, argument, {});
+}
+
 ExitStatus RunCommand(const std::string& name,
                       std::vector<std::string> arguments) {
   const Command& command = FindCommand(name);
   ArgumentParser parser(command, std::move(arguments));
-  const CommandLine line = parser.Parse();
+  CommandLine line = parser.Parse();
   if (parser.wants_help()) {
     PrintHelp(command);
     return kExitDone;
@@ -285,11 +291,12 @@ ExitStatus RunCommand(const std::string& name,
                             std::to_string(launch.size) +
                             " were started together");
   }
+  for (std::string& file : line.files) file = FileOf(file);
   SetVerbosity();
   if (FLAGS_memory > 0) SetMemoryLimit(FLAGS_memory * 1000000);
   return command.run({line.files,
                       FLAGS_out,
-                      FLAGS_arm,
+                      FileOf(FLAGS_arm),
                       FLAGS_read_as,
                       FLAGS_report,
                       FLAGS_keep_rejected,
@@ -300,7 +307,7 @@ ExitStatus RunCommand(const std::string& name,
                       FLAGS_threads,
                       line.seed,
                       line.text,
-                      FLAGS_nominal,
+                      FileOf(FLAGS_nominal),
                       FLAGS_rotation,
                       FLAGS_target,
                       FLAGS_from,
