@@ -9,6 +9,11 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/alidade
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING PATTERN "*.h")
 
+# Arm files to start from (docs/robots.md).
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/configs/robots
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/alidade
+  FILES_MATCHING PATTERN "*.yaml")
+
 # Headers refer to these pages.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs
   DESTINATION ${CMAKE_INSTALL_DOCDIR}

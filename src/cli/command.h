@@ -76,6 +76,7 @@ struct Command : CommandText {
 const std::vector<Command>& Commands();
 
 // One file each. All throw InputError for wrong input.
+ExitStatus RunRobots(const CommandLine& line);
 ExitStatus RunShow(const CommandLine& line);
 ExitStatus RunCheck(const CommandLine& line);
 ExitStatus RunKeys(const CommandLine& line);

@@ -19,6 +19,7 @@
 #include "src/common/text.h"
 #include "src/serialization/described_formats.h"
 #include "src/serialization/job_config.h"
+#include "src/serialization/robot_files.h"
 
 // The help of a command shows these texts; the first word of one in capitals
 // stands for the flag's value.
@@ -281,11 +282,16 @@ void SetVerbosity() {
   FLAGS_v = FLAGS_verbosity > 1 ? 1 : 0;
 }
 
+// Wherever a command takes an arm file it takes the name of one, too.
+std::string FileOf(const std::string& argument) {
+  return ArmPath(argument, argument, {});
+}
+
 ExitStatus RunCommand(const std::string& name,
                       std::vector<std::string> arguments) {
   const Command& command = FindCommand(name);
   ArgumentParser parser(command, std::move(arguments));
-  const CommandLine line = parser.Parse();
+  CommandLine line = parser.Parse();
   if (parser.wants_help()) {
     PrintHelp(command);
     return kExitDone;
@@ -297,11 +303,12 @@ ExitStatus RunCommand(const std::string& name,
                             std::to_string(launch.size) +
                             " were started together");
   }
+  for (std::string& file : line.files) file = FileOf(file);
   SetVerbosity();
   if (FLAGS_memory > 0) SetMemoryLimit(FLAGS_memory * 1000000);
   return command.run({line.files,
                       FLAGS_out,
-                      FLAGS_arm,
+                      FileOf(FLAGS_arm),
                       FLAGS_read_as,
                       FLAGS_report,
                       FLAGS_keep_rejected,
@@ -312,7 +319,7 @@ ExitStatus RunCommand(const std::string& name,
                       FLAGS_threads,
                       line.seed,
                       line.text,
-                      FLAGS_nominal,
+                      FileOf(FLAGS_nominal),
                       FLAGS_rotation,
                       FLAGS_target,
                       FLAGS_from,

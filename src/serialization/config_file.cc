@@ -8,6 +8,7 @@
 #include "src/dataio/dataset_csv.h"
 #include "src/dataio/file_pattern.h"
 #include "src/serialization/result_json.h"
+#include "src/serialization/robot_files.h"
 #include "src/serialization/ur_kinematics.h"
 
 namespace alidade::internal {
@@ -122,11 +123,14 @@ Eigen::VectorXd ReadDeviations(const YamlValue& value, const Units& units,
 Arm NamedFiles::ReadArm(const YamlValue& value,
                         Arm (*load)(const std::string& path,
                                     std::vector<std::string>* input_files)) {
+  const std::string arm_path =
+      ArmPath(value.Text(), Resolve(value), value.location());
   std::vector<std::string> named;
-  Arm arm =
-      Read(value, [&](const std::string& path) { return load(path, &named); });
+  Arm arm = ReadPath(arm_path, value, [&](const std::string& path) {
+    return load(path, &named);
+  });
   for (const std::string& path : named) Remember(path);
-  arm_path_ = Resolve(value);
+  arm_path_ = arm_path;
   return arm;
 }
 

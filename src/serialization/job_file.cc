@@ -382,7 +382,9 @@ void VisitJob(Visitor& v, JobReading* reading) {
   JobConfig* const job = reading->job;
   VisitHead(v, FileFormat::kJob);
   v.Field(Key("title").Required(), job->title, "heads the report");
-  v.Custom(PathKey("arm").Required(), "the nominal arm",
+  v.Custom(PathKey("arm").Required(),
+           "the nominal arm: a file, or `robots/NAME` of those that `alidade "
+           "robots` lists",
            [&](const YamlValue& value) {
              job->arm = reading->context->files.ReadArm(value, LoadArm);
            });

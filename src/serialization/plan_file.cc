@@ -276,7 +276,8 @@ void VisitSources(Visitor& v, PlanReading* reading) {
            "holds out count as measured too",
            [=](const YamlValue& value) { ReadJob(value, reading); });
   v.Custom(PathKey("arm").Default("required without `job`"),
-           "the arm to plan with: nominal, or as last calibrated",
+           "the arm to plan with: nominal, or as last calibrated; a file, or "
+           "`robots/NAME` as in a job",
            [=](const YamlValue& value) {
              job->arm = reading->context->files.ReadArm(value, LoadArm);
              job->data.training.joint_values =

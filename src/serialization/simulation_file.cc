@@ -186,7 +186,9 @@ void VisitSimulation(Visitor& v, const SimulationReading& reading) {
   SimulationConfig* const config = reading.config;
   VisitHead(v, FileFormat::kSimulation);
   v.Field(Key("title"), config->title, "for people");
-  v.Custom(PathKey("arm").Required(), "the nominal arm",
+  v.Custom(PathKey("arm").Required(),
+           "the nominal arm: a file, or `robots/NAME` of those that `alidade "
+           "robots` lists",
            [reading, config](const YamlValue& value) {
              config->arm = reading.files->ReadArm(value, LoadArm);
            });

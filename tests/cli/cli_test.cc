@@ -50,9 +50,9 @@ TEST(CliTest, HelpNamesEveryCommandOnStandardOutput) {
   EXPECT_EQ(result.status, 0);
   EXPECT_THAT(result.err, IsEmpty());
   for (const char* command :
-       {"show", "check", "convert", "simulate", "plan", "identify", "calibrate",
-        "compare", "montecarlo", "validate", "correct", "export", "fk", "ik",
-        "report", "batch", "keys"}) {
+       {"robots", "keys", "show", "check", "convert", "simulate", "plan",
+        "identify", "calibrate", "compare", "montecarlo", "validate", "correct",
+        "export", "fk", "ik", "report", "batch"}) {
     EXPECT_THAT(result.out, HasSubstr(command));
     const ProcessResult help = Alidade(std::string(command) + " --help");
     EXPECT_EQ(help.status, 0) << command;

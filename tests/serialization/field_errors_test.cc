@@ -13,6 +13,9 @@
 
 #include "alidade/arm_file.h"
 #include "alidade/error.h"
+#include "src/serialization/job_config.h"
+#include "src/serialization/plan_file.h"
+#include "src/serialization/simulation_file.h"
 #include "tests/serialization/described_formats.h"
 #include "tests/support/config_files.h"
 #include "tests/support/io_test_util.h"

@@ -1,0 +1,34 @@
+#ifndef ALIDADE_SRC_SERIALIZATION_ROBOT_FILES_H_
+#define ALIDADE_SRC_SERIALIZATION_ROBOT_FILES_H_
+
+#include <string>
+#include <vector>
+
+#include "alidade/error.h"
+
+namespace alidade::internal {
+
+/// Where arm files that are named "robots/NAME" are looked for, in this order:
+/// folders of the environment variable ALIDADE_ROBOTS (separated by ':'), that
+/// of the program's installation, the source tree's, that of the library's
+/// installation. Those that are there, each once.
+std::vector<std::string> RobotFolders();
+
+/// An arm file of these folders.
+struct RobotFile {
+  std::string name;  ///< "robots/ur10e"
+  std::string path;
+};
+
+/// All of them by name. One of an earlier folder hides those of its name.
+std::vector<RobotFile> ListRobots();
+
+/// The path of an arm: `path`, which `text` stands for as a file's name, or,
+/// where there is no such file and `text` is "robots/NAME", that arm file.
+/// @throws InputError at `location` where no folder has it.
+std::string ArmPath(const std::string& text, const std::string& path,
+                    const SourceLocation& location);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_SERIALIZATION_ROBOT_FILES_H_
