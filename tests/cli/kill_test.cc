@@ -48,9 +48,9 @@ std::string WhatIsMixed(const std::string& directory) {
   return names.empty() ? "" : *names.begin() + " is not listed";
 }
 
-class Run {
+class Process {
  public:
-  Run(const std::string& job, const std::string& out, int seed)
+  Process(const std::string& job, const std::string& out, int seed)
       : seed_("--seed=" + std::to_string(seed)), out_("--out=" + out) {
     const char* const arguments[] = {ALIDADE_BINARY, "calibrate",   job.c_str(),
                                      out_.c_str(),   seed_.c_str(), nullptr};
@@ -85,7 +85,7 @@ TEST(KillTest, AResultIsWholeOrOld) {
   const std::string job = ALIDADE_SOURCE_DIR "/configs/jobs/rv2aj_flange.yaml";
   const TemporaryDirectory scratch;
   const std::string out = scratch / "result";
-  ASSERT_TRUE(Run(job, out, 1).Wait());
+  ASSERT_TRUE(Process(job, out, 1).Wait());
   WriteWhole(out + "/notes.txt", "mine");
   const auto is_staged = [&scratch] {
     for (const auto& entry : fs::directory_iterator(scratch.path())) {
@@ -95,18 +95,18 @@ TEST(KillTest, AResultIsWholeOrOld) {
   };
   int killed = 0;
   for (int trial = 0; trial < 8; ++trial) {
-    Run run(job, out, 2 + trial);
+    Process process(job, out, 2 + trial);
     for (int k = 0; k < 20000 && !is_staged(); ++k) {
       std::this_thread::sleep_for(std::chrono::microseconds(500));
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(4 * trial));
-    run.Kill();
-    if (!run.Wait()) ++killed;
+    process.Kill();
+    if (!process.Wait()) ++killed;
     EXPECT_EQ(WhatIsMixed(out), "") << trial;
     EXPECT_TRUE(fs::exists(out + "/notes.txt")) << trial;
   }
   EXPECT_GT(killed, 0);
-  ASSERT_TRUE(Run(job, out, 1).Wait());
+  ASSERT_TRUE(Process(job, out, 1).Wait());
   EXPECT_EQ(WhatIsMixed(out), "");
   EXPECT_FALSE(is_staged());
 }
