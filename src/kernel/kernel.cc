@@ -105,7 +105,7 @@ HWY_INLINE void WriteOrientation(const Job& job, const Frame& last, int t,
   const double* const measured = job.tile.measured + kTurnRows + t;
   for (int k = 0; k < 3; ++k) {
     // Column k of [x y z] R_m^T.
-    const V3 row = Load3(measured + k * kTurnRows, kTile);
+    const V3 row = Load3(measured + std::ptrdiff_t{k} * kTurnRows, kTile);
     const V3 column = AddScaled(row.z, z, AddScaled(row.y, y, Scale(row.x, x)));
     hn::Store(column.x, kTag, turns.matrix[k]);
     hn::Store(column.y, kTag, turns.matrix[3 + k]);
