@@ -1,5 +1,7 @@
 #include "src/calibration/calibration_task.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <string>
 #include <utility>
 
@@ -24,6 +26,25 @@ void RequireNames(const ParameterLayout& layout, const char* option,
   }
 }
 
+// Each has three parameters; matrices of all are dense.
+void RequireFewReferences(const References& references) {
+  constexpr std::int64_t kMost = 1000;
+  const auto is_unknown = [](const auto& reference) {
+    return !reference.is_known;
+  };
+  const std::int64_t count =
+      std::count_if(references.points.begin(), references.points.end(),
+                    is_unknown) +
+      std::count_if(references.planes.begin(), references.planes.end(),
+                    is_unknown);
+  if (count <= kMost) return;
+  throw InputError({}, "references: " + std::to_string(count) +
+                           " points and planes are to be found, at most " +
+                           std::to_string(kMost) +
+                           " can be in one job: state those that are known "
+                           "(`known: true`), or leave data out");
+}
+
 void RequireValid(const CalibrationTask& task) {
   std::string error;
   if (!task.options.IsValid(&error)) throw InputError({}, error);
@@ -32,6 +53,7 @@ void RequireValid(const CalibrationTask& task) {
         {}, "the arm \"" + task.arm.name + "\" has no joint or no target");
   }
   const References& references = task.data.references;
+  RequireFewReferences(references);
   const ParameterLayout layout(
       LayoutShape{task.arm.num_joints(), task.arm.num_targets(),
                   references.num_points(), references.num_planes()});

@@ -229,7 +229,13 @@ YamlMap YamlValue::Map(const std::vector<std::string>& keys) const {
 
 YamlMap YamlValue::AnyMap(const std::string& what) const {
   if (node_->kind != Kind::kMap) FailType("a map of " + what);
-  return Map(node_->keys);
+  std::vector<std::pair<std::string, YamlValue>> entries;
+  for (std::size_t i = 0; i < node_->keys.size(); ++i) {
+    const std::string& key = node_->keys[i];
+    entries.emplace_back(
+        key, YamlValue(document_, &node_->items[i], ChildPath(path_, key)));
+  }
+  return YamlMap(*this, std::move(entries));
 }
 
 std::optional<YamlValue> YamlValue::Find(const std::string& key) const {

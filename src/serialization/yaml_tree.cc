@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <sstream>
 #include <string_view>
+#include <unordered_map>
+#include <vector>
 
 #include "src/common/files.h"
 #include "src/common/names.h"
@@ -28,32 +30,53 @@ SourceLocation LocationOf(const std::string& file, const YAML::Mark& mark) {
   return {file, PlaceOf(mark).line, PlaceOf(mark).column, ""};
 }
 
+// The lines of a text, found once.
+class Lines {
+ public:
+  explicit Lines(const std::string& text) : text_(text) {
+    for (std::size_t begin = 0; begin <= text.size();) {
+      begins_.push_back(begin);
+      const std::size_t end = text.find('\n', begin);
+      if (end == std::string::npos) break;
+      begin = end + 1;
+    }
+  }
+
+  /// Line `number` from 0; empty behind the last.
+  std::string_view operator[](int number) const {
+    const auto k = static_cast<std::size_t>(number);
+    if (k >= begins_.size()) return {};
+    const std::size_t end =
+        k + 1 < begins_.size() ? begins_[k + 1] - 1 : text_.size();
+    return text_.substr(begins_[k], end - begins_[k]);
+  }
+
+ private:
+  const std::string_view text_;
+  std::vector<std::size_t> begins_;
+};
+
 // yaml-cpp puts an empty value where the next token is, but one that says null
 // where it stands.
-bool SaysNull(const std::string& text, const YAML::Mark& mark) {
-  std::istringstream lines(text);
-  std::string line;
-  for (int number = 0; number <= mark.line; ++number) std::getline(lines, line);
+bool SaysNull(const Lines& lines, const YAML::Mark& mark) {
+  const std::string_view line = lines[mark.line];
   const std::size_t column = static_cast<std::size_t>(mark.column);
   if (column >= line.size()) return false;
-  const std::string_view rest = std::string_view(line).substr(column);
+  const std::string_view rest = line.substr(column);
   const std::string_view word = rest.substr(0, rest.find_first_of(" \t\r,]}#"));
   return word == "~" || word == "null" || word == "Null" || word == "NULL";
 }
 
-// The dash of an empty item is the first one that begins a line above.
-YamlPlace PlaceOfEmptyItem(const std::string& text, const YAML::Mark& mark) {
-  YamlPlace place = PlaceOf(mark);
-  std::istringstream lines(text);
-  std::string line;
-  for (int number = 1; number < mark.line + 1; ++number) {
-    std::getline(lines, line);
+// The dash of an empty item begins the nearest line above that begins with one.
+YamlPlace PlaceOfEmptyItem(const Lines& lines, const YAML::Mark& mark) {
+  for (int number = mark.line - 1; number >= 0; --number) {
+    const std::string_view line = lines[number];
     const std::size_t first = line.find_first_not_of(' ');
-    if (first != std::string::npos && line[first] == '-') {
-      place = {number, static_cast<int>(first) + 1};
+    if (first != std::string_view::npos && line[first] == '-') {
+      return {number + 1, static_cast<int>(first) + 1};
     }
   }
-  return place;
+  return PlaceOf(mark);
 }
 
 // yaml-cpp overlooks a missing closing quote where the text ends in a line
@@ -69,7 +92,7 @@ std::string WithEndMark(const std::string& text) {
 class TreeBuilder : public YAML::EventHandler {
  public:
   TreeBuilder(const std::string& text, YamlDocument* document)
-      : text_(text), document_(*document) {}
+      : lines_(text), document_(*document) {}
 
   void OnDocumentStart(const YAML::Mark& mark) override {
     if (started_) {
@@ -82,12 +105,12 @@ class TreeBuilder : public YAML::EventHandler {
   void OnNull(const YAML::Mark& mark, YAML::anchor_t) override {
     if (ExpectsKey()) Fail(mark, "expected a key before \":\", found nothing");
     YamlNode* const node = Add(mark, Kind::kEmpty);
-    node->says_null = SaysNull(text_, mark);
+    node->says_null = SaysNull(lines_, mark);
     if (open_.empty()) return;
     if (open_.back()->kind == Kind::kMap) {
       node->place = key_place_;
     } else if (!node->says_null) {
-      node->place = PlaceOfEmptyItem(text_, mark);
+      node->place = PlaceOfEmptyItem(lines_, mark);
     }
   }
 
@@ -113,7 +136,7 @@ class TreeBuilder : public YAML::EventHandler {
     if (ExpectsKey()) Fail(mark, "expected a key that is text, found a list");
     Open(mark, Kind::kList);
   }
-  void OnSequenceEnd() override { open_.pop_back(); }
+  void OnSequenceEnd() override { Close(); }
 
   void OnMapStart(const YAML::Mark& mark, const std::string& tag,
                   YAML::anchor_t, YAML::EmitterStyle::value) override {
@@ -121,7 +144,7 @@ class TreeBuilder : public YAML::EventHandler {
     if (ExpectsKey()) Fail(mark, "expected a key that is text, found a map");
     Open(mark, Kind::kMap);
   }
-  void OnMapEnd() override { open_.pop_back(); }
+  void OnMapEnd() override { Close(); }
 
  private:
   [[noreturn]] void Fail(const YAML::Mark& mark,
@@ -142,10 +165,12 @@ class TreeBuilder : public YAML::EventHandler {
 
   void AddKey(const YAML::Mark& mark, const std::string& key) {
     YamlNode* const map = open_.back();
-    if (const YamlNode* const first = map->Find(key)) {
+    const auto [first, is_new] =
+        lines_of_keys_.back().emplace(key, PlaceOf(mark).line);
+    if (!is_new) {
       Fail(mark, "key " + Quote(key) +
                      " is repeated, expected once (it is in line " +
-                     std::to_string(first->key_place.line) + " already)");
+                     std::to_string(first->second) + " already)");
     }
     map->keys.push_back(key);
     key_place_ = PlaceOf(mark);
@@ -157,6 +182,12 @@ class TreeBuilder : public YAML::EventHandler {
                      " levels, expected fewer");
     }
     open_.push_back(Add(mark, kind));
+    lines_of_keys_.emplace_back();
+  }
+
+  void Close() {
+    open_.pop_back();
+    lines_of_keys_.pop_back();
   }
 
   YamlNode* Add(const YAML::Mark& mark, Kind kind) {
@@ -169,11 +200,13 @@ class TreeBuilder : public YAML::EventHandler {
     return node;
   }
 
-  const std::string& text_;
+  const Lines lines_;
   YamlDocument& document_;
   bool started_ = false;
   YamlPlace key_place_;
   std::vector<YamlNode*> open_;
+  // One for each of these.
+  std::vector<std::unordered_map<std::string, int>> lines_of_keys_;
 };
 
 // yaml-cpp ends a file silently at a byte 4 and reads other control characters

@@ -86,6 +86,18 @@ TEST(DataCheckTest, AHoldOutThatLeavesNothingToFitIsRefused) {
               HasSubstr("holdout.fraction leaves no configuration"));
 }
 
+// 5000 would take 12 GB before anybody hears of it.
+TEST(DataCheckTest, MoreReferencesThanFitAreRefused) {
+  EXPECT_THAT(
+      Refusal([](CalibrationData* data) {
+        data->references.points.resize(5000);
+        for (std::size_t k = 3000; k < 5000; ++k) {
+          data->references.points[k].is_known = true;
+        }
+      }),
+      HasSubstr("3000 points and planes are to be found, at most 1000"));
+}
+
 TEST(DataCheckTest, BoundsOfUnknownParametersAreRefused) {
   CalibrationOptions options;
   options.bounds = {{"d9", -1.0, 1.0}};
