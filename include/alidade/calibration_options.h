@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "alidade/dataset.h"
+#include "alidade/error_terms.h"
 #include "alidade/identifiability.h"
 #include "alidade/references.h"
 #include "alidade/robust_loss.h"
@@ -58,10 +59,13 @@ struct ErrorTermOptions {
   std::vector<double> harmonics;  ///< cycles per turn of the joint
   bool scale = false;             ///< of joint values
   bool backlash = false;
-  /// Effects of all covariates of the data on the base.
+  /// Effects of all covariates of the data.
   bool covariates = false;
   /// Joints (from 0) that move with the values of others: {joint, other}.
   std::vector<std::pair<int, int>> coupling;
+  /// What covariates may do, with any selection but kNone; those that are not
+  /// here move the base.
+  std::vector<CovariateUse> uses;
 };
 
 /// How poses that the fit does not use are drawn.

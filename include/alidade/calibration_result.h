@@ -209,6 +209,12 @@ struct ErrorRung {
   std::string name;  ///< "geometry", "elasticity", "elasticity + functions" ...
   int num_terms = 0;    ///< coefficients besides the geometry
   double weight = 0.0;  ///< in what is delivered
+  /// By how much it makes -2 log of the restricted likelihood of the training
+  /// poses smaller than the geometry alone does.
+  double evidence = 0.0;
+  /// False where a rung with fewer terms has as much evidence (error_fit.h): it
+  /// has no weight, and its errors without training poses are not computed, 0.
+  bool is_weighed = true;
   /// Standard deviations of the coefficients' priors, found from the training
   /// poses: compliances about the joint's axis and the others (rad / (N m)),
   /// functions (rad); 0 = none of them.

@@ -10,12 +10,15 @@ namespace alidade {
 struct Arm;
 
 /// A function of a joint's value: linear between equidistant knots, zero beyond
-/// the first and the last of them.
+/// the first and the last of them; or of its value modulo a turn.
 struct JointFunction {
   double first = 0.0;      ///< joint value of the first knot (rad, m)
   double spacing = 0.0;    ///< between knots (rad, m), > 0 where there are any
   Eigen::VectorXd values;  ///< at the knots (rad, m)
   Eigen::VectorXd deviations;  ///< std of values less their mean, or empty
+  /// The knot after the last one is the first: as many spacings as there are
+  /// values make a turn (rad).
+  bool is_periodic = false;
 
   bool empty() const { return values.size() == 0; }
   double At(double joint_value) const;
@@ -54,6 +57,29 @@ struct CovariateEffect {
   Eigen::Matrix<double, 6, 1> base = Eigen::Matrix<double, 6, 1>::Zero();
   /// Added to the joint values (rad, m); n, or empty.
   Eigen::VectorXd joints = {};
+  /// Moves the targets in the axes of the last frame (m), then turns them about
+  /// its x, y, z (rad).
+  Eigen::Matrix<double, 6, 1> target = Eigen::Matrix<double, 6, 1>::Zero();
+  /// Added to the mass of the payload (kg).
+  double payload = 0.0;
+};
+
+/// What a column of the data may do, which is then estimated.
+struct CovariateUse {
+  std::string name;  ///< of the column
+  bool moves_base = true;
+  bool moves_target = false;
+  std::vector<int> joints = {};  ///< from 0; those whose values it changes
+  /// Its numbers are the directions, -1 or 1, from which `joints` came: each
+  /// makes half a step of backlash so. No effect at 0.
+  bool is_approach = false;
+  /// Its numbers are masses at the target (kg), which change the moments that
+  /// joints bend under. Nothing else is estimated of it.
+  bool is_payload = false;
+  /// Its numbers are 1 where the arm or the instrument stood elsewhere, else 0.
+  /// Base and instrument are those at 0; a base of its own at 1 is estimated
+  /// with every set of terms, geometry alone too.
+  bool is_station = false;
 };
 
 /// A mass at a point of a frame.
@@ -83,10 +109,11 @@ struct Load {
 /// covariates c, their effects are
 ///
 ///   base * Trans(u_1, u_2, u_3) Rot(x, u_4) Rot(y, u_5) Rot(z, u_6) * T(0, 1)
-///   ..
+///   .. T(n-1, n) * Trans(v_1, v_2, v_3) Rot(x, v_4) Rot(y, v_5) Rot(z, v_6) *
+///   target
 ///
-/// with u the sum of effects times c - reference; poses of no measurement have
-/// c = reference.
+/// with u and v the sums of effects times c - reference; poses of no
+/// measurement have c = reference.
 struct ErrorTerms {
   std::vector<JointErrors> joints;  ///< one per joint; empty: none of them
   /// What each joint (row) moves with the values of all joints (columns), on
@@ -131,6 +158,8 @@ struct PoseErrors {
   Eigen::Matrix2Xd tilts;  ///< t_x and t_y of each joint (rad)
   /// u of the base (m, rad).
   Eigen::Matrix<double, 6, 1> base = Eigen::Matrix<double, 6, 1>::Zero();
+  /// v of the target (m, rad).
+  Eigen::Matrix<double, 6, 1> target = Eigen::Matrix<double, 6, 1>::Zero();
 };
 
 /// The terms of an arm at joint values (n values, rad or m). `covariates`: one
@@ -139,8 +168,9 @@ PoseErrors ErrorsAt(const Arm& arm, const double* joint_values,
                     const double* covariates = nullptr);
 
 /// The moments of the loads about each joint's axis point, in the axes of its
-/// frame (3 x n, N m).
-Eigen::Matrix3Xd LoadMoments(const Arm& arm, const double* joint_values);
+/// frame (3 x n, N m). `covariates` as above.
+Eigen::Matrix3Xd LoadMoments(const Arm& arm, const double* joint_values,
+                             const double* covariates = nullptr);
 
 }  // namespace alidade
 

@@ -128,14 +128,15 @@ void CarryThroughJoint(const Arm& arm, const GeometryView<T>& geometry, int j,
   }
 }
 
-/// Moves a point, or with is_direction only turns a direction, from the base as
-/// covariates move it to the base.
+/// Moves a point, or with is_direction only turns a direction, from a frame as
+/// covariates move it (PoseErrors::base, target) to that frame.
 template <typename T>
-void CarryThroughBase(const PoseErrors& errors, T* v, bool is_direction) {
-  TiltPlane<T>(errors.base[5], v, v + 1);
-  TiltPlane<T>(errors.base[4], v + 2, v);
-  TiltPlane<T>(errors.base[3], v + 1, v + 2);
-  for (int k = 0; k < 3 && !is_direction; ++k) v[k] += errors.base[k];
+void CarryThroughMotion(const Eigen::Matrix<double, 6, 1>& motion, T* v,
+                        bool is_direction) {
+  TiltPlane<T>(motion[5], v, v + 1);
+  TiltPlane<T>(motion[4], v + 2, v);
+  TiltPlane<T>(motion[3], v + 1, v + 2);
+  for (int k = 0; k < 3 && !is_direction; ++k) v[k] += motion[k];
 }
 
 /// The error terms of an arm at a pose, or nothing for a rigid one.
@@ -164,11 +165,14 @@ Vector3<T> TargetPosition(const Arm& arm, const GeometryView<T>& geometry,
     point = Eigen::Map<const Vector3<T>>(geometry.tool);
   }
   const ErrorsOfPose errors(arm, joint_values, covariates);
+  if (errors.get() != nullptr) {
+    CarryThroughMotion(errors.get()->target, point.data(), false);
+  }
   for (int j = arm.num_joints() - 1; j >= 0; --j) {
     CarryThroughJoint(arm, geometry, j, joint_values[j], errors.get(), &point);
   }
   if (errors.get() != nullptr) {
-    CarryThroughBase(*errors.get(), point.data(), false);
+    CarryThroughMotion(errors.get()->base, point.data(), false);
   }
   point = arm.instrument_from_base.linear().template cast<T>() * point;
   if (geometry.base == nullptr) {
@@ -195,16 +199,18 @@ Vector3<T> TargetPose(const Arm& arm, const GeometryView<T>& geometry,
     rotation = RotationFromVector<T>(turn) * rotation;
   }
   const ErrorsOfPose errors(arm, joint_values, covariates);
+  const auto carry = [&](const Eigen::Matrix<double, 6, 1>& motion) {
+    CarryThroughMotion(motion, point.data(), false);
+    for (int k = 0; k < 3; ++k) {
+      CarryThroughMotion(motion, rotation.col(k).data(), true);
+    }
+  };
+  if (errors.get() != nullptr) carry(errors.get()->target);
   for (int j = arm.num_joints() - 1; j >= 0; --j) {
     CarryThroughJoint(arm, geometry, j, joint_values[j], errors.get(), &point,
                       &rotation);
   }
-  if (errors.get() != nullptr) {
-    CarryThroughBase(*errors.get(), point.data(), false);
-    for (int k = 0; k < 3; ++k) {
-      CarryThroughBase(*errors.get(), rotation.col(k).data(), true);
-    }
-  }
+  if (errors.get() != nullptr) carry(errors.get()->base);
   Eigen::Matrix<T, 3, 3> base =
       arm.instrument_from_base.linear().template cast<T>();
   Vector3<T> origin = arm.instrument_from_base.translation().template cast<T>();

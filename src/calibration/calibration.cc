@@ -282,6 +282,7 @@ class Calibrator {
   void SetArm(const Eigen::VectorXd& values) {
     result_.arm = model_.layout().WithValues(fitted().nominal(), values);
     result_.arm.errors.load_geometry.resize(0, 0);
+    RestoreStations(prepared_.stations, &result_.arm);
   }
 
   void FindAllOutliers(const CalibrationSolution& fit) {
@@ -423,6 +424,7 @@ CalibrationResult Calibrate(CalibrationTask task, IdentifiabilityCache* cache) {
 
 IdentifiabilityResult AnalyzeTask(CalibrationTask task) {
   CheckAndHoldOut(&task);
+  AlignStations(&task);
   RefuseMistakes(task);
   FitFrames(&task);
   const MeasurementModel model(task.arm, task.data.references,

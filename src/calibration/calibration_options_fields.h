@@ -41,18 +41,18 @@ void VisitFields(Visitor& v, Subject<Visitor, ErrorTermOptions>& options) {
           "(a prismatic one about two)");
   v.Field(AngleKey("functions").AtLeast(0).Default("none"),
           options.function_length,
-          "a smooth function of its value is added to each revolute joint; "
-          "this is how far its values resemble each other: 0.05 to 0.3 rad for "
-          "errors of gears and encoders, 1.5 rad for what repeats once or "
-          "twice a turn");
+          "a smooth function of its value is added to each joint; this is "
+          "how far its values resemble each other: 0.05 to 0.3 rad for errors "
+          "of gears and encoders, 1.5 rad for what repeats once or twice a "
+          "turn. Along a prismatic joint a metre counts as a radian");
   v.Field(Key("scale"), options.scale,
           "each joint moves by more or less than it should");
   v.Field(Key("backlash"), options.backlash,
           "half a step by the sign of the moment about a revolute joint's "
           "axis");
   v.Field(Key("covariates"), options.covariates,
-          "the base moves with each covariate of the data (`columns`: "
-          "`covariates`, `station`)");
+          "each covariate of the data moves the base, or what its `effects` "
+          "say (`columns`: `covariates`, `station`, `approach`)");
 }
 
 template <>

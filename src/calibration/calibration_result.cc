@@ -119,7 +119,7 @@ std::string DescribeRungs(const CalibrationResult& result) {
                        const std::string& weight, double region,
                        const Accuracy& accuracy) {
     const auto shown = [](double metres) {
-      return FormatSignificant(metres / kMillimetre, 3);
+      return metres > 0.0 ? FormatSignificant(metres / kMillimetre, 3) : "-";
     };
     table.AddRow({name, terms, weight, shown(region), shown(accuracy.mean),
                   shown(accuracy.max)});

@@ -88,6 +88,8 @@ void VisitFields(Visitor& v, Subject<Visitor, ErrorRung>& rung) {
   v.Field("name", rung.name);
   v.Field("num_terms", rung.num_terms);
   v.Field("weight", rung.weight);
+  v.Later("evidence", rung.evidence);
+  v.Later("is_weighed", rung.is_weighed);
   v.Field("compliance_std", rung.compliance_std);
   v.Field("other_compliance_std", rung.other_compliance_std);
   v.Field("function_std", rung.function_std);

@@ -20,7 +20,7 @@ std::string UnitOf(const DenseTerm& term, const Arm& arm) {
   if (term.regressor == DenseTerm::Regressor::kMoment) return "rad/(N m)";
   if (term.regressor == DenseTerm::Regressor::kCovariate) {
     const bool moves =
-        term.joint == arm.num_joints() ||
+        term.joint == arm.num_joints() || term.joint == arm.num_joints() + 2 ||
         (term.joint < arm.num_joints() &&
          arm.joints[term.joint].dimension() == Dimension::kLength);
     return moves ? "m" : "rad";

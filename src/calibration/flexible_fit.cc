@@ -20,7 +20,12 @@ constexpr double kLengths[] = {0.1, 0.3, 1.5};
 
 std::vector<TermSet> SetsOf(const ErrorTermOptions& options,
                             const Dataset& data) {
-  const bool has_covariates = !data.covariate_names.empty();
+  const std::vector<CovariateEffect> effects = EffectsOf(data, options.uses);
+  const bool has_covariates = std::any_of(
+      effects.begin(), effects.end(), [&](const CovariateEffect& effect) {
+        const CovariateUse use = UseOf(effect.name, options.uses);
+        return !use.is_payload && !use.is_station;
+      });
   if (options.selection == ErrorTermSelection::kStated) {
     TermSet set;
     set.name = "stated terms";
@@ -68,6 +73,7 @@ ErrorRung Describe(const CalibrationSolution& rigid, const RungFit& rung,
   described.name = rung.set.name;
   described.num_terms = rung.columns.size();
   described.weight = rung.weight;
+  described.is_weighed = rung.is_weighed;
   const auto deviation = [&](TermGroup group) {
     const auto& dense = rung.columns.dense();
     const bool is_there =
@@ -118,6 +124,15 @@ Finding Describe(const BaseJump& jump, const Dataset& data, double sigma) {
   return finding;
 }
 
+// Of the rungs that were fitted without regions.
+double LeastRegionError(const ErrorTermsResult& result) {
+  double least = result.rungs.front().region_error;
+  for (const ErrorRung& rung : result.rungs) {
+    if (rung.is_weighed) least = std::min(least, rung.region_error);
+  }
+  return least;
+}
+
 std::string SentenceOf(const ErrorTermsResult& result, bool is_stated) {
   if (is_stated) return "the error terms that were asked for are estimated";
   if (result.rungs.empty()) {
@@ -131,15 +146,9 @@ std::string SentenceOf(const ErrorTermsResult& result, bool is_stated) {
   }
   return "error terms are estimated: within the training poses they make the "
          "error of what a fit has not seen " +
-         FormatSignificant(
-             result.rungs.front().region_error /
-                 std::max(1e-12, std::min_element(
-                                     result.rungs.begin(), result.rungs.end(),
-                                     [](const auto& a, const auto& b) {
-                                       return a.region_error < b.region_error;
-                                     })
-                                     ->region_error),
-             2) +
+         FormatSignificant(result.rungs.front().region_error /
+                               std::max(1e-12, LeastRegionError(result)),
+                           2) +
          " times smaller";
 }
 
@@ -172,6 +181,7 @@ std::optional<FlexibleFit> FitFlexible(const CalibrationSolution& rigid,
                       rigid.problem.priors,
                       TunedLosses(task.options.loss),
                       SetsOf(task.options.errors, data),
+                      task.options.errors.uses,
                       !is_stated};
   std::optional<ErrorFit> fit = FitErrorTerms(input);
   if (fit) {
@@ -185,11 +195,16 @@ std::optional<FlexibleFit> FitFlexible(const CalibrationSolution& rigid,
     result->random_error = fit->stacking.random_error * sigma;
     for (const RungFit& rung : fit->rungs) {
       result->rungs.push_back(Describe(rigid, rung, sigma));
+      result->rungs.back().evidence =
+          fit->rungs.front().criterion - rung.criterion;
     }
     if (fit->jump) findings->push_back(Describe(*fit->jump, data, sigma));
   }
   result->sentence = SentenceOf(*result, is_stated);
-  if (!(result->share > 0.0)) return std::nullopt;
+  if (!fit || !fit->covariance) return std::nullopt;
+  if (!(result->share > 0.0)) {
+    result->sentence += "; but each station has a base of its own";
+  }
   FlexibleFit flexible;
   flexible.model.emplace(WithTerms(task.arm, fit->terms), task.data.references,
                          task.execution());

@@ -26,17 +26,21 @@ void PutFrame(const Eigen::Isometry3d& frame, ByteWriter* writer) {
 void PutErrors(const ErrorTerms& errors, ByteWriter* writer) {
   const auto& [joints, coupling, covariates, gravity, links, payload,
                load_geometry, load_target] = errors;
-  for (const auto& [name, reference, base, on_joints] : covariates) {
+  for (const auto& [name, reference, base, on_joints, target, load] :
+       covariates) {
     writer->PutText(name);
     writer->Put(reference);
     writer->PutMatrix(base);
     writer->PutMatrix(on_joints);
+    writer->PutMatrix(target);
+    writer->Put(load);
   }
   writer->Put(joints.size());
   for (const auto& [compliance, function, harmonics, backlash] : joints) {
     writer->PutMatrix(compliance);
     writer->Put(function.first);
     writer->Put(function.spacing);
+    writer->Put(function.is_periodic ? 1 : 0);
     writer->PutMatrix(function.values);
     writer->PutList(harmonics);
     writer->Put(backlash);

@@ -41,6 +41,7 @@ std::optional<Finding> RefuseMistakes(const CalibrationTask& task) {
 
 Prepared Prepare(CalibrationTask task) {
   Prepared prepared;
+  prepared.stations = AlignStations(&task);
   prepared.misfit = RefuseMistakes(task);
   prepared.task = std::move(task);
   if (prepared.task.options.errors.selection != ErrorTermSelection::kNone) {

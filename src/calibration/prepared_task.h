@@ -2,9 +2,11 @@
 #define ALIDADE_SRC_CALIBRATION_PREPARED_TASK_H_
 
 #include <optional>
+#include <vector>
 
 #include "src/calibration/calibration_task.h"
 #include "src/calibration/sigma_estimation.h"
+#include "src/calibration/station_frames.h"
 #include "src/uncertainty/lack_of_fit.h"
 
 namespace alidade::internal {
@@ -18,13 +20,15 @@ struct Prepared {
   CalibrationTask task;
   std::optional<Finding> misfit;  ///< what speaks against the input
   bool frames_fitted = false;
+  /// Whose measurements are in the frame of the first one.
+  std::vector<MovedStation> stations = {};
   EstimatedSigmas sigmas;
   StatedNoise stated_noise;
   std::optional<PriorScaling> prior_scaling;
 };
 
-/// Fits frames, estimates sigmas and the scale of priors as the task's options
-/// say. @throws InputError.
+/// Aligns stations, fits frames, estimates sigmas and the scale of priors as
+/// the task's options say. @throws InputError.
 Prepared Prepare(CalibrationTask task);
 
 }  // namespace alidade::internal

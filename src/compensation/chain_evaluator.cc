@@ -28,13 +28,15 @@ void Tilt(double tilt, int first, int second, Matrix3d* frame) {
 // Of the straight line that the joint value lies on.
 double SlopeOf(const JointFunction& function, double joint_value) {
   if (function.empty()) return 0.0;
-  const double knot =
-      std::floor((joint_value - function.first) / function.spacing);
-  const auto last = static_cast<double>(function.values.size()) - 1.0;
+  const auto count = static_cast<double>(function.values.size());
+  double knot = std::floor((joint_value - function.first) / function.spacing);
+  if (function.is_periodic) knot -= count * std::floor(knot / count);
+  const double last = count - 1.0;
   if (!(knot >= -1.0 && knot <= last)) return 0.0;
   const auto k = static_cast<Index>(knot);
   const double below = k < 0 ? 0.0 : function.values[k];
-  const double above = knot == last ? 0.0 : function.values[k + 1];
+  const double beyond = function.is_periodic ? function.values[0] : 0.0;
+  const double above = knot == last ? beyond : function.values[k + 1];
   return (above - below) / function.spacing;
 }
 

@@ -31,7 +31,8 @@ struct ColumnMapping {
   std::string set;
   /// Columns of numbers that are kept as they are, for error terms.
   std::vector<std::string> covariates;
-  std::string station;  ///< where the instrument or the arm stood
+  std::vector<CovariateUse> uses;  ///< of some of them
+  std::string station;             ///< where the instrument or the arm stood
   /// Positions of several targets in one row: names, and headers of x, y, z.
   std::vector<std::pair<std::string, std::vector<std::string>>> targets;
 };
@@ -59,6 +60,8 @@ struct DataFormat {
   std::string point;
   std::string plane;
   std::string target;
+  /// Mass at the target while these data were measured (kg).
+  std::optional<double> payload;
   /// Rows are kept whose cell in the column (first) has the text (second).
   std::vector<std::pair<std::string, std::string>> where;
 };
@@ -72,6 +75,7 @@ struct LoadedData {
   Dataset data;
   std::vector<std::string> sets;  ///< one per pose; empty: no such column
   std::vector<std::string> stations = {};  ///< likewise
+  std::vector<CovariateUse> uses = {};     ///< of the data's covariates
   std::vector<RejectedRow> rejected;
 };
 

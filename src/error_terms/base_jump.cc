@@ -39,8 +39,8 @@ std::vector<Sums> SumByPlace(const WeightedRows& data,
     const double weight = data.weights[static_cast<Eigen::Index>(k)];
     Sums& sum = sums[static_cast<std::size_t>(Eigen::Index{places} * one.pose /
                                               num_poses)];
-    const auto base =
-        rows.turns.middleRows(one.first_row, one.height).rightCols<6>();
+    const auto base = rows.turns.middleRows(one.first_row, one.height)
+                          .middleCols<6>(Eigen::Index{3} * rows.num_joints());
     const auto left = residuals.segment(one.first_row, one.height);
     sum.products += weight * base.transpose() * base;
     sum.gradient += weight * base.transpose() * left;

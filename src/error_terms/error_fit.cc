@@ -18,7 +18,9 @@ class ErrorFitter {
 
   ErrorFit Run() {
     fits_.ChooseScales();
+    std::vector<std::pair<std::size_t, RungFit>> dropped;
     if (input_.selects) {
+      dropped = fits_.DropWithoutEvidence();
       fits_.LeaveOut(0);
       TryHarmonics();
       fit_.stacking = StackOf(fits_.fold_errors());
@@ -32,7 +34,7 @@ class ErrorFitter {
       fits_.rungs()[k].weight = WeightOf(k, fit_.stacking.share);
     }
     Blend();
-    if (fit_.stacking.share > 0.0) {
+    if (fit_.stacking.share > 0.0 || fits_.rungs().front().columns.size() > 0) {
       for (int outer = 1; outer < kOuterIterations; ++outer) {
         fits_.MoveTo(values_, terms_);
         Blend();
@@ -44,6 +46,10 @@ class ErrorFitter {
     }
     fit_.weights = fits_.weights();
     fit_.rungs = fits_.rungs();
+    for (auto& [place, rung] : dropped) {
+      fit_.rungs.insert(fit_.rungs.begin() + static_cast<std::ptrdiff_t>(place),
+                        std::move(rung));
+    }
     return std::move(fit_);
   }
 
@@ -121,19 +127,16 @@ class ErrorFitter {
     Eigen::VectorXd coefficients = Eigen::VectorXd::Zero(all.size());
     Eigen::VectorXd step =
         Eigen::VectorXd::Zero(static_cast<Eigen::Index>(input_.columns.size()));
-    const int n = fits_.arm().num_joints();
     for (std::size_t k = 0; k < fits_.rungs().size(); ++k) {
-      RungFit& rung = fits_.rungs()[k];
+      const RungFit& rung = fits_.rungs()[k];
       const double weight = WeightOf(k, share);
       step += weight * fits_.solution(k).geometry;
       coefficients +=
           weight * (all.From(rung.columns) * fits_.solution(k).terms);
-      rung.values = fits_.Moved(fits_.solution(k).geometry);
-      rung.terms =
-          rung.columns.TermsOf(fits_.solution(k).terms, fits_.terms(), n);
+      fits_.Describe(k);
     }
     values_ = fits_.Moved(step);
-    terms_ = all.TermsOf(coefficients, fits_.terms(), n);
+    terms_ = all.TermsOf(coefficients, fits_.terms(), fits_.arm().num_joints());
   }
 
   // Of a rung in what is delivered.

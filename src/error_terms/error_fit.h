@@ -24,7 +24,7 @@ struct ErrorFit {
   ErrorTerms terms;
   /// What the robust losses leave each observation of `data`; 1 without one.
   Eigen::VectorXd weights;
-  std::shared_ptr<const TermCovariance> covariance;
+  std::shared_ptr<const TermCovariance> covariance;  ///< null: no terms
   /// Coefficients, geometry included, that the data decide rather than their
   /// priors.
   double effective = 0.0;
@@ -38,8 +38,8 @@ constexpr int kFewestForErrorTerms = 10;
 /// and the weights of the sets from what these leave (docs/error_terms.md). All
 /// is linear about the geometric fit first and about the result then, until it
 /// stays. A share of 0 where the terms have no evidence: values are then those
-/// of the input. Nothing where too few configurations were measured. O(N (p +
-/// dense)^2 + sets folds columns^3).
+/// of the input, unless there are stations. Nothing where too few
+/// configurations were measured. O(N (p + dense)^2 + sets folds columns^3).
 std::optional<ErrorFit> FitErrorTerms(const ErrorFitInput& input);
 
 }  // namespace alidade::internal

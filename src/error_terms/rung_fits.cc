@@ -31,18 +31,6 @@ Eigen::VectorXd Left(const TermRows& rows, const TermColumns& columns,
          ApplyTerms(rows, columns, solution.terms, one);
 }
 
-// Of each covariate that varies, none yet.
-std::vector<CovariateEffect> EffectsOf(const Dataset& data) {
-  std::vector<CovariateEffect> effects;
-  for (std::size_t k = 0; k < data.covariate_names.size(); ++k) {
-    const auto row = data.covariates.map().row(static_cast<Eigen::Index>(k));
-    if (row.maxCoeff() > row.minCoeff()) {
-      effects.push_back({data.covariate_names[k], row.mean()});
-    }
-  }
-  return effects;
-}
-
 // Of each observation.
 Eigen::VectorXd SquaresOf(const TermRows& rows, const Eigen::VectorXd& left) {
   Eigen::VectorXd squares(static_cast<Eigen::Index>(rows.observations.size()));
@@ -54,7 +42,45 @@ Eigen::VectorXd SquaresOf(const TermRows& rows, const Eigen::VectorXd& left) {
   return squares;
 }
 
+// Groups of terms that a set has beside those of a smaller one; 0 where it does
+// not have all of its terms.
+int GroupsBeside(const RungFit& smaller, const RungFit& larger) {
+  const TermSet& a = smaller.set;
+  const TermSet& b = larger.set;
+  const bool has_all =
+      b.elasticity >= a.elasticity && b.covariates >= a.covariates &&
+      (a.function_length == 0.0 || a.function_length == b.function_length);
+  return has_all ? larger.columns.num_groups() - smaller.columns.num_groups()
+                 : 0;
+}
+
 }  // namespace
+
+std::vector<CovariateEffect> EffectsOf(const Dataset& data,
+                                       const std::vector<CovariateUse>& uses) {
+  std::vector<CovariateEffect> effects;
+  for (std::size_t k = 0; k < data.covariate_names.size(); ++k) {
+    const auto row = data.covariates.map().row(static_cast<Eigen::Index>(k));
+    const CovariateUse use = UseOf(data.covariate_names[k], uses);
+    if (row.size() == 0) continue;
+    if (!use.is_payload && !(row.maxCoeff() > row.minCoeff())) continue;
+    const bool is_signed = use.is_approach || use.is_station;
+    effects.push_back({use.name, is_signed ? 0.0 : row.mean()});
+    effects.back().payload = use.is_payload ? 1.0 : 0.0;
+  }
+  return effects;
+}
+
+double ChanceOfGain(double gain, int variances) {
+  if (!(gain > 0.0)) return 1.0;
+  double chance = 0.0;
+  double share = std::pow(0.5, variances);
+  for (int i = 1; i <= variances; ++i) {
+    share *= static_cast<double>(variances - i + 1) / i;
+    chance += share * ChiSquareSurvival(gain, i);
+  }
+  return chance;
+}
 
 RungFits::RungFits(const ErrorFitInput& input)
     : input_(input),
@@ -62,11 +88,15 @@ RungFits::RungFits(const ErrorFitInput& input)
       folds_(MakeTrainingFolds(input.data)),
       values_(input.values) {
   arm_.errors.Clear();
-  arm_.errors.covariates = EffectsOf(input.data);
+  arm_.errors.covariates = EffectsOf(input.data, input.uses);
+  for (const CovariateEffect& effect : arm_.errors.covariates) {
+    if (effect.payload != 0.0) arm_.errors.payload.mass = effect.reference;
+  }
   terms_ = arm_.errors;
   std::vector<TermSet> sets = input.sets;
   sets.insert(sets.begin(), TermSet{"geometry"});
-  for (const TermSet& set : sets) {
+  for (TermSet& set : sets) {
+    set.uses = input.uses;
     rungs_.push_back({set, TermColumns(arm_, set, input.data.joint_values.map(),
                                        Deviations())});
   }
@@ -142,10 +172,11 @@ Eigen::VectorXd RungFits::Bent(const TermRows::Observation& one, int pose,
       ErrorsAt(arm_, rows_.joint_values.col(pose).data(),
                CovariatesAt(input_.data, arm_, pose).data());
   const Eigen::Index n = errors.shifts.size();
-  Eigen::Matrix3Xd sizes(3, n + 2);
+  Eigen::Matrix3Xd sizes(3, n + 4);
   sizes.topLeftCorner(2, n) = errors.tilts;
   sizes.row(2).head(n) = errors.shifts.transpose();
-  sizes.rightCols<2>() = errors.base.reshaped(3, 2);
+  sizes.middleCols<2>(n) = errors.base.reshaped(3, 2);
+  sizes.rightCols<2>() = errors.target.reshaped(3, 2);
   return turns.middleRows(one.first_row, one.height) *
          (sizes.reshaped() / kTermUnit);
 }
@@ -183,7 +214,9 @@ void RungFits::Choose(std::size_t k, const LogPrecisions& from) {
   RungFit& rung = rungs_[k];
   const TermRidge ridge = RidgeOf(rung);
   grams_[k] = TermGram(Data(), rung.columns, AllOf(rows_));
-  rung.precisions = ridge.Choose(grams_[k], Equations(), from);
+  const ChosenScales chosen = ridge.Choose(grams_[k], Equations(), from);
+  rung.precisions = chosen.precisions;
+  rung.criterion = chosen.criterion;
   Solve(ridge, k);
 }
 
@@ -202,6 +235,82 @@ void RungFits::ChooseScales() {
                   Choose(first + static_cast<std::size_t>(k), start);
                 }
               });
+  TryModuloTurn();
+}
+
+// All functions of a joint have to be of one kind, for their stack.
+void RungFits::TryModuloTurn() {
+  std::vector<std::size_t> changed;
+  std::vector<RungFit> turned;
+  for (std::size_t k = 0; k < rungs_.size(); ++k) {
+    TermSet set = rungs_[k].set;
+    set.modulo_turn = true;
+    RungFit rung{set, TermColumns(arm_, set, input_.data.joint_values.map(),
+                                  Deviations())};
+    if (!rung.columns.has_periodic()) continue;
+    changed.push_back(k);
+    turned.push_back(std::move(rung));
+  }
+  if (changed.empty()) return;
+  const std::vector<RungFit> plain = rungs_;
+  const std::vector<Eigen::MatrixXd> plain_grams = grams_;
+  const std::vector<TermSolution> plain_solutions = solutions_;
+  ParallelFor(input_.model.num_threads(),
+              static_cast<std::int64_t>(changed.size()), 1,
+              [&](std::int64_t begin, std::int64_t end) {
+                for (std::int64_t i = begin; i < end; ++i) {
+                  rungs_[changed[i]] = turned[i];
+                  Choose(changed[i], plain[changed[i]].precisions);
+                }
+              });
+  const auto least = [&](const std::vector<RungFit>& rungs) {
+    double criterion = std::numeric_limits<double>::infinity();
+    for (const std::size_t k : changed) {
+      criterion = std::min(criterion, rungs[k].criterion);
+    }
+    return criterion;
+  };
+  if (least(rungs_) < least(plain)) return;
+  rungs_ = plain;
+  grams_ = plain_grams;
+  solutions_ = plain_solutions;
+}
+
+std::vector<std::pair<std::size_t, RungFit>> RungFits::DropWithoutEvidence() {
+  std::vector<std::size_t> kept;
+  std::vector<std::pair<std::size_t, RungFit>> dropped;
+  for (std::size_t k = 0; k < rungs_.size(); ++k) {
+    Describe(k);
+    rungs_[k].is_weighed =
+        std::none_of(kept.begin(), kept.end(), [&](std::size_t smaller) {
+          const int groups = GroupsBeside(rungs_[smaller], rungs_[k]);
+          const double gain = rungs_[smaller].criterion - rungs_[k].criterion;
+          return groups > 0 && !(ChanceOfGain(gain, groups) < kEvidenceLevel);
+        });
+    if (rungs_[k].is_weighed) {
+      kept.push_back(k);
+    } else {
+      dropped.emplace_back(k, rungs_[k]);
+    }
+  }
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    if (k == kept[k]) continue;
+    rungs_[k] = std::move(rungs_[kept[k]]);
+    grams_[k] = std::move(grams_[kept[k]]);
+    solutions_[k] = std::move(solutions_[kept[k]]);
+  }
+  rungs_.erase(rungs_.begin() + static_cast<std::ptrdiff_t>(kept.size()),
+               rungs_.end());
+  grams_.resize(kept.size());
+  solutions_.resize(kept.size());
+  return dropped;
+}
+
+void RungFits::Describe(std::size_t k) {
+  RungFit& rung = rungs_[k];
+  rung.values = Moved(solutions_[k].geometry);
+  rung.terms =
+      rung.columns.TermsOf(solutions_[k].terms, terms_, arm_.num_joints());
 }
 
 void RungFits::AddRung(const TermSet& set, std::size_t like,
@@ -333,7 +442,7 @@ void RungFits::Reweight() {
   LogPrecisions precisions = {};
   for (int round = 0; round < kReweightings; ++round) {
     const Eigen::MatrixXd gram = TermGram(Data(), rung.columns, AllOf(rows_));
-    precisions = ridge.Choose(gram, Equations(), precisions);
+    precisions = ridge.Choose(gram, Equations(), precisions).precisions;
     const TermSolution solution = ridge.Solve(gram, precisions);
     WeighBy(LeftBy(rung.columns, solution));
   }

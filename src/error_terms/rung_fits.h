@@ -2,6 +2,7 @@
 #define ALIDADE_SRC_ERROR_TERMS_RUNG_FITS_H_
 
 #include <Eigen/Core>
+#include <utility>
 #include <vector>
 
 #include "alidade/robust_loss.h"
@@ -21,7 +22,8 @@ struct ErrorFitInput {
   const Eigen::VectorXd& values;  ///< of the geometric fit
   const Eigen::VectorXd& priors;  ///< as CalibrationProblem has them
   std::vector<RobustLoss> losses;
-  std::vector<TermSet> sets;  ///< rungs beside the geometry alone
+  std::vector<TermSet> sets;            ///< rungs beside the geometry alone
+  std::vector<CovariateUse> uses = {};  ///< of those that have covariates
   /// Rungs are put together by their evidence within the data (stacking.h), the
   /// best of them with the harmonics that its residuals have too; else there is
   /// one, and it is taken.
@@ -33,6 +35,8 @@ struct RungFit {
   TermSet set;
   TermColumns columns;
   LogPrecisions precisions = {};
+  double criterion = 0.0;       ///< ChosenScales
+  bool is_weighed = true;       ///< DropWithoutEvidence kept it
   double variance = 1.0;        ///< of whitened residuals
   Eigen::VectorXd values = {};  ///< of the layout
   ErrorTerms terms = {};
@@ -44,6 +48,22 @@ struct RungFit {
   /// are none.
   double PriorDeviation(TermGroup group) const;
 };
+
+/// The covariates of `data` that have an effect, none known yet: those that
+/// vary, and masses.
+std::vector<CovariateEffect> EffectsOf(const Dataset& data,
+                                       const std::vector<CovariateUse>& uses);
+
+/// How likely the -2 log likelihood is smaller by `gain` or more if `variances`
+/// more variances are all zero: on the edge of what they may be, it is a
+/// mixture of chi-squares (Self and Liang 1987; Stram and Lee 1994),
+///
+///   sum_i C(variances, i) 2^-variances P(chi2_i >= gain)
+double ChanceOfGain(double gain, int variances);
+
+/// A larger set of terms is weighed where its gain is less likely than that
+/// without its terms.
+constexpr double kEvidenceLevel = 0.01;
 
 /// Fits of several sets of terms to the same rows, which are linear about one
 /// estimate of geometry and terms.
@@ -65,8 +85,17 @@ class RungFits {
   const Eigen::VectorXd& weights() const { return weights_; }
   WeightedRows Data() const { return {rows_, weights_}; }
 
-  /// Each rung's scales, and its estimate from all data.
+  /// Each rung's scales, and its estimate from all data. Functions of joints
+  /// that turn more than once are of the value modulo a turn where that is
+  /// more likely.
   void ChooseScales();
+  /// Takes out the rungs whose likelihood is by chance (kEvidenceLevel) larger
+  /// than that of a smaller one which is left and whose terms they have, too:
+  /// they would describe the same arm with more terms. Returns them, and their
+  /// places.
+  std::vector<std::pair<std::size_t, RungFit>> DropWithoutEvidence();
+  /// Writes down the estimate of a rung, as an arm has it.
+  void Describe(std::size_t k);
   /// Another rung, in place of the last one or behind it, with scales that are
   /// sought from those of rung `like`. Folds are left out as of the others.
   void AddRung(const TermSet& set, std::size_t like, bool replaces_last);
@@ -97,6 +126,7 @@ class RungFits {
   void Reweight();
   void WeighBy(const Eigen::VectorXd& left);
   void Choose(std::size_t k, const LogPrecisions& from);
+  void TryModuloTurn();
   void Solve(const TermRidge& ridge, std::size_t k);
   void LeaveOut(std::size_t first, std::size_t f, FoldErrors* fold) const;
   std::vector<int> LeftOut(const std::vector<bool>& poses) const;

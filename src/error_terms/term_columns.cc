@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "src/common/number_text.h"
@@ -30,9 +31,35 @@ double SpacingFor(double length, Eigen::Index num_poses) {
   return spacing;
 }
 
+TermGroup GroupOf(const CovariateUse& use) {
+  if (use.is_station) return TermGroup::kStation;
+  return use.is_approach ? TermGroup::kBacklash : TermGroup::kCovariate;
+}
+
+bool CoversTurn(const Joint& joint, double lowest, double highest) {
+  return joint.type == JointType::kRevolute && highest - lowest > 2.0 * M_PI;
+}
+
+// Of functions modulo a turn: about as far apart as `spacing`, on a grid that
+// all finer ones of SpacingFor refine, about the middle of the joint's values.
+FunctionKnots OneTurn(int joint, double spacing, double middle) {
+  constexpr int kCoarsest = 27;
+  constexpr double kTurn = 2.0 * M_PI;
+  FunctionKnots knots;
+  knots.joint = joint;
+  knots.is_periodic = true;
+  knots.count = std::max(3, static_cast<int>(std::lround(6.48 / spacing)));
+  knots.spacing = kTurn / knots.count;
+  const double grid = kTurn / kCoarsest;
+  knots.first = grid * std::floor((middle - 0.5 * kTurn) / grid);
+  return knots;
+}
+
 // Matern's covariance of smoothness 3/2 (Rasmussen and Williams 2006, "Gaussian
 // processes for machine learning", 4.17).
-double Correlation(double distance, double length) {
+// Matern's covariance along the circle's chords is one along its arcs, too.
+double Correlation(const FunctionKnots& knots, double distance, double length) {
+  if (knots.is_periodic) distance = 2.0 * std::sin(0.5 * distance);
   const double u = std::sqrt(3.0) * std::abs(distance) / length;
   return (1.0 + u) * std::exp(-u);
 }
@@ -56,7 +83,10 @@ double* PlaceOf(const DenseTerm& term, ErrorTerms* terms) {
   if (term.regressor == DenseTerm::Regressor::kCovariate) {
     const auto n = static_cast<int>(terms->joints.size());
     CovariateEffect& effect = terms->covariates[term.other];
-    if (term.joint >= n) return &effect.base[3 * (term.joint - n) + term.axis];
+    if (term.joint >= n) {
+      auto& moved = term.joint < n + 2 ? effect.base : effect.target;
+      return &moved[3 * ((term.joint - n) % 2) + term.axis];
+    }
     if (effect.joints.size() == 0) effect.joints.setZero(n);
     return &effect.joints[term.joint];
   }
@@ -78,6 +108,12 @@ double* PlaceOf(const DenseTerm& term, ErrorTerms* terms) {
   return nullptr;
 }
 
+// Of moves and turns of base and targets, in their order.
+std::string MotionName(int motion, int axis) {
+  return std::string(motion < 2 ? "" : "tool_") + (motion % 2 == 0 ? "" : "r") +
+         "xyz"[axis];
+}
+
 ErrorTerms Prepared(const ErrorTerms& like, int num_joints, bool has_coupling) {
   ErrorTerms terms = like;
   terms.joints.assign(num_joints, JointErrors());
@@ -85,6 +121,7 @@ ErrorTerms Prepared(const ErrorTerms& like, int num_joints, bool has_coupling) {
   for (CovariateEffect& effect : terms.covariates) {
     effect.base.setZero();
     effect.joints.resize(0);
+    effect.target.setZero();
   }
   if (has_coupling) terms.coupling.setZero(num_joints, num_joints);
   return terms;
@@ -108,24 +145,32 @@ const char* NameOf(TermGroup group) {
       return "backlash";
     case TermGroup::kCovariate:
       return "covariates";
+    case TermGroup::kStation:
+      return "stations";
   }
   return "";
 }
 
+CovariateUse UseOf(const std::string& name,
+                   const std::vector<CovariateUse>& uses) {
+  for (const CovariateUse& use : uses) {
+    if (use.name == name) return use;
+  }
+  return {name};
+}
+
 double VarianceBesideKnots(const FunctionKnots& knots, double length,
                            double joint_value) {
-  const double place = (joint_value - knots.first) / knots.spacing;
-  if (!(place > -1.0 && place < knots.count)) return 1.0;
-  const double below = std::floor(place);
-  const double above_share = place - below;
+  const auto [below, above, share] = knots.PlaceOf(joint_value);
   // Knots beyond the last ones have no part.
-  const double a = below >= 0.0 ? 1.0 - above_share : 0.0;
-  const double b = below + 1.0 < knots.count ? above_share : 0.0;
+  const double a = below >= 0 ? 1.0 - share : 0.0;
+  const double b = above >= 0 ? share : 0.0;
+  const auto at = [&](double part) {
+    return Correlation(knots, part * knots.spacing, length);
+  };
   const double variance =
       1.0 + a * a + b * b +
-      2.0 * (a * b * Correlation(knots.spacing, length) -
-             a * Correlation(above_share * knots.spacing, length) -
-             b * Correlation((1.0 - above_share) * knots.spacing, length));
+      2.0 * (a * b * at(1.0) - a * at(share) - b * at(1.0 - share));
   return std::max(0.0, variance);
 }
 
@@ -149,9 +194,9 @@ std::string NameOf(const DenseTerm& term, int num_joints) {
       return "b" + joint;
     case DenseTerm::Regressor::kCovariate:
       return "c" + std::to_string(term.other + 1) + "_" +
-             (term.joint < num_joints ? joint
-                                      : (term.joint == num_joints ? "" : "r") +
-                                            std::string(1, "xyz"[term.axis]));
+             (term.joint >= num_joints
+                  ? MotionName(term.joint - num_joints, term.axis)
+                  : (term.group == TermGroup::kBacklash ? "b" : "") + joint);
   }
   return "";
 }
@@ -163,9 +208,7 @@ TermColumns::TermColumns(const Arm& arm, const TermSet& set,
   if (set.elasticity) AddElasticity(arm);
   AddShifts(arm, set);
   AddCovariates(arm, set, covariate_deviations);
-  if (set.function_length > 0.0) {
-    AddFunctions(arm, joint_values, set.knot_spacing);
-  }
+  if (set.function_length > 0.0) AddFunctions(arm, set, joint_values);
 }
 
 void TermColumns::AddElasticity(const Arm& arm) {
@@ -211,44 +254,53 @@ void TermColumns::AddShifts(const Arm& arm, const TermSet& set) {
 
 void TermColumns::AddCovariates(const Arm& arm, const TermSet& set,
                                 const Eigen::VectorXd& deviations) {
-  const auto add = [&](int covariate, int joint, int axis) {
-    dense_.push_back({TermGroup::kCovariate, joint, axis,
-                      DenseTerm::Regressor::kCovariate, 0.0, covariate,
-                      kTermUnit / deviations[covariate]});
-  };
-  const auto count = static_cast<int>(deviations.size());
-  for (int k = 0; k < count && set.covariates; ++k) {
-    for (int direction = 0; direction < 6; ++direction) {
-      add(k, arm.num_joints() + direction / 3, direction % 3);
+  const int n = arm.num_joints();
+  for (int k = 0; k < static_cast<int>(arm.errors.covariates.size()); ++k) {
+    const CovariateUse use = UseOf(arm.errors.covariates[k].name, set.uses);
+    if (use.is_payload || !(set.covariates || use.is_station)) continue;
+    const TermGroup group = GroupOf(use);
+    const auto add = [&](int joint, int axis) {
+      dense_.push_back(
+          {group, joint, axis, DenseTerm::Regressor::kCovariate, 0.0, k,
+           group == TermGroup::kCovariate ? kTermUnit / deviations[k]
+                                          : kTermUnit});
+    };
+    for (int motion = 0; motion < 4; ++motion) {
+      if (!(motion < 2 ? use.moves_base : use.moves_target)) continue;
+      for (int axis = 0; axis < 3; ++axis) add(n + motion, axis);
     }
+    for (const int joint : use.joints) add(joint, 2);
   }
-  for (const auto& [covariate, joint] : set.on_joints) add(covariate, joint, 2);
 }
 
-void TermColumns::AddFunctions(const Arm& arm,
-                               const Eigen::MatrixXd& joint_values,
-                               double spacing) {
-  constexpr double kMoved = 1e-3;  // rad
+void TermColumns::AddFunctions(const Arm& arm, const TermSet& set,
+                               const Eigen::MatrixXd& joint_values) {
+  constexpr double kMoved = 1e-3;  // rad, m
   // Of joints that turned so far that their functions had more, none is
   // estimated.
   constexpr double kMostKnots = 2000.0;
+  const bool fades = !(set.knot_spacing > 0.0);
+  const double spacing = fades
+                             ? SpacingFor(function_length_, joint_values.cols())
+                             : set.knot_spacing;
   int offset = 0;
   for (int j = 0; j < arm.num_joints(); ++j) {
-    if (arm.joints[j].type == JointType::kPrismatic) continue;
     const double lowest = joint_values.row(j).minCoeff();
     const double highest = joint_values.row(j).maxCoeff();
     if (highest - lowest < kMoved) continue;
     FunctionKnots knots;
     knots.joint = j;
-    const bool fades = !(spacing > 0.0);
-    knots.spacing =
-        fades ? SpacingFor(function_length_, joint_values.cols()) : spacing;
-    const double beyond = fades ? kFadingLengths * function_length_ : 0.0;
-    const double first = std::floor((lowest - beyond) / knots.spacing);
-    const double last = std::ceil((highest + beyond) / knots.spacing);
-    if (!(last - first < kMostKnots)) continue;
-    knots.first = first * knots.spacing;
-    knots.count = static_cast<int>(last - first) + 1;
+    if (set.modulo_turn && CoversTurn(arm.joints[j], lowest, highest)) {
+      knots = OneTurn(j, spacing, 0.5 * (lowest + highest));
+    } else {
+      knots.spacing = spacing;
+      const double beyond = fades ? kFadingLengths * function_length_ : 0.0;
+      const double first = std::floor((lowest - beyond) / knots.spacing);
+      const double last = std::ceil((highest + beyond) / knots.spacing);
+      if (!(last - first < kMostKnots)) continue;
+      knots.first = first * knots.spacing;
+      knots.count = static_cast<int>(last - first) + 1;
+    }
     knots.offset = offset;
     offset += knots.count;
     functions_.push_back(knots);
@@ -272,6 +324,11 @@ TermColumns TermColumns::Union(const std::vector<TermColumns>& others) {
         all.functions_.push_back(knots);
         continue;
       }
+      CHECK_EQ(found->is_periodic, knots.is_periodic);
+      if (knots.is_periodic) {
+        if (knots.count > found->count) *found = knots;
+        continue;
+      }
       const double last =
           std::max(found->first + found->spacing * (found->count - 1),
                    knots.first + knots.spacing * (knots.count - 1));
@@ -290,6 +347,18 @@ TermColumns TermColumns::Union(const std::vector<TermColumns>& others) {
   return all;
 }
 
+bool TermColumns::has_periodic() const {
+  return std::any_of(functions_.begin(), functions_.end(),
+                     [](const auto& knots) { return knots.is_periodic; });
+}
+
+int TermColumns::num_groups() const {
+  std::array<bool, kNumTermGroups> has = {};
+  for (const DenseTerm& term : dense_) has[static_cast<int>(term.group)] = true;
+  has[static_cast<int>(TermGroup::kFunction)] = !functions_.empty();
+  return static_cast<int>(std::count(has.begin(), has.end(), true));
+}
+
 int TermColumns::num_knots() const {
   return functions_.empty()
              ? 0
@@ -301,7 +370,8 @@ Eigen::MatrixXd TermColumns::Precision(const FunctionKnots& knots) const {
   Eigen::MatrixXd covariance(knots.count, knots.count);
   for (int a = 0; a < knots.count; ++a) {
     for (int b = 0; b < knots.count; ++b) {
-      covariance(a, b) = Correlation(knots.spacing * (a - b), function_length_);
+      covariance(a, b) =
+          Correlation(knots, knots.spacing * (a - b), function_length_);
     }
     covariance(a, a) += kRounding;
   }
@@ -341,6 +411,7 @@ ErrorTerms TermColumns::TermsOf(const Eigen::VectorXd& coefficients,
     JointFunction& function = terms.joints[knots.joint].function;
     function.first = knots.first;
     function.spacing = knots.spacing;
+    function.is_periodic = knots.is_periodic;
     function.values = kTermUnit * coefficients.segment(
                                       num_dense() + knots.offset, knots.count);
   }
@@ -386,11 +457,13 @@ Eigen::SparseMatrix<double> TermColumns::From(const TermColumns& other) const {
         const double below = std::floor(place + 1e-9);
         for (const double knot : {below, below + 1.0}) {
           const double share = 1.0 - std::abs(place - knot);
-          if (knot < 0.0 || knot >= theirs.count || share <= 0.0) continue;
-          entries.emplace_back(
-              num_dense() + mine.offset + k,
-              other.num_dense() + theirs.offset + static_cast<int>(knot),
-              share);
+          int number = static_cast<int>(knot);
+          if (theirs.is_periodic)
+            number = (number + theirs.count) % theirs.count;
+          if (number < 0 || number >= theirs.count || share <= 0.0) continue;
+          entries.emplace_back(num_dense() + mine.offset + k,
+                               other.num_dense() + theirs.offset + number,
+                               share);
         }
       }
     }

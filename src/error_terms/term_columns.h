@@ -28,10 +28,18 @@ struct TermSet {
   bool scale = false;
   bool backlash = false;
   std::vector<std::pair<int, int>> coupling = {};  ///< joint by joint, from 0
-  bool covariates = false;  ///< of all that the data have, on the base
-  /// Covariate (of the arm's, from 0) on a joint (from 0).
-  std::vector<std::pair<int, int>> on_joints = {};
+  bool covariates = false;  ///< of the arm, as `uses` say
+  /// Of those that are not here on the base.
+  std::vector<CovariateUse> uses = {};
+  /// Functions of revolute joints whose values cover more than a turn are of
+  /// the value modulo a turn.
+  bool modulo_turn = false;
 };
+
+/// The use of a covariate of that name: of `uses`, else that of one on the
+/// base.
+CovariateUse UseOf(const std::string& name,
+                   const std::vector<CovariateUse>& uses);
 
 /// Terms of one kind share the standard deviation of their prior.
 enum class TermGroup {
@@ -42,8 +50,9 @@ enum class TermGroup {
   kCoupling,  ///< and scale
   kBacklash,
   kCovariate,
+  kStation,
 };
-constexpr int kNumTermGroups = 7;
+constexpr int kNumTermGroups = 8;
 
 /// "compliance about the joint's axis" ...
 const char* NameOf(TermGroup group);
@@ -59,8 +68,9 @@ struct DenseTerm {
     kCovariate
   };
   TermGroup group;
-  int joint;  ///< n: moves of the base, n + 1: its turns
-  int axis;   ///< of the turn; 2 moves the joint
+  /// n: moves of the base, n + 1: its turns; n + 2, n + 3: of the targets.
+  int joint;
+  int axis;  ///< of the turn; 2 moves the joint
   Regressor regressor;
   double cycles = 0.0;  ///< of a harmonic
   int other = 0;        ///< joint whose value, or covariate, it goes with
@@ -68,7 +78,8 @@ struct DenseTerm {
 };
 
 /// "k2_z", "h2_c1", "b2", "g2", "g2_3" (ErrorTermEstimate); of covariate 1
-/// "c1_x" and "c1_rx" for the base, "c1_2" for a joint.
+/// "c1_x" and "c1_rx" for the base, "c1_tool_x" for the targets, "c1_2" for a
+/// joint, "c1_b2" for its backlash.
 std::string NameOf(const DenseTerm& term, int num_joints);
 
 /// The knots of one joint's function, among those of all.
@@ -78,6 +89,27 @@ struct FunctionKnots {
   double spacing = 0.0;
   int count = 0;
   int offset = 0;
+  bool is_periodic = false;  ///< as JointFunction has it
+
+  /// The knots on both sides of a joint value, -1 where there is none, and its
+  /// share of the way from one to the other.
+  struct Place {
+    int below = -1;
+    int above = -1;
+    double share = 0.0;
+  };
+  Place PlaceOf(double joint_value) const {
+    double place = (joint_value - first) / spacing;
+    if (is_periodic) {
+      place -= count * std::floor(place / count);
+      if (!(place < count)) place = 0.0;
+    }
+    if (!(place > -1.0 && place < count)) return {};
+    const double knot = std::floor(place);
+    const int below = static_cast<int>(knot);
+    const int above = below + 1 < count ? below + 1 : (is_periodic ? 0 : -1);
+    return {below, above, place - knot};
+  }
 };
 
 /// Variance of a function about what its knots make of it, for a prior of unit
@@ -92,9 +124,10 @@ class TermColumns {
  public:
   TermColumns() = default;  ///< none
   /// Knots enclose `joint_values` (n x poses), and what is so near to them that
-  /// a function with the prior of that length is not zero yet. A joint that was
-  /// not moved, or by dozens of turns, has none. Effects are per standard
-  /// deviation of a covariate.
+  /// a function with the prior of that length is not zero yet. A metre of a
+  /// prismatic joint counts as a radian. A joint that was not moved, or by
+  /// dozens of turns, has none. Effects are per standard deviation of a
+  /// covariate.
   TermColumns(const Arm& arm, const TermSet& set,
               const Eigen::MatrixXd& joint_values,
               const Eigen::VectorXd& covariate_deviations);
@@ -106,6 +139,8 @@ class TermColumns {
   int num_dense() const { return static_cast<int>(dense_.size()); }
   int num_knots() const;
   int size() const { return num_dense() + num_knots(); }
+  int num_groups() const;  ///< that have a term
+  bool has_periodic() const;
   double function_length() const { return function_length_; }
   /// The inverse prior covariance of a function at its knots, for a standard
   /// deviation of one unit.
@@ -124,14 +159,12 @@ class TermColumns {
             term.unit / kTermUnit * Regressor(term, pose));
     }
     for (const FunctionKnots& knots : functions_) {
-      const double place =
-          (pose.joint_values[knots.joint] - knots.first) / knots.spacing;
-      if (!(place > -1.0 && place < knots.count)) continue;
-      const double below = std::floor(place);
-      const int first = num_dense() + knots.offset + static_cast<int>(below);
+      const auto [below, above, share] =
+          knots.PlaceOf(pose.joint_values[knots.joint]);
+      const int first = num_dense() + knots.offset;
       const int turn = 3 * knots.joint + 2;
-      if (below >= 0.0) visit(first, turn, 1.0 - (place - below));
-      if (below + 1.0 < knots.count) visit(first + 1, turn, place - below);
+      if (below >= 0) visit(first + below, turn, 1.0 - share);
+      if (above >= 0) visit(first + above, turn, share);
     }
   }
 
@@ -147,8 +180,8 @@ class TermColumns {
  private:
   void AddElasticity(const Arm& arm);
   void AddShifts(const Arm& arm, const TermSet& set);
-  void AddFunctions(const Arm& arm, const Eigen::MatrixXd& joint_values,
-                    double spacing);
+  void AddFunctions(const Arm& arm, const TermSet& set,
+                    const Eigen::MatrixXd& joint_values);
   void AddCovariates(const Arm& arm, const TermSet& set,
                      const Eigen::VectorXd& deviations);
 

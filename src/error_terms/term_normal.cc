@@ -146,6 +146,10 @@ class GramSum {
   std::vector<Touched> touched_;
 };
 
+double LogDeterminant(const Eigen::LLT<Eigen::MatrixXd>& factor) {
+  return 2.0 * factor.matrixLLT().diagonal().array().log().sum();
+}
+
 // Rounding may leave a matrix that is singular to it indefinite.
 Eigen::LLT<Eigen::MatrixXd> FactorOf(Eigen::MatrixXd matrix) {
   Eigen::LLT<Eigen::MatrixXd> factor(matrix);
@@ -258,8 +262,7 @@ TermSolution TermRidge::Solve(const Eigen::MatrixXd& gram,
   solution.cost = gram(size, size) +
                   geometry_precisions_.dot(deviations_.cwiseAbs2()) +
                   gradient.dot(x);
-  solution.log_determinant =
-      2.0 * factor.matrixLLT().diagonal().array().log().sum();
+  solution.log_determinant = LogDeterminant(factor);
   return solution;
 }
 
@@ -298,8 +301,7 @@ TermRidge::Eliminated TermRidge::Eliminate(const Eigen::MatrixXd& gram,
   rest.gradient.noalias() -=
       beside.leftCols(dense).transpose() * beside.col(dense);
   rest.cost -= beside.col(dense).squaredNorm();
-  rest.log_determinant =
-      2.0 * factor.matrixLLT().diagonal().array().log().sum();
+  rest.log_determinant = LogDeterminant(factor);
   return rest;
 }
 
@@ -315,15 +317,15 @@ double TermRidge::Criterion(const Eliminated& rest, double freedom,
       rest.cost - rest.gradient.dot(factor.solve(rest.gradient));
   if (!(cost > 0.0)) return std::numeric_limits<double>::infinity();
   double criterion = freedom * std::log(cost / freedom) + rest.log_determinant +
-                     2.0 * factor.matrixLLT().diagonal().array().log().sum();
+                     LogDeterminant(factor);
   for (int k = 0; k < kNumTermGroups; ++k) {
     criterion -= std::log(10.0) * sizes_[k] * precisions[k];
   }
   return criterion;
 }
 
-LogPrecisions TermRidge::Choose(const Eigen::MatrixXd& gram, double equations,
-                                const LogPrecisions& start) const {
+ChosenScales TermRidge::Choose(const Eigen::MatrixXd& gram, double equations,
+                               const LogPrecisions& start) const {
   constexpr double kLowest = -5.0;
   constexpr double kHighest = 7.0;
   constexpr double kWorthwhile = 1e-3;
@@ -359,7 +361,10 @@ LogPrecisions TermRidge::Choose(const Eigen::MatrixXd& gram, double equations,
       }
     }
   }
-  return at;
+  for (const Eigen::MatrixXd& precision : function_precisions_) {
+    best -= LogDeterminant(FactorOf(precision));
+  }
+  return {at, best};
 }
 
 }  // namespace alidade::internal

@@ -38,6 +38,14 @@ struct TermSolution {
   double log_determinant = 0.0;
 };
 
+/// Precisions, and what speaks for the terms that have them.
+struct ChosenScales {
+  LogPrecisions precisions = {};
+  /// -2 log of the restricted likelihood but for a constant of the data:
+  /// comparable between sets of terms beside the same geometry.
+  double criterion = 0.0;
+};
+
 /// Ridge regression of geometry and terms,
 ///
 ///   min |r + J g + Z c|^2 + |D (deviation + g)|^2 + sum_groups lambda c^T P c
@@ -65,12 +73,13 @@ class TermRidge {
   /// The precisions of largest restricted likelihood, the variance of the
   /// residuals profiled out,
   ///
-  ///   -2 log L = f log(cost / f) + log det(N + Lambda) - sum size log lambda
+  ///   -2 log L = f log(cost / f) + log det(N + Lambda)
+  ///              - sum (size log lambda + log det P)
   ///
   /// with f equations less the columns of the geometry (Patterson and Thompson
   /// 1971), by coordinate search with steps 2, 1, 0.5 from `start`.
-  LogPrecisions Choose(const Eigen::MatrixXd& gram, double equations,
-                       const LogPrecisions& start) const;
+  ChosenScales Choose(const Eigen::MatrixXd& gram, double equations,
+                      const LogPrecisions& start) const;
   /// Groups that have columns.
   std::vector<TermGroup> Groups() const;
 

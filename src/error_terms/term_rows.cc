@@ -20,6 +20,7 @@ constexpr std::int64_t kPosesAtOnce = 256;
 struct PoseTurns {
   Eigen::Matrix3Xd axes;    // 3 n: x, y, z of each joint
   Eigen::Matrix3Xd points;  // n: of the joint's axis
+  Eigen::Isometry3d last;   // frame
 };
 
 PoseTurns TurnsAt(const Arm& arm, const double* joint_values) {
@@ -29,6 +30,7 @@ PoseTurns TurnsAt(const Arm& arm, const double* joint_values) {
   PoseTurns turns;
   turns.axes.resize(3, 3 * n);
   turns.points = chain.origin_on_axis;
+  turns.last = chain.instrument_from_last;
   for (int j = 0; j < n; ++j) {
     const Eigen::Vector3d z = chain.joint_axis.col(j);
     // The next joint turns about y of this frame first.
@@ -130,7 +132,10 @@ class RowsMaker {
                   for (std::int64_t k = begin; k < end; ++k) {
                     const double* const q = rows_.joint_values.col(k).data();
                     turns_[static_cast<std::size_t>(k)] = TurnsAt(arm_, q);
-                    rows_.moments.col(k) = LoadMoments(arm_, q).reshaped();
+                    const Eigen::VectorXd covariates =
+                        CovariatesAt(data_, arm_, static_cast<int>(k));
+                    rows_.moments.col(k) =
+                        LoadMoments(arm_, q, covariates.data()).reshaped();
                   }
                 });
   }
@@ -162,7 +167,7 @@ class RowsMaker {
             values_.segment<3>(layout.Column(ParameterKind::kBaseRotation, 0)))
             .inverse();
     const int n = arm_.num_joints();
-    turns->setZero(num_rows_, 3 * (n + 2));
+    turns->setZero(num_rows_, 3 * (n + 4));
     const Eigen::Matrix3d base_axes = arm_.instrument_from_base.linear();
     const auto visit = [&](int, Eigen::Index i,
                            const Eigen::Ref<const Eigen::MatrixXd>& moves) {
@@ -176,18 +181,29 @@ class RowsMaker {
       turns->block(one.first_row, 3 * n + 3, one.height, 3) =
           sign * moves.middleCols<3>(3) * from_axes * base_axes;
       const PoseTurns& at = turns_[static_cast<std::size_t>(pose)];
+      const auto move = [&](const Eigen::Vector3d& axis) {
+        return (sign * (moves.leftCols<3>() * axis)).eval();
+      };
+      const auto turn = [&](const Eigen::Vector3d& axis,
+                            const Eigen::Vector3d& point) {
+        return (sign * (moves.leftCols<3>() * axis.cross(base - point) +
+                        moves.middleCols<3>(3) * (from_axes * axis)))
+            .eval();
+      };
+      auto columns = turns->middleRows(one.first_row, one.height);
       for (int j = 0; j < n; ++j) {
-        const Eigen::Vector3d lever = base - at.points.col(j);
         for (int k = 0; k < 3; ++k) {
           const Eigen::Vector3d axis = at.axes.col(3 * j + k);
-          auto column = turns->block(one.first_row, 3 * j + k, one.height, 1);
-          if (k == 2 && arm_.joints[j].type == JointType::kPrismatic) {
-            column = sign * (moves.leftCols<3>() * axis);
-          } else {
-            column = sign * (moves.leftCols<3>() * axis.cross(lever) +
-                             moves.middleCols<3>(3) * (from_axes * axis));
-          }
+          columns.col(3 * j + k) =
+              k == 2 && arm_.joints[j].type == JointType::kPrismatic
+                  ? move(axis)
+                  : turn(axis, at.points.col(j));
         }
+      }
+      for (int k = 0; k < 3; ++k) {
+        const Eigen::Vector3d axis = at.last.linear().col(k);
+        columns.col(3 * n + 6 + k) = move(axis);
+        columns.col(3 * n + 9 + k) = turn(axis, at.last.translation());
       }
     };
     ForEachObservation(model_, values_, OfOnePose(data_, second),

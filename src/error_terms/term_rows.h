@@ -39,8 +39,9 @@ struct TermRows {
 
   std::vector<Observation> observations;
   RowMatrix geometry;  ///< rows x columns of the model, per mm and mrad
-  /// Rows x 3 (n + 2): x, y, z of each joint; moves of the base along its axes
-  /// and turns about them; per mm and mrad.
+  /// Rows x 3 (n + 4): x, y, z of each joint; moves of the base along its axes
+  /// and turns about them; the same of the targets and the axes of the last
+  /// frame; per mm and mrad.
   RowMatrix turns;
   RowMatrix second_turns;        ///< the same of second poses; or empty
   Eigen::VectorXd residuals;     ///< predicted - measured

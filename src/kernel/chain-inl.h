@@ -129,7 +129,7 @@ HWY_INLINE void Tilt(V tilt, V3* a, V3* b) {
   Turn(hn::Mul(hn::Sub(one, quarter), scale), hn::Mul(tilt, scale), a, b);
 }
 
-HWY_INLINE void MoveBase(const double* motion, Frame* frame) {
+HWY_INLINE void MoveFrame(const double* motion, Frame* frame) {
   const auto load = [motion](int k) {
     return hn::Load(kTag, motion + std::ptrdiff_t{k} * kTile);
   };
@@ -143,13 +143,13 @@ HWY_INLINE void MoveBase(const double* motion, Frame* frame) {
 
 // Walks one vector of poses from the base to the last frame. `joints` are the
 // tile's sines and cosines from the first lane of the vector on, `tilts` and
-// `base_motion` likewise or null.
+// `motions` of base and target likewise or null.
 HWY_INLINE Frame WalkChain(const Constants& constants, const Columns& columns,
                            const double* joints, const double* tilts,
-                           const double* base_motion, double* scratch) {
+                           const double* motions, double* scratch) {
   const std::size_t lanes = hn::Lanes(kTag);
   Frame frame = FrameOf(constants.base_rotation, constants.base_translation);
-  if (base_motion != nullptr) MoveBase(base_motion, &frame);
+  if (motions != nullptr) MoveFrame(motions, &frame);
   for (int j = 0; j < columns.num_joints(); ++j) {
     const JointConstants& joint = constants.joints[j];
     const Columns::OfJoint& wanted = columns.joint(j);
@@ -193,6 +193,8 @@ HWY_INLINE Frame WalkChain(const Constants& constants, const Columns& columns,
     }
     frame.origin = AddScaled(length, frame.z, frame.origin);
   }
+  if (motions != nullptr)
+    MoveFrame(motions + std::ptrdiff_t{6} * kTile, &frame);
   return frame;
 }
 

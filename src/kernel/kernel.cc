@@ -197,7 +197,7 @@ HWY_INLINE void EvaluateVector(const Job& job, int t) {
   }
   const Frame last =
       WalkChain(job.constants, job.columns, tile.joints + t, At(tile.tilts, t),
-                At(tile.base_motion, t), job.scratch);
+                At(tile.motions, t), job.scratch);
   const Eigen::Vector3d& tool = job.constants.targets[tile.target].translation;
   const V3 p = PointOf(last, tool);
   WriteMeasured<kKind>(job, t, p, &writer);
@@ -209,7 +209,7 @@ HWY_INLINE void EvaluateVector(const Job& job, int t) {
   if constexpr (kKind == MeasurementKind::kDifference) {
     const Frame other = WalkChain(
         job.constants, job.columns, tile.second_joints + t,
-        At(tile.second_tilts, t), At(tile.second_base_motion, t), job.scratch);
+        At(tile.second_tilts, t), At(tile.second_motions, t), job.scratch);
     const V3 q = PointOf(other, tool);
     WriteError((p - q) - Load3(tile.measured + t, kTile), writer.weights,
                writer.At(job.columns.num_derivatives()), job.lengths + t);

@@ -71,9 +71,9 @@ std::size_t Tiles::JointArrays(MeasurementKind kind) const {
 }
 
 std::size_t Tiles::ErrorArrays() const {
-  constexpr std::size_t kBase = 6;
+  constexpr std::size_t kMotions = 12;
   if (!flexible_) return 0;
-  return 2 * is_revolute_.size() + (HasCovariates() ? kBase : 0);
+  return 2 * is_revolute_.size() + (HasCovariates() ? kMotions : 0);
 }
 
 void Tiles::AppendGroup(const Group& group) {
@@ -233,8 +233,8 @@ Tile Tiles::Layout(std::int64_t tile, const double* arrays) const {
     result.tilts = result.joints + turns;
     result.second_tilts = result.second_joints + turns;
     if (HasCovariates()) {
-      result.base_motion = result.tilts + turns;
-      result.second_base_motion = result.second_tilts + turns;
+      result.motions = result.tilts + turns;
+      result.second_motions = result.second_tilts + turns;
     }
   }
   result.measured = arrays + joint_arrays * kTile;
@@ -296,7 +296,7 @@ void Tiles::AddErrors(const std::array<Eigen::Index, kTile>& poses, int count,
                       double* arrays) const {
   const std::size_t n = is_revolute_.size();
   double* const tilts = arrays + 2 * n * kTile;
-  double* const base = tilts + 2 * n * kTile;
+  double* const motions = tilts + 2 * n * kTile;
   std::fill(tilts, tilts + ErrorArrays() * kTile, 0.0);
   Eigen::VectorXd q(static_cast<Eigen::Index>(n));
   for (int lane = 0; lane < count; ++lane) {
@@ -307,7 +307,8 @@ void Tiles::AddErrors(const std::array<Eigen::Index, kTile>& poses, int count,
         *flexible_, q.data(),
         CovariatesAt(data_, *flexible_, static_cast<int>(poses[lane])).data());
     for (int k = 0; HasCovariates() && k < 6; ++k) {
-      base[IndexOf(k, lane)] = errors.base[k];
+      motions[IndexOf(k, lane)] = errors.base[k];
+      motions[IndexOf(k + 6, lane)] = errors.target[k];
     }
     for (std::size_t j = 0; j < n; ++j) {
       const auto column = static_cast<Eigen::Index>(j);

@@ -32,9 +32,10 @@ struct Tile {
   /// them; null for a rigid arm.
   const double* tilts = nullptr;
   const double* second_tilts = nullptr;
-  /// Six arrays that covariates move the base by; null where there are none.
-  const double* base_motion = nullptr;
-  const double* second_base_motion = nullptr;
+  /// Six arrays that covariates move the base by, then six of the targets; null
+  /// where there are none.
+  const double* motions = nullptr;
+  const double* second_motions = nullptr;
   /// An array for each row (m); of kPose three of the position (m) and nine of
   /// the measured rotation matrix, row by row.
   const double* measured = nullptr;

@@ -15,9 +15,14 @@ struct Place {
 };
 
 Place PlaceOf(const JointFunction& function, double joint_value) {
-  const double place = (joint_value - function.first) / function.spacing;
-  const double knot = std::floor(std::clamp(
-      place, -2.0, static_cast<double>(function.values.size()) + 1.0));
+  const auto count = static_cast<double>(function.values.size());
+  double place = (joint_value - function.first) / function.spacing;
+  if (function.is_periodic) {
+    // Of a tiny negative place rounding makes a whole turn.
+    place -= count * std::floor(place / count);
+    if (!(place < count)) place = 0.0;
+  }
+  const double knot = std::floor(std::clamp(place, -2.0, count + 1.0));
   return {static_cast<Eigen::Index>(knot), place - knot};
 }
 
@@ -28,7 +33,8 @@ double Interpolate(const JointFunction& function, const Eigen::VectorXd& at,
     return k >= 0 && k < at.size() ? at[k] : 0.0;
   };
   const double below = value(knot);
-  const double above = value(knot + 1);
+  const double above =
+      value(function.is_periodic && knot + 1 == at.size() ? 0 : knot + 1);
   if (below == 0.0 && above == 0.0) return 0.0;
   return (1.0 - share) * below + share * above;
 }

@@ -42,12 +42,13 @@ class RigidWalk {
     return MeanTargetOf(arm);
   }
 
-  Eigen::Matrix3Xd Moments(const ErrorTerms& errors) const {
+  // With a mass added to the payload.
+  Eigen::Matrix3Xd Moments(const ErrorTerms& errors, double more) const {
     const auto n = static_cast<Eigen::Index>(axes_.size());
     Eigen::Matrix3Xd moments(3, n);
     // Of all loads from joint j on: their mass, and the sum of mass times
     // place.
-    double mass = errors.payload.mass;
+    double mass = errors.payload.mass + more;
     Eigen::Vector3d sum = mass * target_;
     for (Eigen::Index j = n - 1; j >= 0; --j) {
       const Load load = errors.links.empty() ? Load() : errors.links[j];
@@ -103,8 +104,15 @@ Eigen::Vector3d MeanTargetOf(const Arm& arm) {
   return sum / static_cast<double>(arm.num_targets());
 }
 
-Eigen::Matrix3Xd LoadMoments(const Arm& arm, const double* joint_values) {
-  return RigidWalk(arm, joint_values).Moments(arm.errors);
+Eigen::Matrix3Xd LoadMoments(const Arm& arm, const double* joint_values,
+                             const double* covariates) {
+  double more = 0.0;
+  for (std::size_t k = 0;
+       covariates != nullptr && k < arm.errors.covariates.size(); ++k) {
+    const CovariateEffect& effect = arm.errors.covariates[k];
+    more += (covariates[k] - effect.reference) * effect.payload;
+  }
+  return RigidWalk(arm, joint_values).Moments(arm.errors, more);
 }
 
 PoseErrors ErrorsAt(const Arm& arm, const double* joint_values,
@@ -123,6 +131,7 @@ PoseErrors ErrorsAt(const Arm& arm, const double* joint_values,
     const CovariateEffect& effect = errors.covariates[k];
     const double value = covariates[k] - effect.reference;
     at.base += value * effect.base;
+    at.target += value * effect.target;
     if (effect.joints.size() > 0) at.shifts += value * effect.joints;
   }
   if (errors.joints.empty()) return at;
@@ -132,7 +141,7 @@ PoseErrors ErrorsAt(const Arm& arm, const double* joint_values,
                     SumOfHarmonics(joint, joint_values[j]);
   }
   if (!NeedsMoments(errors)) return at;
-  const Eigen::Matrix3Xd moments = LoadMoments(arm, joint_values);
+  const Eigen::Matrix3Xd moments = LoadMoments(arm, joint_values, covariates);
   for (int j = 0; j < n; ++j) {
     const JointErrors& joint = errors.joints[j];
     const Eigen::Vector3d turn = joint.compliance.cwiseProduct(moments.col(j));

@@ -36,7 +36,7 @@ std::optional<PlannedTerms> PlannedTerms::Of(
                                  Eigen::VectorXd()));
   if (terms.size() == 0) return std::nullopt;
   terms.SetScales(model, joint_values);
-  terms.ListEntries(model.nominal().num_joints());
+  terms.ListEntries(model.nominal());
   return terms;
 }
 
@@ -71,19 +71,21 @@ void PlannedTerms::SetScales(const MeasurementModel& model,
   known_ /= kPrior * kPrior;
 }
 
-void PlannedTerms::ListEntries(int num_joints) {
+void PlannedTerms::ListEntries(const Arm& arm) {
   for (int k = 0; k < columns_.num_dense(); ++k) {
     const DenseTerm& term = columns_.dense()[k];
     const bool is_compliance = term.regressor == DenseTerm::Regressor::kMoment;
-    entries_.push_back({NameOf(term, num_joints),
+    entries_.push_back({NameOf(term, arm.num_joints()),
                         is_compliance ? "rad/(N m)" : "rad",
                         kPrior * scales_[k] * term.unit, k, 1});
   }
   for (const FunctionKnots& knots : columns_.functions()) {
     const int first = columns_.num_dense() + knots.offset;
-    entries_.push_back({"e" + std::to_string(knots.joint + 1), "rad",
-                        kPrior * scales_[first] * kTermUnit, first,
-                        knots.count});
+    const bool is_length =
+        arm.joints[knots.joint].dimension() == Dimension::kLength;
+    entries_.push_back(
+        {"e" + std::to_string(knots.joint + 1), is_length ? "m" : "rad",
+         kPrior * scales_[first] * kTermUnit, first, knots.count});
   }
 }
 

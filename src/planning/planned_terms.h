@@ -50,7 +50,7 @@ class PlannedTerms {
 
   void SetScales(const MeasurementModel& model,
                  const Eigen::MatrixXd& joint_values);
-  void ListEntries(int num_joints);
+  void ListEntries(const Arm& arm);
 
   TermColumns columns_;
   Eigen::VectorXd scales_;  // units of terms, in those of the columns

@@ -257,7 +257,10 @@ Table RungTable(const ErrorTermsResult& errors,
           poses,
       {Table::Column("model").Wrapped(kNameWidth),
        ">terms|coefficients besides the geometry",
-       ">weight [%]|in what is delivered",
+       ">weight [%]|in what is delivered; -: a model with fewer terms has as "
+       "much evidence",
+       Table::PageOnly(">evidence|what it gains in -2 log of the restricted "
+                       "likelihood over the geometry alone"),
        ">regions [mm]|mean error at training poses in regions of joint space "
        "that were left out of the fit",
        ">random [mm]|the same, left out at random", ">mean [mm]|position error",
@@ -268,17 +271,20 @@ Table RungTable(const ErrorTermsResult& errors,
   const auto add = [&](const ErrorRung& rung, const TableCell& weight) {
     const Accuracy& accuracy = ShownAccuracy(result, rung);
     const bool has_rotation = rung.validation_rotation.n > 0;
-    table.AddRow({rung.name, CountCell(rung.num_terms), weight,
-                  LengthCell(rung.region_error), LengthCell(rung.random_error),
-                  QuantityCell(accuracy.mean, Dimension::kLength, 3),
-                  QuantityCell(accuracy.max, Dimension::kLength, 3),
-                  has_rotation ? QuantityCell(rung.validation_rotation.mean,
-                                              Dimension::kAngle, 3)
-                               : TableCell("-"),
-                  FixedCell(100.0 * (accuracy.mean / before - 1.0), 0)});
+    table.AddRow(
+        {rung.name, CountCell(rung.num_terms), weight,
+         rung.evidence != 0.0 ? FixedCell(rung.evidence, 1) : TableCell("-"),
+         LengthCell(rung.region_error), LengthCell(rung.random_error),
+         QuantityCell(accuracy.mean, Dimension::kLength, 3),
+         QuantityCell(accuracy.max, Dimension::kLength, 3),
+         has_rotation
+             ? QuantityCell(rung.validation_rotation.mean, Dimension::kAngle, 3)
+             : TableCell("-"),
+         FixedCell(100.0 * (accuracy.mean / before - 1.0), 0)});
   };
   for (const ErrorRung& rung : errors.rungs) {
-    add(rung, FixedCell(100.0 * rung.weight, 1));
+    add(rung,
+        rung.is_weighed ? FixedCell(100.0 * rung.weight, 1) : TableCell("-"));
   }
   add(DeliveredRung(errors, result), "");
   return table;
@@ -398,7 +404,7 @@ std::string ErrorTermsSection(const CalibrationResult& result) {
     add("Prior standard deviations, found from the training poses:",
         PriorTable(errors));
   }
-  if (!(errors.share > 0.0)) return text;
+  if (!(errors.share > 0.0) && errors.terms.empty()) return text;
   add("Compliances with their standard deviations [mrad/(N m)]:",
       ComplianceTable(result.arm, errors.terms));
   add("Error functions where joints were measured:",

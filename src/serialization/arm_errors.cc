@@ -40,6 +40,7 @@ std::string FormatFunction(const JointFunction& function) {
       "        values: {}\n",
       ShortestNumber(function.first), ShortestNumber(function.spacing),
       FormatList(function.values));
+  if (function.is_periodic) text += "        periodic: true\n";
   if (function.deviations.size() > 0) {
     text += "        deviations: " + FormatList(function.deviations) + "\n";
   }
@@ -126,6 +127,7 @@ Eigen::MatrixXd ReadCouplingMatrix(const YamlValue& value, const Units& units,
 }
 
 void CheckErrors(const YamlMap& map, const Arm& arm) {
+  constexpr double kRounding = 1e-6;  // rad
   const ErrorTerms& errors = arm.errors;
   const std::size_t num_joints = arm.joints.size();
   const auto check_count = [&](const char* key, std::size_t count) {
@@ -142,6 +144,14 @@ void CheckErrors(const YamlMap& map, const Arm& arm) {
     const YamlValue joint = map.Required("joints").List()[j];
     if (!(function.spacing > 0.0)) {
       joint.Fail("the spacing of its function's knots must be above 0");
+    }
+    const double turn =
+        function.spacing * static_cast<double>(function.values.size());
+    if (function.is_periodic && (arm.joints[j].type == JointType::kPrismatic ||
+                                 !(std::abs(turn - 2.0 * M_PI) < kRounding))) {
+      joint.Fail(
+          "a periodic function is of a revolute joint, and its spacing times "
+          "its number of values is a turn");
     }
     const Eigen::Index deviations = function.deviations.size();
     if (deviations > 0 && deviations != function.values.size()) {
@@ -184,6 +194,14 @@ std::string FormatErrors(const ErrorTerms& errors) {
         FormatList(Eigen::Vector3d(effect.base.tail<3>())));
     if (effect.joints.size() > 0) {
       text += "      joints: " + FormatList(effect.joints) + "\n";
+    }
+    if (!effect.target.isZero(0.0)) {
+      text += fmt::format("      target_move: {}\n      target_turn: {}\n",
+                          FormatList(Eigen::Vector3d(effect.target.head<3>())),
+                          FormatList(Eigen::Vector3d(effect.target.tail<3>())));
+    }
+    if (effect.payload != 0.0) {
+      text += "      payload: " + ShortestNumber(effect.payload) + "\n";
     }
   }
   return text;

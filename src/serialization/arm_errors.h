@@ -53,6 +53,8 @@ void VisitFunction(Visitor& v, Dimension dimension, JointFunction& function) {
        &function.values);
   list(Key("deviations").Default("none"), "their standard deviations",
        &function.deviations);
+  v.Field(Key("periodic"), function.is_periodic,
+          "of the value modulo a turn: the knot after the last is the first");
 }
 
 template <typename Visitor>
@@ -99,6 +101,20 @@ void VisitCovariate(Visitor& v, const Arm& arm, CovariateEffect& effect) {
       [&](const YamlValue& value, const Units& units) {
         effect.joints = ReadJointQuantities(value, units, arm, "one per joint");
       });
+  v.Custom(Key("target_move").In("length").Default("0").Schema(kVectorSchema),
+           "`[x, y, z]` of the targets, in the axes of the last frame",
+           [&](const YamlValue& value, const Units& units) {
+             effect.target.head<3>() =
+                 ReadVector(value, LengthKey("target_move"), units);
+           });
+  v.Custom(Key("target_turn").In("angle").Default("0").Schema(kVectorSchema),
+           "`[rx, ry, rz]` of the targets about its origin, after the move",
+           [&](const YamlValue& value, const Units& units) {
+             effect.target.tail<3>() =
+                 ReadVector(value, AngleKey("target_turn"), units);
+           });
+  v.Field(Key("payload").In("kg"), effect.payload,
+          "added to the mass of the payload");
 }
 
 /// The `errors` of an arm file. @pre the arm has its joints.

@@ -11,6 +11,7 @@
 #include "src/common/names.h"
 #include "src/data/merge.h"
 #include "src/dataio/read_options.h"
+#include "src/serialization/covariate_columns.h"
 #include "src/serialization/partitioned_data.h"
 #include "src/serialization/simulation_file.h"
 #include "src/simulation/simulation.h"
@@ -36,18 +37,6 @@ void CheckTargetName(const YamlValue& value, const std::string& name,
   if (std::find(names.begin(), names.end(), name) == names.end()) {
     value.Fail(UnknownName("target", name, names));
   }
-}
-
-std::vector<std::string> ReadHeaders(const std::vector<YamlValue>& items) {
-  std::vector<std::string> headers;
-  for (const YamlValue& item : items) {
-    headers.push_back(item.Text());
-    if (std::count(headers.begin(), headers.end(), headers.back()) > 1) {
-      item.Fail("column " + Quote(headers.back()) +
-                " is repeated, expected each once");
-    }
-  }
-  return headers;
 }
 
 std::vector<std::string> ReadOrientation(const YamlValue& value) {
@@ -136,15 +125,10 @@ void VisitColumns(Visitor& v, const Arm& arm, ColumnMapping* mapping) {
   header("plane", "a header", &mapping->plane);
   header("target", "a header", &mapping->target);
   header("set", "a header", &mapping->set);
-  v.Custom(Key("covariates").Schema(kNamesSchema),
-           "list of headers: numbers whose effect on the base error terms may "
-           "have (temperature, time, tilt), in every row",
-           [=](const YamlValue& value) {
-             mapping->covariates = ReadHeaders(value.List());
-           });
+  VisitCovariates(v, arm, mapping);
   header("station",
          "a header: texts that say where, or on which day, the row was "
-         "measured; error terms may move the base from one to the next",
+         "measured; with `errors` but `none`, each has a base of its own",
          &mapping->station);
   v.Custom(
       Key("targets").Schema(
@@ -214,48 +198,18 @@ void VisitData(Visitor& v, const Arm& arm, DataFormat* format,
               .Default("`measurement.sigma_rotation`, else `sigma` / 0.2 m in "
                        "rad"),
           format->rotation_sigma, "likewise of orientations");
+  v.Custom(Key("payload").In("kg").Schema(kNumberSchema),
+           "the mass at the target in this file, where no column says it "
+           "(`columns`)",
+           [format](const YamlValue& value, const Units& units) {
+             format->payload =
+                 ReadNumber(value, Key("payload").AtLeast(0), units);
+           });
   v.Custom(Key("where").Schema(kMapOfTextsSchema),
            "map from columns to texts: only rows with these cells are read. A "
            "column that serves nothing else may stand here",
            [format](const YamlValue& value) { ReadWhere(value, format); });
   v.Check([&](const YamlMap& map) { CheckTarget(map, arm, *format); });
-}
-
-// A covariate of each station but the first, 1 there and 0 elsewhere.
-void AddStations(const std::vector<std::string>& stations, Dataset* data) {
-  std::vector<std::string> names;
-  for (const std::string& station : stations) {
-    if (std::find(names.begin(), names.end(), station) == names.end()) {
-      names.push_back(station);
-    }
-  }
-  if (names.size() < 2) return;
-  const auto before = static_cast<Eigen::Index>(data->covariate_names.size());
-  const auto more = static_cast<Eigen::Index>(names.size()) - 1;
-  MatrixBuilder all(before + more, data->num_poses());
-  all.map().setZero();
-  if (before > 0) all.map().topRows(before) = data->covariates.map();
-  for (Eigen::Index pose = 0; pose < data->num_poses(); ++pose) {
-    const auto number =
-        std::find(names.begin(), names.end(), stations[pose]) - names.begin();
-    if (number > 0) all.map()(before + number - 1, pose) = 1.0;
-  }
-  for (std::size_t k = 1; k < names.size(); ++k) {
-    data->covariate_names.push_back("station " + names[k]);
-  }
-  data->covariates = all.Freeze();
-}
-
-// Data that are joined have the same covariates.
-void RequireSameCovariates(const std::vector<LoadedData>& parts) {
-  for (const LoadedData& part : parts) {
-    if (part.data.covariate_names == parts.front().data.covariate_names) {
-      continue;
-    }
-    throw InputError({part.data.name, 0, 0, ""},
-                     "has other `covariates` than " + parts.front().data.name +
-                         ", expected the same in all files of `data`");
-  }
 }
 
 // All parts as one. A pose of a part without sets is in the set "".
@@ -266,6 +220,7 @@ LoadedData Merge(std::vector<LoadedData> parts, int num_joints) {
     return all;
   }
   RequireSameCovariates(parts);
+  all.uses = parts.front().uses;
   std::vector<Dataset> data;
   const bool has_stations = std::any_of(
       parts.begin(), parts.end(),
@@ -297,7 +252,7 @@ LoadedData Merge(std::vector<LoadedData> parts, int num_joints) {
   for (const Dataset& part : data) num_poses += part.num_poses();
   RequireFewRows(data.back().name, num_poses);
   all.data = MergeDatasets(std::move(data));
-  if (has_stations) AddStations(all.stations, &all.data);
+  if (has_stations) AddStations(all.stations, &all);
   return all;
 }
 
@@ -394,6 +349,8 @@ void ReadEntry(const YamlValue& value, const DataFormat& defaults,
     if (reader != assignment->rank()) return;
     parts->push_back(LoadData(path, job->arm, format, &job->data.references,
                               context->num_threads));
+    parts->back().uses = format.columns.uses;
+    if (format.payload) AddPayload(*format.payload, &parts->back());
   });
 }
 

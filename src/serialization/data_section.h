@@ -8,9 +8,6 @@
 namespace alidade::internal {
 
 inline constexpr char kDataSchema[] = R"({"$ref": "#/$defs/data"})";
-/// A text or a list of some.
-inline constexpr char kTextsSchema[] =
-    R"({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]})";
 inline constexpr char kSigmaSchema[] =
     R"({"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"const": "estimate"}]})";
 

@@ -22,6 +22,9 @@ inline constexpr char kLimitsSchema[] =
     R"({"type": "array", "items": {"type": ["number", "string"]}, "minItems": 2, "maxItems": 2})";
 inline constexpr char kNamesSchema[] =
     R"({"type": "array", "items": {"type": "string"}})";
+/// A text or a list of some.
+inline constexpr char kTextsSchema[] =
+    R"({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]})";
 inline constexpr char kNumbersSchema[] =
     R"({"type": "array", "items": {"type": "number"}})";
 inline constexpr char kVectorSchema[] =

@@ -141,6 +141,7 @@ void ReadTrainingData(const YamlValue& value, JobReading* reading) {
   job->data.training = std::move(loaded.data);
   job->options.sigmas_are_stated =
       AreStated(reading->sigmas, job->data.training);
+  job->options.errors.uses = std::move(loaded.uses);
   reading->sets = std::move(loaded.sets);
 }
 
@@ -296,8 +297,10 @@ void VisitMeasurements(Visitor& v, JobReading* reading) {
       "terms of a job\", below). `none` leaves those of the arm as they "
       "are",
       [&](const YamlValue& value, const Units& units) {
-        job->options.errors =
-            ReadErrorTerms(value, units, job->arm.num_joints());
+        ErrorTermOptions& errors = job->options.errors;
+        std::vector<CovariateUse> uses = std::move(errors.uses);
+        errors = ReadErrorTerms(value, units, job->arm.num_joints());
+        errors.uses = std::move(uses);
       });
   v.Custom(
       Key("bounds").In("the parameter's").Schema(kBoundsSchema),

@@ -173,9 +173,11 @@ class Assessor {
 
   // What a robust loss takes away is noise of others as well.
   double NoiseRatio(const ClassExcess& one) const {
-    return covariance_.is_sandwich
-               ? std::max(one.noise, 1.0 - one.excess * one.precision)
-               : one.noise;
+    const bool is_robust =
+        covariance_.is_sandwich ||
+        (covariance_.terms != nullptr && !fit_.losses.empty());
+    return is_robust ? std::max(one.noise, 1.0 - one.excess * one.precision)
+                     : one.noise;
   }
 
   // Into predictions.

@@ -125,8 +125,14 @@ std::optional<ErrorFit> FitWith(const Measured& measured,
                                 std::vector<RobustLoss> losses = {}) {
   const MeasurementModel model(measured.nominal, threads);
   const Eigen::VectorXd values = RigidValues(model, measured);
-  return FitErrorTerms({model, measured.data, measured.columns, values,
-                        Eigen::VectorXd(), std::move(losses), std::move(sets),
+  return FitErrorTerms({model,
+                        measured.data,
+                        measured.columns,
+                        values,
+                        Eigen::VectorXd(),
+                        std::move(losses),
+                        std::move(sets),
+                        {},
                         selects});
 }
 
@@ -193,6 +199,86 @@ TEST(FitErrorTermsTest, StackOfRungsIsBetterThanTheGeometry) {
   ASSERT_EQ(function.deviations.size(), function.values.size());
   EXPECT_GT(function.DeviationAt(function.first + 0.1),
             1.2 * function.DeviationAt(0.0));
+}
+
+TEST(FitErrorTermsTest, ChanceOfAGainIsThatOfMixedChiSquares) {
+  // Of one and two degrees of freedom: erfc and exp.
+  for (const double gain : {0.5, 2.7055, 6.0}) {
+    const double one = std::erfc(std::sqrt(0.5 * gain));
+    EXPECT_NEAR(ChanceOfGain(gain, 1), 0.5 * one, 1e-12);
+    EXPECT_NEAR(ChanceOfGain(gain, 2), 0.5 * one + 0.25 * std::exp(-0.5 * gain),
+                1e-12);
+  }
+  EXPECT_NEAR(ChanceOfGain(2.7055, 1), 0.05, 1e-5);
+  EXPECT_EQ(ChanceOfGain(0.0, 1), 1.0);
+  EXPECT_EQ(ChanceOfGain(-3.0, 2), 1.0);
+  EXPECT_EQ(ChanceOfGain(std::nan(""), 2), 1.0);
+}
+
+TEST(FitErrorTermsTest, SetsWhoseTermsAreNotThereAreNotWeighed) {
+  int right = 0;
+  for (int stream = 0; stream < 8; ++stream) {
+    Random random(167, stream);
+    const Arm arm = MakeArm(&random);
+    const Measured measured = Make(60, TrueTerms(arm, false), arm, &random);
+    const std::optional<ErrorFit> fit = FitWith(measured, Rungs(), true);
+    ASSERT_TRUE(fit.has_value());
+    ASSERT_EQ(fit->rungs.size(), 3U);
+    EXPECT_TRUE(fit->rungs[0].is_weighed);
+    EXPECT_TRUE(fit->rungs[1].is_weighed);
+    EXPECT_GT(fit->rungs[0].criterion, fit->rungs[1].criterion);
+    const RungFit& functions = fit->rungs[2];
+    EXPECT_EQ(functions.set.name, "functions");
+    if (functions.is_weighed) continue;
+    ++right;
+    EXPECT_EQ(functions.weight, 0.0);
+    EXPECT_GT(fit->rungs[1].weight, 0.95);
+    // What it would be is described all the same.
+    EXPECT_EQ(functions.values.size(), fit->values.size());
+    EXPECT_FALSE(functions.terms.joints[0].function.empty());
+  }
+  EXPECT_GE(right, 7);
+}
+
+TEST(FitErrorTermsTest, FunctionsOfPrismaticJointsAreFound) {
+  Random random(168);
+  const Arm arm = MakeArm(&random, true);
+  ErrorTerms truth = TrueTerms(arm, false);
+  JointFunction& function = truth.joints[2].function;
+  function.first = -0.3;
+  function.spacing = 0.1;
+  function.values.resize(7);
+  function.values << 3e-4, -2e-4, 4e-4, 6e-4, -5e-4, -4e-4, 1e-4;
+  const Measured measured = Make(200, truth, arm, &random);
+  TermSet set = Rungs().back();
+  set.function_length = 0.1;
+  const std::optional<ErrorFit> fit = FitWith(measured, {set}, false);
+  ASSERT_TRUE(fit.has_value());
+  EXPECT_LT(ErrorAtNewPoses(measured, *fit, &random), 2.0 * kSigma);
+  const JointFunction& found = fit->terms.joints[2].function;
+  // But for a constant, which is r of the joint.
+  const double shift = found.At(0.0) - function.At(0.0);
+  for (const double q : {-0.25, -0.1, 0.13, 0.2, 0.28}) {
+    EXPECT_NEAR(found.At(q) - shift, function.At(q), 2e-4) << q;
+  }
+}
+
+TEST(FitErrorTermsTest, FunctionsAreModuloATurnWhereTheJointSaysSo) {
+  for (const bool repeats : {true, false}) {
+    Random random(169);
+    Arm arm = MakeArm(&random);
+    arm.joints[0].lower = -9.0;
+    arm.joints[0].upper = 9.0;
+    ErrorTerms truth = TrueTerms(arm, true);
+    truth.joints[0].harmonics = {{repeats ? 2.0 : 0.37, 6e-4, 4e-4}};
+    const Measured measured = Make(150, truth, arm, &random);
+    const std::optional<ErrorFit> fit = FitWith(measured, Rungs(), true);
+    ASSERT_TRUE(fit.has_value());
+    EXPECT_EQ(fit->terms.joints[0].function.is_periodic, repeats);
+    EXPECT_FALSE(fit->terms.joints[1].function.is_periodic);
+    EXPECT_GT(fit->stacking.share, 0.9);
+    EXPECT_LT(ErrorAtNewPoses(measured, *fit, &random), 3.0 * kSigma);
+  }
 }
 
 TEST(FitErrorTermsTest, RigidArmStaysRigid) {

@@ -21,7 +21,7 @@ constexpr int kJoints = 2;
 TermRows DrawRows(Random* random) {
   TermRows rows;
   rows.joint_values.resize(kJoints, kPoses);
-  rows.turns.resize(3 * kPoses, 3 * (kJoints + 2));
+  rows.turns.resize(3 * kPoses, 3 * (kJoints + 4));
   for (int pose = 0; pose < kPoses; ++pose) {
     rows.observations.push_back({pose, -1, Eigen::Index{3} * pose, 3, 3, 3});
     for (int j = 0; j < kJoints; ++j) {

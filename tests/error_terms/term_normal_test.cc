@@ -316,7 +316,8 @@ TEST_P(ScaleTest, ChosenPrecisionsAreOfLargestLikelihoodAndNearTheTruth) {
   const Eigen::MatrixXd gram = TermGram(data, *columns_, all);
   const TermRidge ridge(*columns_, Eigen::VectorXd::Zero(12),
                         Eigen::VectorXd::Constant(12, kNone));
-  const LogPrecisions chosen = ridge.Choose(gram, 3.0 * kPoses, {});
+  const ChosenScales scales = ridge.Choose(gram, 3.0 * kPoses, {});
+  const LogPrecisions& chosen = scales.precisions;
   // Six knots and more a joint tell a variance to a factor of about 2; the
   // grid is half a decade.
   EXPECT_NEAR(chosen[function], truth[function], 0.8);
@@ -329,6 +330,9 @@ TEST_P(ScaleTest, ChosenPrecisionsAreOfLargestLikelihoodAndNearTheTruth) {
         .criterion;
   };
   const double best = criterion(chosen);
+  // The constants of the prior, too: sets of terms are compared by it. Both
+  // have determinants of some hundred rows.
+  EXPECT_NEAR(scales.criterion, best, 1e-3);
   for (const int group : {own, other, function}) {
     for (const double move : {-0.5, 0.5}) {
       LogPrecisions neighbour = chosen;

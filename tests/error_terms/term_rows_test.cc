@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Core>
+#include <Eigen/Dense>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "src/error_terms/term_columns.h"
 #include "src/error_terms/term_normal.h"
@@ -143,12 +145,14 @@ TEST(TermColumnsTest, CoefficientsComeBackFromTheirTerms) {
       columns.TermsOf(coefficients, measured.arm.errors, 4);
   EXPECT_LT((columns.CoefficientsOf(terms) - coefficients).norm(), 1e-12);
   EXPECT_EQ(terms.gravity, measured.arm.errors.gravity);
-  EXPECT_TRUE(terms.joints[1].function.empty()) << "of a prismatic joint";
+  EXPECT_FALSE(terms.joints[1].function.empty()) << "of a prismatic joint";
   EXPECT_EQ(terms.joints[1].compliance.z(), 0.0);
   EXPECT_EQ(terms.joints[0].harmonics.size(), 2U);
   EXPECT_EQ(terms.joints[3].harmonics.size(), 3U);
   EXPECT_NE(terms.covariates[1].base[5], 0.0);
   EXPECT_NE(terms.covariates[2].joints[3], 0.0);
+  EXPECT_NE(terms.covariates[2].target[5], 0.0);
+  EXPECT_TRUE(terms.covariates[1].target.isZero(0.0));
   EXPECT_NE(terms.coupling(2, 1), 0.0);
   EXPECT_NE(terms.coupling(1, 1), 0.0);
   EXPECT_EQ(terms.coupling(1, 2), 0.0);
@@ -175,7 +179,7 @@ TEST(TermColumnsTest, CoarserFunctionsAreThoseOfTheUnion) {
   for (double& value : coefficients) value = random.Uniform(-1.0, 1.0);
   const ErrorTerms terms = coarse.TermsOf(coefficients, {}, 4);
   const ErrorTerms same = all.TermsOf(all.From(coarse) * coefficients, {}, 4);
-  for (const int j : {0, 2, 3}) {
+  for (const int j : {0, 1, 2, 3}) {
     const JointFunction& function = terms.joints[j].function;
     for (int k = 0; k < 200; ++k) {
       const double q = random.Uniform(function.first, function.last());
@@ -199,7 +203,7 @@ TEST(TermColumnsTest, KnotsAreWhereTheFunctionIs) {
   const JointFunction& function = terms.joints[0].function;
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(12);
   for (int k = -150; k < 250; ++k) {
-    const Eigen::Vector4d q(function.first + 0.11 * function.spacing * k, 0.0,
+    const Eigen::Vector4d q(function.first + 0.11 * function.spacing * k, 1e6,
                             1e6, -1e6);
     double shift = 0.0;
     columns.ForEachAt({q.data(), none.data(), none.data()},
@@ -242,8 +246,119 @@ TEST(TermColumnsTest, JointThatNeverMovesHasNoFunction) {
   TermSet set;
   set.function_length = 0.3;
   const TermColumns columns(measured.arm, set, q, testing::Deviations());
-  ASSERT_EQ(columns.functions().size(), 2U);
-  EXPECT_EQ(columns.functions()[1].joint, 3);
+  ASSERT_EQ(columns.functions().size(), 3U);
+  EXPECT_EQ(columns.functions()[1].joint, 1);
+  EXPECT_EQ(columns.functions()[2].joint, 3);
+}
+
+// Columns of functions modulo a turn, of an arm of four joints whose third one
+// turns three times; prismatic is the second.
+TermColumns TurnedColumns(const MeasuredArm& measured, double length) {
+  Eigen::MatrixXd q = measured.data.joint_values.map();
+  q.row(2).setLinSpaced(-9.0, 9.5);
+  q.row(1).setLinSpaced(-9.0, 9.5);
+  TermSet set;
+  set.function_length = length;
+  set.modulo_turn = true;
+  return {measured.arm, set, q, testing::Deviations()};
+}
+
+TEST(TermColumnsTest, FunctionsModuloATurnGoOnAfterIt) {
+  constexpr double kTurn = 2.0 * M_PI;
+  Random random(139);
+  const MeasuredArm measured = testing::MeasuredForTerms(&random);
+  const TermColumns columns = TurnedColumns(measured, 0.5);
+  ASSERT_EQ(columns.functions().size(), 4U);
+  const FunctionKnots& knots = columns.functions()[2];
+  EXPECT_TRUE(knots.is_periodic);
+  EXPECT_NEAR(knots.spacing * knots.count, kTurn, 1e-14);
+  for (const int other : {0, 1, 3}) {
+    EXPECT_FALSE(columns.functions()[other].is_periodic) << other;
+  }
+  Eigen::VectorXd coefficients(columns.size());
+  for (double& value : coefficients) value = random.Uniform(-1.0, 1.0);
+  const ErrorTerms terms = columns.TermsOf(coefficients, {}, 4);
+  EXPECT_LT((columns.CoefficientsOf(terms) - coefficients).norm(), 1e-11);
+  const JointFunction& function = terms.joints[2].function;
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(12);
+  for (int k = 0; k < 300; ++k) {
+    const double value = random.Uniform(-20.0, 20.0);
+    const Eigen::Vector4d q(1e6, 1e6, value, 1e6);
+    double shift = 0.0;
+    columns.ForEachAt({q.data(), none.data(), none.data()},
+                      [&](int column, int /*turn*/, double size) {
+                        shift += size * coefficients[column] * kTermUnit;
+                      });
+    EXPECT_NEAR(shift, function.At(value), 1e-15) << value;
+    EXPECT_NEAR(function.At(value + kTurn), function.At(value), 1e-14);
+    EXPECT_LT(VarianceBesideKnots(knots, 0.5, value), 0.1);
+  }
+  EXPECT_NEAR(VarianceBesideKnots(knots, 0.5, knots.first - kTurn), 0.0, 1e-12);
+  // Finer ones express it.
+  const TermColumns fine = TurnedColumns(measured, 0.1);
+  const TermColumns all = TermColumns::Union({columns, fine});
+  EXPECT_GT(all.size(), columns.size());
+  const ErrorTerms same = all.TermsOf(all.From(columns) * coefficients, {}, 4);
+  for (int k = 0; k < 100; ++k) {
+    const double value = random.Uniform(-10.0, 10.0);
+    EXPECT_NEAR(same.joints[2].function.At(value), function.At(value), 1e-14);
+  }
+}
+
+TEST(TermColumnsTest, PriorModuloATurnIsMaternsAlongTheChords) {
+  Random random(140);
+  const MeasuredArm measured = testing::MeasuredForTerms(&random);
+  const TermColumns columns = TurnedColumns(measured, 0.5);
+  const FunctionKnots& knots = columns.functions()[2];
+  Eigen::MatrixXd covariance(knots.count, knots.count);
+  for (int a = 0; a < knots.count; ++a) {
+    for (int b = 0; b < knots.count; ++b) {
+      // Between points of a circle of radius 1.
+      const double angle = 2.0 * M_PI * (a - b) / knots.count;
+      const double chord = std::hypot(std::cos(angle) - 1.0, std::sin(angle));
+      const double u = chord * std::sqrt(3.0) / 0.5;
+      covariance(a, b) = (1.0 + u) * std::exp(-u);
+    }
+  }
+  EXPECT_GT(covariance.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(),
+            0.0);
+  const Eigen::MatrixXd product = columns.Precision(knots) * covariance;
+  EXPECT_LT((product - Eigen::MatrixXd::Identity(knots.count, knots.count))
+                .cwiseAbs()
+                .maxCoeff(),
+            1e-4);
+}
+
+TEST(TermColumnsTest, NamesSayWhatMoves) {
+  Random random(141);
+  MeasuredArm measured = testing::MeasuredForTerms(&random);
+  TermSet set;
+  set.covariates = true;
+  set.uses = {{"temperature", false, true, {}},
+              {"humidity", false, false, {0, 2}},
+              {"tilt", false, false, {}}};
+  set.uses[1].is_approach = true;
+  set.uses[2].is_payload = true;
+  const TermColumns columns(measured.arm, set, measured.data.joint_values.map(),
+                            testing::Deviations());
+  std::vector<std::string> names;
+  for (const DenseTerm& term : columns.dense()) {
+    names.push_back(NameOf(term, 4));
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{
+                       "c1_tool_x", "c1_tool_y", "c1_tool_z", "c1_tool_rx",
+                       "c1_tool_ry", "c1_tool_rz", "c2_b1", "c2_b3"}));
+  EXPECT_EQ(columns.dense()[6].group, TermGroup::kBacklash);
+  // Stations have a base of their own in every set.
+  set.covariates = false;
+  set.uses[0].is_station = true;
+  set.uses[0].moves_base = true;
+  set.uses[0].moves_target = false;
+  const TermColumns station(measured.arm, set, measured.data.joint_values.map(),
+                            testing::Deviations());
+  ASSERT_EQ(station.num_dense(), 6);
+  EXPECT_EQ(NameOf(station.dense()[5], 4), "c1_rz");
+  EXPECT_EQ(station.num_groups(), 1);
 }
 
 }  // namespace

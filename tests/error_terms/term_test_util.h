@@ -24,7 +24,7 @@ inline TermSet AllTerms(double function_length) {
   set.joint_cycles = {{3, 20.0}};
   set.coupling = {{2, 1}, {0, 3}};
   set.covariates = true;
-  set.on_joints = {{0, 1}, {2, 3}};
+  set.uses = {{"temperature", true, false, {1}}, {"tilt", true, true, {3}}};
   return set;
 }
 
@@ -40,6 +40,7 @@ inline ErrorTerms LoadsAt(const MeasuredArm& measured, Random* random) {
   for (CovariateEffect& effect : errors.covariates) {
     effect.base.setZero();
     effect.joints.resize(0);
+    effect.target.setZero();
   }
   const Arm at = measured.layout.WithValues(measured.arm, measured.values);
   for (int j = 0; j < at.num_joints(); ++j) {

@@ -150,6 +150,41 @@ TEST(ErrorTermsTest, FunctionIsLinearBetweenKnotsAndZeroOneSpacingBeyond) {
   EXPECT_EQ(JointFunction().DeviationAt(0.3), 0.0);
 }
 
+TEST(ErrorTermsTest, PeriodicFunctionIsOfTheValueModuloATurn) {
+  JointFunction function;
+  function.first = 0.25;
+  function.spacing = 0.5 * kPi;
+  function.values = Eigen::Vector4d(1.0, 3.0, -1.0, 5.0);
+  function.is_periodic = true;
+  for (const double turn : {-4.0 * kPi, 0.0, 2.0 * kPi}) {
+    EXPECT_NEAR(function.At(turn + 0.25), 1.0, 1e-14);
+    EXPECT_NEAR(function.At(turn + 0.25 + 0.75 * kPi), 1.0, 1e-14);
+    // Between the last knot and the first.
+    EXPECT_NEAR(function.At(turn + 0.25 - 0.125 * kPi), 2.0, 1e-14);
+    EXPECT_NEAR(function.At(turn + 0.25 + 1.75 * kPi), 3.0, 1e-14);
+  }
+  EXPECT_NEAR(function.At(std::nextafter(0.25, 0.0)), 1.0, 1e-14);
+}
+
+TEST(ErrorTermsTest, CovariateChangesThePayloadAndMovesTheTarget) {
+  Arm arm = Bar();
+  arm.errors.joints[0].compliance.z() = 1e-4;
+  CovariateEffect effect;
+  effect.reference = 1.0;
+  effect.payload = 0.5;
+  effect.target << 0.0, 0.01, 0.02, 0.0, 0.0, 0.1;
+  arm.errors.covariates = {effect};
+  const double q = 0.0;
+  const double covariate = 5.0;
+  // 1 kg and 2 kg more.
+  EXPECT_NEAR(LoadMoments(arm, &q, &covariate)(2, 0), 3.0 * 19.6133, 1e-12);
+  EXPECT_NEAR(LoadMoments(arm, &q)(2, 0), 19.6133, 1e-12);
+  const PoseErrors errors = ErrorsAt(arm, &q, &covariate);
+  EXPECT_NEAR(errors.shifts[0], 3.0 * 1.96133e-3, 1e-15);
+  EXPECT_NEAR(errors.target[1], 0.04, 1e-15);
+  EXPECT_NEAR(errors.target[5], 0.4, 1e-15);
+}
+
 TEST(ErrorTermsTest, BacklashHasTheSignOfTheMoment) {
   EXPECT_NEAR(SmoothSign(100.0), 1.0, 2e-5);
   EXPECT_NEAR(SmoothSign(-100.0), -1.0, 2e-5);

@@ -108,6 +108,8 @@ TEST(ArmErrorsTest, ComeBackToTheBit) {
       EXPECT_EQ(read.joints[k].function.first, expected.function.first);
       EXPECT_EQ(read.joints[k].function.spacing, expected.function.spacing);
       EXPECT_EQ(read.joints[k].function.values, expected.function.values);
+      EXPECT_EQ(read.joints[k].function.is_periodic,
+                expected.function.is_periodic);
       EXPECT_EQ(read.joints[k].function.deviations,
                 expected.function.deviations);
       ASSERT_EQ(read.joints[k].harmonics.size(), expected.harmonics.size());
@@ -119,6 +121,34 @@ TEST(ArmErrorsTest, ComeBackToTheBit) {
         EXPECT_EQ(read.joints[k].harmonics[i].sine, expected.harmonics[i].sine);
       }
     }
+  }
+}
+
+TEST(ArmErrorsTest, CovariatesComeBackToTheBit) {
+  Random random(172);
+  Arm arm = testing::RandomArm(3, &random);
+  for (const char* name : {"tilt", "mass"}) {
+    CovariateEffect effect;
+    effect.name = name;
+    effect.reference = random.Normal();
+    for (double& value : effect.base) value = random.Normal();
+    if (effect.name == "mass") {
+      effect.joints = Eigen::Vector3d(0.1, -0.2, 0.3);
+      for (double& value : effect.target) value = random.Normal();
+      effect.payload = 1.0;
+    }
+    arm.errors.covariates.push_back(effect);
+  }
+  const ErrorTerms read = LoadText(FormatArm(arm, "a test")).errors;
+  ASSERT_EQ(read.covariates.size(), 2U);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const CovariateEffect& expected = arm.errors.covariates[k];
+    EXPECT_EQ(read.covariates[k].name, expected.name);
+    EXPECT_EQ(read.covariates[k].reference, expected.reference);
+    EXPECT_EQ(read.covariates[k].base, expected.base);
+    EXPECT_EQ(read.covariates[k].joints, expected.joints);
+    EXPECT_EQ(read.covariates[k].target, expected.target);
+    EXPECT_EQ(read.covariates[k].payload, expected.payload);
   }
 }
 
@@ -206,6 +236,14 @@ INSTANTIATE_TEST_SUITE_P(
         ErrorsCase{"CouplingOfOneRow",
                    "errors:\n  coupling: [[1, 2]]\n",
                    {8, 13, "errors.coupling", "one row per joint"}},
+        ErrorsCase{"PeriodOfLessThanATurn",
+                   "errors:\n  joints:\n    - function: {first: 0, spacing: "
+                   "100, values: [1, 2, 3], periodic: true}\n    - {}\n",
+                   {9, 7, "errors.joints[1]", "is a turn"}},
+        ErrorsCase{"PeriodOfAPrismaticJoint",
+                   "errors:\n  joints:\n    - {}\n    - function: {first: 0, "
+                   "spacing: 120, values: [1, 2, 3], periodic: true}\n",
+                   {10, 7, "errors.joints[2]", "of a revolute joint"}},
         ErrorsCase{"CouplingOfAShortRow",
                    "errors:\n  coupling: [[1, 2], [1]]\n",
                    {8, 22, "errors.coupling[2]", "one entry per joint"}},

@@ -22,14 +22,19 @@ struct MatrixJointError {
 };
 
 /// The function between knots, which falls to zero within one spacing beyond
-/// the first and the last.
+/// the first and the last; or goes on after a turn.
 inline long double MatrixFunction(const JointFunction& function,
                                   long double q) {
   long double sum = 0.0L;
   for (Eigen::Index k = 0; k < function.values.size(); ++k) {
     const long double knot =
         function.first + static_cast<long double>(k) * function.spacing;
-    const long double away = std::abs(q - knot) / function.spacing;
+    long double off = q - knot;
+    if (function.is_periodic) {
+      off = std::remainder(off, static_cast<long double>(function.spacing) *
+                                    function.values.size());
+    }
+    const long double away = std::abs(off) / function.spacing;
     if (away < 1.0L) sum += (1.0L - away) * function.values[k];
   }
   return sum;
@@ -66,14 +71,15 @@ inline RigidFrames RigidFramesOf(const Arm& arm, const double* q) {
 }
 
 /// The moment of all loads from joint j on about its axis' point, in the axes
-/// of its frame.
-inline Vector3l MatrixMoment(const Arm& arm, const RigidFrames& frames, int j) {
+/// of its frame. `more`: mass beside that of the payload.
+inline Vector3l MatrixMoment(const Arm& arm, const RigidFrames& frames, int j,
+                             long double more = 0.0L) {
   const ErrorTerms& errors = arm.errors;
   const int n = arm.num_joints();
   const Vector3l about = frames.on_axis[j].topRightCorner<3, 1>();
   Vector3l moment = Vector3l::Zero();
   const auto add = [&](const Matrix4l& frame, const Vector3l& in_frame,
-                       double mass) {
+                       long double mass) {
     const Vector3l place = (frame * in_frame.homogeneous()).head<3>();
     const Vector3l weight =
         mass * 9.80665L * errors.gravity.cast<long double>();
@@ -96,7 +102,7 @@ inline Vector3l MatrixMoment(const Arm& arm, const RigidFrames& frames, int j) {
     }
   }
   add(frames.after[n - 1], target + errors.payload.centre.cast<long double>(),
-      errors.payload.mass);
+      errors.payload.mass + more);
   return frames.after[j].topLeftCorner<3, 3>().transpose() * moment;
 }
 
@@ -108,6 +114,13 @@ inline std::vector<MatrixJointError> MatrixErrors(
   std::vector<MatrixJointError> all(n);
   if (errors.empty()) return all;
   const RigidFrames frames = RigidFramesOf(arm, q);
+  long double more = 0.0L;
+  for (std::size_t k = 0; covariates != nullptr && k < errors.covariates.size();
+       ++k) {
+    const CovariateEffect& effect = errors.covariates[k];
+    more += (static_cast<long double>(covariates[k]) - effect.reference) *
+            effect.payload;
+  }
   for (int j = 0; j < n; ++j) {
     for (int k = 0; k < n && errors.coupling.size() > 0; ++k) {
       all[j].shift += static_cast<long double>(errors.coupling(j, k)) * q[k];
@@ -128,7 +141,7 @@ inline std::vector<MatrixJointError> MatrixErrors(
       all[j].shift +=
           harmonic.cosine * std::cos(angle) + harmonic.sine * std::sin(angle);
     }
-    const Vector3l moment = MatrixMoment(arm, frames, j);
+    const Vector3l moment = MatrixMoment(arm, frames, j, more);
     all[j].tilt_x = joint.compliance.x() * moment.x();
     all[j].tilt_y = joint.compliance.y() * moment.y();
     if (arm.joints[j].type == JointType::kPrismatic) continue;
@@ -139,14 +152,15 @@ inline std::vector<MatrixJointError> MatrixErrors(
   return all;
 }
 
-/// How covariates move the base.
-inline Matrix4l BaseMotion(const Arm& arm, const double* covariates) {
+/// How covariates move the base, or the targets in the last frame.
+inline Matrix4l MotionBy(const Arm& arm, const double* covariates,
+                         bool of_base) {
   Eigen::Matrix<long double, 6, 1> u = Eigen::Matrix<long double, 6, 1>::Zero();
   for (std::size_t k = 0; k < arm.errors.covariates.size(); ++k) {
     const CovariateEffect& effect = arm.errors.covariates[k];
     if (covariates == nullptr) continue;
     u += (static_cast<long double>(covariates[k]) - effect.reference) *
-         effect.base.cast<long double>();
+         (of_base ? effect.base : effect.target).cast<long double>();
   }
   const auto angle = [&](int k) { return 2.0L * std::atan(0.5L * u[k]); };
   return Translation(u.head<3>()) * RotationX(angle(3)) * RotationY(angle(4)) *

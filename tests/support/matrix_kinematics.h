@@ -99,14 +99,14 @@ inline Matrix4l MatrixTargetFrame(const Arm& nominal,
       FrameMatrix(nominal.instrument_from_base, values,
                   layout.Column(ParameterKind::kBaseTranslation, 0),
                   layout.Column(ParameterKind::kBaseRotation, 0)) *
-      BaseMotion(nominal, covariates);
+      MotionBy(nominal, covariates, true);
   const std::vector<MatrixJointError> errors =
       MatrixErrors(nominal, joint_values, covariates);
   for (int j = 0; j < nominal.num_joints(); ++j) {
     frame = frame *
             JointMatrix(nominal, layout, values, j, joint_values[j], errors[j]);
   }
-  return frame *
+  return frame * MotionBy(nominal, covariates, false) *
          FrameMatrix(nominal.last_from_target(target), values,
                      layout.Column(ParameterKind::kToolTranslation, 0, target),
                      layout.Column(ParameterKind::kToolRotation, 0, target));

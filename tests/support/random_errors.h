@@ -2,6 +2,7 @@
 #define ALIDADE_TESTS_SUPPORT_RANDOM_ERRORS_H_
 
 #include <Eigen/Core>
+#include <cmath>
 
 #include "alidade/arm.h"
 #include "src/common/random.h"
@@ -18,7 +19,8 @@ inline Load RandomLoad(Random* random) {
 
 /// Every error term of an arm, some hundred times as large as those of real
 /// ones, so that what is of second order shows, too. The functions' knots cover
-/// two thirds of the joints' ranges. Moments are of a geometry of their own.
+/// two thirds of the joints' ranges, that of the second joint is of the value
+/// modulo a turn. Moments are of a geometry of their own.
 inline ErrorTerms RandomErrors(const Arm& arm, Random* random) {
   constexpr double kSize = 0.05;  // rad, m
   const int n = arm.num_joints();
@@ -37,6 +39,10 @@ inline ErrorTerms RandomErrors(const Arm& arm, Random* random) {
     terms.function.first = joint.lower + range / 6.0;
     terms.function.values = Eigen::VectorXd::NullaryExpr(
         11, [&] { return random->Uniform(-kSize, kSize); });
+    if (j == 1 && joint.type == JointType::kRevolute) {
+      terms.function.is_periodic = true;
+      terms.function.spacing = 2.0 * M_PI / 11.0;
+    }
     terms.harmonics = {{1.0, kSize, -0.3 * kSize},
                        {random->Uniform(2.0, 9.0), 0.2 * kSize, kSize}};
     terms.backlash = random->Uniform(-kSize, kSize);

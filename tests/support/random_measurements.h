@@ -174,6 +174,8 @@ inline void AddCovariates(MeasuredArm* measured, Random* random) {
     effect.name = name;
     effect.reference = random->Uniform(-1.0, 1.0);
     for (double& value : effect.base) value = random->Uniform(-0.03, 0.03);
+    for (double& value : effect.target) value = random->Uniform(-0.03, 0.03);
+    effect.payload = random->Uniform(-0.1, 0.1);
     if (effect.name != "tilt") {
       effect.joints = Eigen::VectorXd::NullaryExpr(
           n, [&] { return random->Uniform(-0.03, 0.03); });
