@@ -84,13 +84,20 @@ void TiltVector(const PoseErrors& errors, int j, T* v) {
   TiltPlane<T>(errors.tilts(0, j), v + 1, v + 2);
 }
 
-/// Carries a point of frame j (index `j` from 0) to frame j - 1, and with it
-/// the columns of `axes`, directions, where that is not null. `errors`: of the
+/// What is carried from frame to frame: a point, and the columns of `axes`,
+/// directions, where that is not null.
+template <typename T>
+struct CarriedPoint {
+  Vector3<T>* point;
+  Eigen::Matrix<T, 3, 3>* axes = nullptr;
+};
+
+/// Carries from frame j (index `j` from 0) to frame j - 1. `errors`: of the
 /// pose, null for a rigid arm.
 template <typename T>
 void CarryThroughJoint(const Arm& arm, const GeometryView<T>& geometry, int j,
-                       double q, const PoseErrors* errors, Vector3<T>* point,
-                       Eigen::Matrix<T, 3, 3>* axes = nullptr) {
+                       double q, const PoseErrors* errors,
+                       const CarriedPoint<T>& carried) {
   using std::cos;
   using std::sin;
   T theta = geometry.theta[j];
@@ -101,12 +108,13 @@ void CarryThroughJoint(const Arm& arm, const GeometryView<T>& geometry, int j,
   } else {
     r += q;
   }
-  T& x = point->x();
-  T& y = point->y();
-  T& z = point->z();
+  Eigen::Matrix<T, 3, 3>* const axes = carried.axes;
+  T& x = carried.point->x();
+  T& y = carried.point->y();
+  T& z = carried.point->z();
   z += r;
   if (errors != nullptr) {
-    TiltVector(*errors, j, point->data());
+    TiltVector(*errors, j, carried.point->data());
     for (int k = 0; axes != nullptr && k < 3; ++k) {
       TiltVector(*errors, j, axes->col(k).data());
     }
@@ -169,7 +177,8 @@ Vector3<T> TargetPosition(const Arm& arm, const GeometryView<T>& geometry,
     CarryThroughMotion(errors.get()->target, point.data(), false);
   }
   for (int j = arm.num_joints() - 1; j >= 0; --j) {
-    CarryThroughJoint(arm, geometry, j, joint_values[j], errors.get(), &point);
+    CarryThroughJoint<T>(arm, geometry, j, joint_values[j], errors.get(),
+                         {&point});
   }
   if (errors.get() != nullptr) {
     CarryThroughMotion(errors.get()->base, point.data(), false);
@@ -207,8 +216,8 @@ Vector3<T> TargetPose(const Arm& arm, const GeometryView<T>& geometry,
   };
   if (errors.get() != nullptr) carry(errors.get()->target);
   for (int j = arm.num_joints() - 1; j >= 0; --j) {
-    CarryThroughJoint(arm, geometry, j, joint_values[j], errors.get(), &point,
-                      &rotation);
+    CarryThroughJoint<T>(arm, geometry, j, joint_values[j], errors.get(),
+                         {&point, &rotation});
   }
   if (errors.get() != nullptr) carry(errors.get()->base);
   Eigen::Matrix<T, 3, 3> base =
