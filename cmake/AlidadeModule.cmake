@@ -49,7 +49,13 @@ function(alidade_module module)
   set(target alidade_${module})
   add_library(${target} STATIC ${ARGN})
   add_library(Alidade::${module} ALIAS ${target})
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${module})
+  # Shared objects, the Python package's first, are linked of these libraries.
+  # Hidden symbols are called directly, as in a program.
+  set_target_properties(${target} PROPERTIES
+    EXPORT_NAME ${module}
+    POSITION_INDEPENDENT_CODE ON
+    CXX_VISIBILITY_PRESET hidden
+    VISIBILITY_INLINES_HIDDEN ON)
   alidade_compile_options(${target})
   # Tests spend their time in the numerical modules, which are optimised; those
   # of text take the compiler a quarter less without.

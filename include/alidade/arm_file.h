@@ -17,6 +17,10 @@ Arm LoadArm(const std::string& path);
 /// appended to `input_files`.
 Arm LoadArm(const std::string& path, std::vector<std::string>* input_files);
 
+/// The arm of an arm file's text. `name` is that of messages; paths in it are
+/// relative to it. @throws InputError with line, column and key.
+Arm ParseArm(const std::string& text, const std::string& name);
+
 /// The text of an arm file that LoadArm reads back to the same bits (rotations
 /// of base and targets to about 1e-15). Numbers are in m and rad, with mm and
 /// deg beside them in comments for people. `comment` goes on top, each of its

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <utility>
 
+#include "alidade/interruption.h"
 #include "src/common/worker_pool.h"
 
 namespace alidade::internal {
@@ -22,6 +23,7 @@ void ParallelFor(int num_threads, std::int64_t count, std::int64_t block_size,
       const std::int64_t block = next_block.fetch_add(1);
       if (block >= num_blocks) return;
       try {
+        CheckInterruption();
         work(block * block_size, std::min(count, (block + 1) * block_size));
       } catch (...) {
         const std::lock_guard<std::mutex> lock(failure_mutex);

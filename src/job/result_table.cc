@@ -108,15 +108,32 @@ std::vector<ObservationLabel> LabelsOf(const ResultTable& table) {
 
 void ReadMap(const ResultTable& table, PredictedMap* map) {
   map->positions = MatrixOf(table, "", kNan);
-  const auto fill = [&](const std::string& name, Eigen::VectorXd* values) {
+  const auto fill = [&](const std::string& name, double unit, auto* values) {
     const double* const numbers = NumbersOf(table, name);
     if (numbers == nullptr) return;
     *values = Eigen::Map<const Eigen::VectorXd>(
                   numbers, static_cast<Eigen::Index>(table.num_rows)) *
-              kMillimetre;
+              unit;
   };
-  fill("position_std_mm", &map->position_std);
-  fill("true_error_mm", &map->true_error);
+  fill("position_std_mm", kMillimetre, &map->position_std);
+  fill("rotation_std_deg", kDegree, &map->rotation_std);
+  fill("true_error_mm", kMillimetre, &map->true_error);
+  const auto count = static_cast<Eigen::Index>(table.num_rows);
+  map->semi_axes.setZero(3, count);
+  Eigen::VectorXd row;
+  for (int k = 0; k < 3; ++k) {
+    fill("axis" + std::to_string(k + 1) + "_mm", kMillimetre, &row);
+    if (row.size() == count) map->semi_axes.row(k) = row;
+  }
+  for (int j = 0;; ++j) {
+    const std::string name = "q" + std::to_string(j + 1);
+    const bool is_angle = table.Column(name + "_deg") >= 0;
+    if (!is_angle && table.Column(name + "_mm") < 0) break;
+    fill(name + (is_angle ? "_deg" : "_mm"), is_angle ? kDegree : kMillimetre,
+         &row);
+    map->joint_values.conservativeResize(j + 1, count);
+    map->joint_values.row(j) = row;
+  }
 }
 
 void ReadInfluence(const ResultTable& table, std::vector<Influence>* poses) {

@@ -331,6 +331,26 @@ std::vector<FieldRecord> DeviationsFields() {
   return CollectFields([](auto& v) { VisitDeviations(v, Arm(), nullptr); });
 }
 
+namespace {
+
+Arm ReadArm(const YamlValue& root, const std::string& path,
+            std::vector<std::string>* input_files) {
+  NamedFiles files(path);
+  ArmReading reading;
+  reading.files = &files;
+  const auto visit = [&](auto& v) { VisitArm(v, &reading); };
+  ReadFields(root, Units(MapOf(root, visit)), visit);
+  input_files->insert(input_files->end(), files.paths().begin() + 1,
+                      files.paths().end());
+  if (!HasFarNormals(reading.arm)) return std::move(reading.arm);
+  LOG(WARNING) << "warning: " << path
+               << ": axes are nearly parallel, and their common normals more "
+                  "than 10 m away: they are joined by beta instead, which "
+                  "gives the same poses; parameters are those of that table";
+  return WithoutFarNormals(reading.arm);
+}
+
+}  // namespace
 }  // namespace internal
 
 Arm LoadArm(const std::string& path) {
@@ -343,19 +363,18 @@ Arm LoadArm(const std::string& path, std::vector<std::string>* input_files) {
   if (internal::IsUrKinematics(root)) {
     return internal::ReadUrKinematics(root, path);
   }
-  internal::NamedFiles files(path);
-  internal::ArmReading reading;
-  reading.files = &files;
-  internal::ReadConfig(path, internal::FileFormat::kArm,
-                       [&](auto& v) { internal::VisitArm(v, &reading); });
-  input_files->insert(input_files->end(), files.paths().begin() + 1,
-                      files.paths().end());
-  if (!internal::HasFarNormals(reading.arm)) return std::move(reading.arm);
-  LOG(WARNING) << "warning: " << path
-               << ": axes are nearly parallel, and their common normals more "
-                  "than 10 m away: they are joined by beta instead, which "
-                  "gives the same poses; parameters are those of that table";
-  return internal::WithoutFarNormals(reading.arm);
+  return internal::ReadArm(
+      internal::ReadConfigFile(path, internal::FileFormat::kArm), path,
+      input_files);
+}
+
+Arm ParseArm(const std::string& text, const std::string& name) {
+  std::vector<std::string> input_files;
+  const internal::YamlValue root = internal::ParseYaml(text, name);
+  root.AnyMap("an arm's entries")
+      .Required("format")
+      .Choice("format", {internal::WordOf(internal::FileFormat::kArm)});
+  return internal::ReadArm(root, name, &input_files);
 }
 
 Eigen::VectorXd LoadDeviations(const std::string& path, const Arm& arm) {

@@ -8,24 +8,19 @@
 #include "src/common/names.h"
 #include "src/serialization/config_file.h"
 #include "src/serialization/data_section.h"
-#include "src/serialization/errors_section.h"
 #include "src/serialization/field_records.h"
-#include "src/serialization/identifiability_section.h"
 #include "src/serialization/job_config.h"
+#include "src/serialization/job_options.h"
 #include "src/serialization/job_tree.h"
 #include "src/serialization/references_section.h"
 #include "src/serialization/validation_section.h"
 #include "src/serialization/yaml_reader.h"
 #include "src/simulation/monte_carlo_fields.h"
-#include "src/solve/solver_fields.h"
 #include "src/uncertainty/uncertainty_fields.h"
 
 namespace alidade::internal {
 
 namespace {
-
-constexpr char kBoundsSchema[] =
-    R"({"type": "object", "additionalProperties": {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 2, "maxItems": 2}})";
 
 // A job that is being read.
 struct JobReading {
@@ -37,26 +32,6 @@ struct JobReading {
   std::vector<std::string> sets = {};
   StatedValidation validation = {};
 };
-
-void CheckLoss(const YamlMap& map, const JobConfig& job) {
-  if (job.options.loss == LossKind::kNone ||
-      job.options.solver == SolverName::kCeres) {
-    return;
-  }
-  map.Required("loss").Fail(
-      "the pseudo-inverse is least squares: a robust loss goes with "
-      "`solver: {name: ceres}`");
-}
-
-void CheckCompareWith(const YamlMap& map, const JobConfig& job) {
-  const std::vector<SolverName>& others = job.options.compare_with;
-  const auto same = std::find(others.begin(), others.end(), job.options.solver);
-  if (same == others.end()) return;
-  const YamlValue item =
-      map.Required("compare_with").List()[same - others.begin()];
-  item.Fail("solver " + Quote(item.Text()) +
-            " runs already, expected each solver once");
-}
 
 // A limit of poses that the fit does not use needs some, one of orientations
 // needs these. Without the validation that goes with them, limits of validation
@@ -114,26 +89,6 @@ Eigen::VectorXd WithReferences(const Eigen::VectorXd& deviations,
   return all;
 }
 
-bool HasUnknownReferences(const References& references) {
-  const auto is_unknown = [](const auto& reference) {
-    return !reference.is_known;
-  };
-  return std::any_of(references.points.begin(), references.points.end(),
-                     is_unknown) ||
-         std::any_of(references.planes.begin(), references.planes.end(),
-                     is_unknown);
-}
-
-// The published rules know joint parameters alone.
-void CheckMethod(const YamlMap& map, const JobConfig& job) {
-  if (job.options.identifiability.method == IdentifiabilityMethod::kRules &&
-      HasUnknownReferences(job.data.references)) {
-    map.Fail(
-        "method: rules identifies no points and planes, and some of these "
-        "are not known: expected `method: rank`");
-  }
-}
-
 void ReadTrainingData(const YamlValue& value, JobReading* reading) {
   JobConfig* const job = reading->job;
   job->data.references = reading->references.references;
@@ -184,29 +139,6 @@ void CheckMonteCarlo(const YamlMap& map, const JobConfig& job) {
       "`priors`, or the real arm as the job's `truth`");
 }
 
-// What asks for all data in one place.
-void RefuseForMany(const YamlMap& map, const JobConfig& job) {
-  const int num_ranks = job.communicator->size();
-  if (num_ranks == 1) return;
-  const auto refuse = [&](const YamlValue& value, const std::string& what) {
-    value.Fail(what + " needs all data in one process, and this job runs in " +
-               std::to_string(num_ranks) +
-               ": leave it out, or run without mpirun");
-  };
-  if (const auto compared = map.Optional("compare_with")) {
-    refuse(*compared, "compare_with");
-  }
-  if (job.options.solver == SolverName::kPseudoInverse) {
-    refuse(map.Required("solver"), "the pseudo-inverse");
-  }
-  if (job.options.solver_options.evaluation == Evaluation::kAutodiff) {
-    refuse(map.Required("solver"), "evaluation: autodiff");
-  }
-  if (const auto validation = map.Optional("validation")) {
-    if (validation->Find("folds")) refuse(*validation, "cross-validation");
-  }
-}
-
 std::vector<int> ReadersOf(const JobContext& context, const JobConfig& job) {
   std::vector<int> readers;
   if (job.communicator->size() == 1) return readers;
@@ -215,32 +147,6 @@ std::vector<int> ReadersOf(const JobContext& context, const JobConfig& job) {
     readers.push_back(found == context.readers.end() ? 0 : found->second);
   }
   return readers;
-}
-
-template <typename Visitor>
-void VisitSolvers(Visitor& v, JobConfig* job) {
-  CalibrationOptions& options = job->options;
-  v.Section(Key("solver"), "how the least-squares problem is solved",
-            [&](auto& section) {
-              section.Field(Key("name").Named("solver"), options.solver,
-                            "`ceres` (Levenberg-Marquardt by Ceres) or "
-                            "`pseudo_inverse`");
-              VisitFields(section, options.solver_options);
-            });
-  v.Section(Key("robust"), "against outliers", [&](auto& section) {
-    section.Field(
-        Key("loss").Required(), options.loss,
-        "how the cost of an outlier grows: `none` (squares), `huber`, `cauchy` "
-        "or `tukey`, on the norm of each observation's whitened residual, with "
-        "the constant of 95 % efficiency for that observation's own dimension, "
-        "the number of its rows that were measured. The last two start from "
-        "the solution of the ones before them. `ceres` only");
-    section.Check([&](const YamlMap& map) { CheckLoss(map, *job); });
-  });
-  v.Field(Key("compare_with").Named("solver"), options.compare_with,
-          "other solvers to run on the same data");
-  v.Check([&](const YamlMap& map) { CheckCompareWith(map, *job); });
-  v.Check([&](const YamlMap& map) { RefuseForMany(map, *job); });
 }
 
 template <typename Visitor>
@@ -277,42 +183,7 @@ void VisitMeasurements(Visitor& v, JobReading* reading) {
         job->options.estimate_sigma ? kMustBeStated : reading->sigmas.length,
         job);
   });
-  v.Section(
-      Key("identifiability"), "which parameters are identified",
-      [&](auto& section) {
-        VisitIdentifiability(section, LayoutOf(job->arm, job->data.references),
-                             &job->options.identifiability);
-        section.Field(
-            Key("prior_scale"), job->options.prior_scale,
-            "`estimated`: the priors of the joints are multiplied by a factor "
-            "of the angles and one of the lengths under which the "
-            "measurements are most likely (empirical Bayes); `given`: they "
-            "are as stated");
-        section.Check([&](const YamlMap& map) { CheckMethod(map, *job); });
-      });
-  v.Custom(
-      Key("errors").Default("auto").Schema(kErrorsSchema),
-      "errors of the arm that are not rigid geometry: `none`, `auto` (what "
-      "the measurements have evidence for), or a map of terms (\"Error "
-      "terms of a job\", below). `none` leaves those of the arm as they "
-      "are",
-      [&](const YamlValue& value, const Units& units) {
-        ErrorTermOptions& errors = job->options.errors;
-        std::vector<CovariateUse> uses = std::move(errors.uses);
-        errors = ReadErrorTerms(value, units, job->arm.num_joints());
-        errors.uses = std::move(uses);
-      });
-  v.Custom(
-      Key("bounds").In("the parameter's").Schema(kBoundsSchema),
-      "map from names of joint parameters (`beta1`, `alpha2`, `d3`, `theta4`, "
-      "`r5`) to `[lower, upper]`: limits in the solve, as deviations from the "
-      "nominal value, 0 between them; `-.inf` or `.inf` leaves one end open. "
-      "`ceres` only",
-      [&](const YamlValue& value, const Units& units) {
-        job->options.bounds =
-            ReadBounds(value, units, LayoutOf(job->arm, job->data.references),
-                       NominalValues(job->arm, job->data.references));
-      });
+  VisitIdentification(v, job);
 }
 
 template <typename Visitor>

@@ -161,6 +161,8 @@ void VisitRegion(Visitor& v, PlanConfig* plan) {
 struct PlanReading {
   JobContext* context;
   PlanConfig* plan;
+  /// Arm and measurements are there: the rest is read.
+  bool is_without_files = false;
   StatedReferences references = {};
   std::vector<std::string> inputs_of_job = {};
 };
@@ -283,9 +285,15 @@ void VisitSources(Visitor& v, PlanReading* reading) {
              job->data.training.joint_values =
                  Eigen::MatrixXd(job->arm.num_joints(), 0);
            });
+}
+
+template <typename Visitor>
+void VisitMeasured(Visitor& v, PlanReading* reading) {
+  CalibrationTask* const job = &reading->plan->job;
   v.Section(
       Key("measurement").Required(), "how well will be measured",
       [&](auto& section) { VisitPlanMeasurement(section, reading->plan); });
+  if (reading->is_without_files) return;
   v.Section(Key("references"), "of `measured`, as in a job",
             [&](auto& section) {
               VisitReferences(section, &reading->references);
@@ -297,6 +305,11 @@ void VisitSources(Visitor& v, PlanReading* reading) {
            "what was measured already, as a job's `data`: it counts as known, "
            "and base and targets are found from it where they are identified",
            [=](const YamlValue& value) { ReadMeasured(value, reading); });
+}
+
+template <typename Visitor>
+void VisitIdentified(Visitor& v, PlanReading* reading) {
+  CalibrationTask* const job = &reading->plan->job;
   v.Section(Key("identifiability"),
             "what is to be identified, as in a job; with `job`, its keys "
             "replace those of the job. Ranks are taken over all candidates and "
@@ -417,11 +430,10 @@ void VisitSearch(Visitor& v, PlanConfig* plan) {
 }
 
 template <typename Visitor>
-void VisitPlan(Visitor& v, PlanReading* reading) {
+void VisitDesign(Visitor& v, PlanReading* reading) {
   PlanConfig* const plan = reading->plan;
-  VisitHead(v, FileFormat::kPlan);
-  v.Field(Key("title").Required(), plan->title, "heads the report");
-  VisitSources(v, reading);
+  VisitMeasured(v, reading);
+  VisitIdentified(v, reading);
   v.Section(Key("poses").Required(), "how many poses",
             [&](auto& section) { VisitPoses(section, plan); });
   v.Section(
@@ -434,6 +446,15 @@ void VisitPlan(Visitor& v, PlanReading* reading) {
   VisitSearch(v, plan);
 }
 
+template <typename Visitor>
+void VisitPlan(Visitor& v, PlanReading* reading) {
+  PlanConfig* const plan = reading->plan;
+  VisitHead(v, FileFormat::kPlan);
+  v.Field(Key("title").Required(), plan->title, "heads the report");
+  VisitSources(v, reading);
+  VisitDesign(v, reading);
+}
+
 }  // namespace
 
 std::vector<FieldRecord> PlanFields() {
@@ -441,6 +462,22 @@ std::vector<FieldRecord> PlanFields() {
   plan.design.num_poses = kMostPoses;
   PlanReading reading{nullptr, &plan};
   return CollectFields([&](auto& v) { VisitPlan(v, &reading); });
+}
+
+std::vector<FieldRecord> PlanOptionFields() {
+  PlanConfig plan;
+  plan.design.num_poses = kMostPoses;
+  PlanReading reading{nullptr, &plan, true};
+  return CollectFields([&](auto& v) { VisitDesign(v, &reading); });
+}
+
+void ReadPlanOptions(const YamlValue& value, const Units& units,
+                     PlanConfig* plan) {
+  JobContext context{units, NamedFiles(value.document())};
+  plan->design.num_poses = kMostPoses;
+  PlanReading reading{&context, plan, true};
+  ReadFields(value, units, [&](auto& v) { VisitDesign(v, &reading); });
+  plan->constraints.targets = plan->measurement.targets;
 }
 
 PlanConfig LoadPlan(const std::string& path, int num_threads) {

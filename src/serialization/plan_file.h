@@ -20,6 +20,14 @@ struct PlanConfig : PlanTask {
 /// What a plan file may hold.
 std::vector<FieldRecord> PlanFields();
 
+/// What a plan says of its design alone, where arm and earlier measurements are
+/// there already: all but head, title and sources.
+std::vector<FieldRecord> PlanOptionFields();
+/// Reads that. @pre plan->job has the arm, the references and what was measured
+/// before. @throws InputError.
+void ReadPlanOptions(const YamlValue& value, const Units& units,
+                     PlanConfig* plan);
+
 /// Reads a plan file and every file it names; paths are relative to it.
 /// @throws InputError with file, line, column and key.
 PlanConfig LoadPlan(const std::string& path, int num_threads = 1);

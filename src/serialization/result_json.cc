@@ -38,6 +38,10 @@ std::string FormatResultJson(const CalibrationResult& result) {
   return FormatFile(kResultFormat, result);
 }
 
+std::string FormatIdentifiabilityJson(const IdentifiabilityResult& result) {
+  return Dump(ToJson(result), kIndent) + "\n";
+}
+
 std::string FormatPlanJson(const PlanResult& result) {
   return FormatFile(kPlanResultFormat, result);
 }
@@ -107,9 +111,10 @@ Json UpdateNames(const Json& json) {
   return object;
 }
 
-// A file of `format`, or of format 1, in today's names.
-Json LoadJson(const std::string& path, const std::string& format) {
-  Json json = ParseJson(path, ReadFile(path));
+// A file's text of `format`, or of format 1, in today's names.
+Json ReadJsonText(const std::string& path, const std::string& text,
+                  const std::string& format) {
+  Json json = ParseJson(path, text);
   const std::string first = format.substr(0, format.size() - 1) + "1";
   if (json.is_object() && json.value("format", Json()) == first) {
     json = UpdateNames(json);
@@ -129,7 +134,12 @@ void CheckFormat(const JsonValue& json, const char* expected) {
 }  // namespace
 
 CalibrationResult LoadResultJson(const std::string& path) {
-  const Json root = LoadJson(path, kResultFormat);
+  return ParseResultJson(ReadFile(path), path);
+}
+
+CalibrationResult ParseResultJson(const std::string& text,
+                                  const std::string& path) {
+  const Json root = ReadJsonText(path, text, kResultFormat);
   const JsonValue json(path, "", root);
   CheckFormat(json, kResultFormat);
   CalibrationResult result;
@@ -140,7 +150,7 @@ CalibrationResult LoadResultJson(const std::string& path) {
 }
 
 BatchSummary LoadBatchSummary(const std::string& path) {
-  const Json root = LoadJson(path, kBatchFormat);
+  const Json root = ReadJsonText(path, ReadFile(path), kBatchFormat);
   const JsonValue json(path, "", root);
   CheckFormat(json, kBatchFormat);
   BatchSummary summary;

@@ -30,6 +30,12 @@ std::string FormatResultJson(const CalibrationResult& result);
 /// arrays, which live in residuals.csv. A result of an earlier version, which
 /// has no verdict, is judged. @throws InputError.
 CalibrationResult LoadResultJson(const std::string& path);
+/// The same of a text; `path` is for messages.
+CalibrationResult ParseResultJson(const std::string& text,
+                                  const std::string& path);
+
+/// What result.json has as its `identifiability`.
+std::string FormatIdentifiabilityJson(const IdentifiabilityResult& result);
 
 /// plan.json.
 std::string FormatPlanJson(const PlanResult& result);

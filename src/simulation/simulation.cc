@@ -32,6 +32,7 @@ double ValueAt(const Range& range, int i) {
 // where the file says.
 Eigen::MatrixXd RoundedJointValues(const Arm& arm, int decimals,
                                    const Eigen::MatrixXd& joint_values) {
+  if (decimals < 0) return joint_values;
   Eigen::MatrixXd q = MotorsFromJoints(arm, joint_values);
   const double scale = std::pow(10.0, decimals);
   for (Eigen::Index i = 0; i < q.cols(); ++i) {

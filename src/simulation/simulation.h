@@ -55,7 +55,7 @@ struct SimulationConfig {
   double noise_sigma = 0.0;  ///< of each coordinate (m); 0 = exact
   std::uint64_t seed = 1;
   /// Decimals (of deg or mm) that joint values are rounded to, so that the
-  /// data set states them exactly.
+  /// data set states them exactly; below 0: not rounded.
   int joint_decimals = 4;
   std::string output;  ///< path of the data set
   std::vector<std::string> input_files;

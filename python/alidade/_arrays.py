@@ -1,0 +1,222 @@
+"""Arguments as arrays of the shapes that the library takes, or an InputError
+that names the argument."""
+
+from __future__ import annotations
+
+import operator
+import os
+from typing import Any, Sequence, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from ._errors import wrong
+
+Array = npt.NDArray[np.float64]
+Path = Union[str, "os.PathLike[str]"]
+
+
+def _describe(value: Any) -> str:
+    if isinstance(value, np.ndarray):
+        return f"an array of shape {value.shape} and type {value.dtype}"
+    if isinstance(value, (list, tuple)):
+        return f"a {type(value).__name__} of {len(value)}"
+    if value is None:
+        return "None"
+    return f"{type(value).__name__} {value!r:.60}"
+
+
+def numbers(value: Any, argument: str, expected: str) -> Array:
+    """Any array of finite doubles; contiguous along its last axis."""
+    if hasattr(value, "to_numpy"):  # pandas
+        value = value.to_numpy()
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError):
+        array = np.asarray(None)
+    if array.dtype.kind not in "fiu":
+        what = _describe(value)
+        if array.dtype.kind == "c":
+            what = "complex numbers"
+        elif array.dtype.kind == "b":
+            what = "truth values"
+        raise wrong(argument, f"found {what}, expected {expected}")
+    array = array.astype(np.float64, copy=False)
+    if array.ndim and (array.strides[-1] != 8 or
+                       any(stride < 0 or stride % 8
+                           for stride in array.strides)):
+        array = np.ascontiguousarray(array)
+    return array
+
+
+def finite(array: Array, argument: str) -> Array:
+    """`array`, unless it holds NaN or an infinity."""
+    # One pass and no array of truth values; a sum of finite numbers may
+    # overflow, so that this is looked at again.
+    with np.errstate(over="ignore", invalid="ignore"):
+        total = np.add.reduce(array, axis=None)
+    if not np.isfinite(total):
+        bad = np.argwhere(~np.isfinite(array))
+        if len(bad):
+            place = ", ".join(str(i) for i in bad[0])
+            raise wrong(argument, f"{array[tuple(bad[0])]} at [{place}], "
+                        f"expected finite numbers ({len(bad)} are not): leave "
+                        "out what was not measured")
+    return array
+
+
+def rows(value: Any, argument: str, columns: int, what: str,
+         count: int | None = None, are_finite: bool = True) -> Array:
+    """N x columns; one row may be given as a vector."""
+    expected = f"an array of shape ({count or 'N'}, {columns}), {what}"
+    array = numbers(value, argument, expected)
+    if array.ndim == 1 and array.shape[0] == columns and count in (None, 1):
+        array = array[np.newaxis]
+    if array.ndim != 2 or array.shape[1] != columns or (
+            count is not None and array.shape[0] != count):
+        hint = ""
+        if array.ndim == 2 and array.shape[0] == columns and count in (
+                None, array.shape[1]):
+            hint = ": it is transposed"
+        raise wrong(argument, f"found shape {array.shape}, expected "
+                    f"{expected}{hint}")
+    # Rows that overlap are no matrix.
+    if array.shape[0] > 1 and array.strides[0] < 8 * columns:
+        array = np.ascontiguousarray(array)
+    return finite(array, argument) if are_finite else array
+
+
+def vector(value: Any, argument: str, count: int | None, what: str) -> Array:
+    expected = f"{count if count is not None else 'a list of'} numbers, {what}"
+    array = numbers(value, argument, expected)
+    if array.ndim != 1 or (count is not None and array.shape[0] != count):
+        raise wrong(argument,
+                    f"found shape {array.shape}, expected {expected}")
+    return finite(np.ascontiguousarray(array), argument)
+
+
+def transforms(value: Any, argument: str) -> Array:
+    """N x 4 x 4, each a rotation and a translation."""
+    expected = "an array of shape (N, 4, 4), homogeneous matrices"
+    array = numbers(value, argument, expected)
+    if array.ndim == 2 and array.shape == (4, 4):
+        array = array[np.newaxis]
+    if array.ndim != 3 or array.shape[1:] != (4, 4):
+        raise wrong(argument,
+                    f"found shape {array.shape}, expected {expected}")
+    finite(array, argument)
+    last = np.abs(array[:, 3] - (0.0, 0.0, 0.0, 1.0)).max(initial=0.0)
+    if last > 1e-9:
+        raise wrong(argument, "last rows are not 0 0 0 1, expected homogeneous "
+                    "matrices (transposed?)")
+    check_rotations(array[:, :3, :3], argument)
+    return np.ascontiguousarray(array)
+
+
+def check_rotations(array: Array, argument: str) -> None:
+    product = array @ array.transpose(0, 2, 1) - np.eye(3)
+    error = np.abs(product).max(initial=0.0)
+    if error > 1e-6:
+        raise wrong(argument, f"rotations are off by {error:.2g} from "
+                    "orthonormal ones, expected rotation matrices")
+    if array.size and np.linalg.det(array).min() < 0.0:
+        raise wrong(argument, "a rotation matrix has the determinant -1, "
+                    "expected right-handed frames")
+
+
+def rotation_vectors(matrices: Array) -> Array:
+    """Logarithms (N x 3, rad) of rotation matrices, exact at half a turn."""
+    # Shepperd 1978: the quaternion from its largest component.
+    m = matrices
+    trace = np.trace(m, axis1=1, axis2=2)
+    quaternions = np.empty((len(m), 4))
+    choice = np.argmax(np.column_stack(
+        [np.einsum("nii->ni", m), trace]), axis=1)
+    for axis in range(3):
+        at = choice == axis
+        i, j, k = axis, (axis + 1) % 3, (axis + 2) % 3
+        quaternions[at, i] = 1 - trace[at] + 2 * m[at, i, i]
+        quaternions[at, j] = m[at, j, i] + m[at, i, j]
+        quaternions[at, k] = m[at, k, i] + m[at, i, k]
+        quaternions[at, 3] = m[at, k, j] - m[at, j, k]
+    at = choice == 3
+    quaternions[at, 0] = m[at, 2, 1] - m[at, 1, 2]
+    quaternions[at, 1] = m[at, 0, 2] - m[at, 2, 0]
+    quaternions[at, 2] = m[at, 1, 0] - m[at, 0, 1]
+    quaternions[at, 3] = 1 + trace[at]
+    quaternions /= np.linalg.norm(quaternions, axis=1, keepdims=True)
+    quaternions[quaternions[:, 3] < 0] *= -1
+    sine = np.linalg.norm(quaternions[:, :3], axis=1)
+    angle = 2 * np.arctan2(sine, quaternions[:, 3])
+    scale = np.where(sine > 1e-12, angle / np.maximum(sine, 1e-300), 2.0)
+    return quaternions[:, :3] * scale[:, np.newaxis]
+
+
+def text(value: Any, argument: str, what: str = "a text") -> str:
+    if not isinstance(value, str) or not value:
+        raise wrong(argument, f"found {_describe(value)}, expected {what}")
+    return value
+
+
+def path(value: Any, argument: str) -> str:
+    try:
+        name = os.fspath(value)
+    except TypeError:
+        name = None
+    if isinstance(name, bytes):
+        name = os.fsdecode(name)
+    if not name or "\0" in name:
+        raise wrong(argument, f"found {_describe(value)}, expected a path")
+    return str(name)
+
+
+def integer(value: Any, argument: str, least: int, most: int = 2**31 - 1) -> int:
+    expected = f"an integer from {least} to {most}"
+    if most == 2**31 - 1:
+        expected = f"an integer, {least} or more"
+    try:
+        number = None if isinstance(value, (bool, np.bool_)) else (
+            operator.index(value))
+    except TypeError:
+        number = None
+    if number is None or not least <= number <= most:
+        raise wrong(argument, f"found {_describe(value)}, expected {expected}")
+    return number
+
+
+def positive(value: Any, argument: str, what: str) -> float:
+    array = numbers(value, argument, what)
+    if array.ndim or not np.isfinite(array) or array <= 0:
+        raise wrong(argument, f"found {_describe(value)}, expected {what}, "
+                    "above 0")
+    return float(array)
+
+
+def threads_of(value: Any) -> int:
+    """0 means all processors."""
+    number = integer(value, "threads", 0, 4096)
+    return number or os.cpu_count() or 1
+
+
+def one_of(value: Any, argument: str, choices: Sequence[str]) -> str:
+    if not isinstance(value, str) or value not in choices:
+        raise wrong(argument, f"found {_describe(value)}, expected one of "
+                    f"{', '.join(choices)}")
+    return value
+
+
+def callable_or_none(value: Any, argument: str) -> Any:
+    if value is not None and not callable(value):
+        raise wrong(argument, f"found {_describe(value)}, expected a function")
+    return value
+
+
+def same_count(array: Array, argument: str, count: int, of: str) -> Array:
+    if len(array) != count:
+        raise wrong(argument, f"found {len(array)} rows, expected {count}, as "
+                    f"many as {of}")
+    return array
+
+
+def seed_of(value: Any) -> int:
+    return integer(value, "seed", 0, 2**64 - 1)

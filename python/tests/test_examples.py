@@ -1,0 +1,78 @@
+"""The notebooks of examples: every cell runs and prints what the file shows.
+
+ALIDADE_UPDATE=1 writes the outputs anew.
+"""
+
+import ast
+import contextlib
+import io
+import json
+import os
+
+import pytest
+
+from conftest import ROOT
+
+EXAMPLES = sorted((ROOT / 'python/examples').glob('*.ipynb'))
+# An output is shown as markup where it is no longer than this.
+LONGEST = 60000
+
+
+def run(source, names):
+  """What a cell prints, and its last expression's value."""
+  tree = ast.parse(source)
+  last = None
+  if tree.body and isinstance(tree.body[-1], ast.Expr):
+    last = ast.Expression(tree.body.pop().value)
+  printed = io.StringIO()
+  value = None
+  with contextlib.redirect_stdout(printed):
+    exec(compile(tree, 'cell', 'exec'), names)
+    if last is not None:
+      value = eval(compile(last, 'cell', 'eval'), names)
+  return printed.getvalue(), value
+
+
+def outputs(printed, value, number):
+  found = []
+  if printed:
+    found.append({'name': 'stdout', 'output_type': 'stream',
+                  'text': printed.splitlines(keepends=True)})
+  if value is not None:
+    data = {'text/plain': repr(value).splitlines(keepends=True)}
+    markup = getattr(value, '_repr_html_', lambda: None)()
+    if markup and len(markup) <= LONGEST:
+      data['text/html'] = markup.splitlines(keepends=True)
+    found.append({'data': data, 'execution_count': number, 'metadata': {},
+                  'output_type': 'execute_result'})
+  return found
+
+
+def text_of(output):
+  return ''.join(output.get('text') or output['data']['text/plain'])
+
+
+@pytest.mark.parametrize('file', EXAMPLES, ids=lambda file: file.stem)
+def test_notebook(file, monkeypatch):
+  monkeypatch.chdir(file.parent)
+  notebook = json.loads(file.read_text())
+  names = {'__name__': '__main__'}
+  is_update = os.environ.get('ALIDADE_UPDATE') == '1'
+  number = 0
+  for cell in notebook['cells']:
+    if cell['cell_type'] != 'code':
+      continue
+    number += 1
+    found = outputs(*run(''.join(cell['source']), names), number)
+    if is_update:
+      cell['outputs'], cell['execution_count'] = found, number
+    else:
+      assert [text_of(one) for one in found] == [
+          text_of(one) for one in cell['outputs']], ''.join(cell['source'])
+  if is_update:
+    file.write_text(json.dumps(notebook, indent=1, ensure_ascii=False) + '\n')
+  assert number >= 4
+
+
+def test_there_are_three():
+  assert len(EXAMPLES) == 3
