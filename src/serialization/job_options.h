@@ -1,6 +1,9 @@
 #ifndef ALIDADE_SRC_SERIALIZATION_JOB_OPTIONS_H_
 #define ALIDADE_SRC_SERIALIZATION_JOB_OPTIONS_H_
 
+#include <utility>
+#include <vector>
+
 #include "src/calibration/calibration_options_fields.h"
 #include "src/serialization/errors_section.h"
 #include "src/serialization/field_records.h"
