@@ -257,12 +257,12 @@ Table RungTable(const ErrorTermsResult& errors,
           poses,
       {Table::Column("model").Wrapped(kNameWidth),
        ">terms|coefficients besides the geometry",
-       ">weight [%]|in what is delivered; -: a model with fewer terms has as "
-       "much evidence",
+       (">weight [%]|in what is delivered; -: a model with fewer terms has as "
+        "much evidence"),
        Table::PageOnly(">evidence|what it gains in -2 log of the restricted "
                        "likelihood over the geometry alone"),
-       ">regions [mm]|mean error at training poses in regions of joint space "
-       "that were left out of the fit",
+       (">regions [mm]|mean error at training poses in regions of joint space "
+        "that were left out of the fit"),
        ">random [mm]|the same, left out at random", ">mean [mm]|position error",
        ">max [mm]|position error", ">mean [deg]|orientation error",
        Table::PageOnly(

@@ -202,13 +202,13 @@ namespace {
 
 void AddMethod(const NoiseStudyMethod& method, Table* table) {
   std::vector<TableCell> row = {method.name};
-  row.push_back(
+  row.emplace_back(
       Millimetres(NoiseStudyMethod::Percentile(method.data_rms, 0.5)));
   for (const double fraction : {0.05, 0.5, 0.95}) {
-    row.push_back(Millimetres(
+    row.emplace_back(Millimetres(
         NoiseStudyMethod::Percentile(method.workspace_rms, fraction)));
   }
-  row.push_back(std::to_string(method.failed));
+  row.emplace_back(std::to_string(method.failed));
   table->AddRow(row);
 }
 

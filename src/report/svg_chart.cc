@@ -419,10 +419,10 @@ std::string RenderSvg(const PanelChart& chart, FigureMedium medium) {
       chart.title, chart.subtitle, medium);
   draw_header(&svg);
   for (std::size_t k = 0; k < chart.panels.size(); ++k) {
-    const SvgPoint at{
-        layout.margin +
-            static_cast<double>(k % kColumns) * (kPageWidth + layout.margin),
-        top + static_cast<double>(k / kColumns) * height + kTitleRoom};
+    const std::size_t row = k / kColumns;
+    const SvgPoint at{layout.margin + static_cast<double>(k % kColumns) *
+                                          (kPageWidth + layout.margin),
+                      top + static_cast<double>(row) * height + kTitleRoom};
     svg.Text({at.x, at.y - 8.0}, chart.panels[k].title, "label strong");
     svg.Inside(at, {kPageWidth, kPageHeight},
                RenderSvg(chart.panels[k], FigureMedium::kPage));

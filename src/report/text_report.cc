@@ -125,7 +125,7 @@ std::string Section(const std::string& title, const std::string& body) {
 
 std::string FormatParameters(const CalibrationResult& result) {
   std::vector<std::string> left_out;
-  const std::string text = ParameterTable(result, &left_out).ToText();
+  std::string text = ParameterTable(result, &left_out).ToText();
   if (left_out.empty()) return text;
   return text + Paragraph("Given, and zero: " + Join(left_out, " "));
 }

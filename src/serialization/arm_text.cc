@@ -59,9 +59,9 @@ std::string FormatComment(const std::string& comment) {
 std::string FormatJoint(const Joint& joint, int number) {
   QuantityWriter writer("    ");
   VisitKhalil(writer, joint);
-  const std::string text = std::string("  - type: ") + WordOf(joint.type) +
-                           "  # joint " + std::to_string(number) + "\n" +
-                           writer.text();
+  std::string text = std::string("  - type: ") + WordOf(joint.type) +
+                     "  # joint " + std::to_string(number) + "\n" +
+                     writer.text();
   if (std::isinf(joint.lower) && std::isinf(joint.upper)) return text;
   const Dimension dimension = joint.dimension();
   return text + "    limits: [" + FormatLimit(joint.lower) + ", " +

@@ -159,7 +159,7 @@ std::vector<std::string> NamedFiles::PathsOf(const YamlValue& value) {
 }
 
 std::string NamedFiles::ExpandVariable(const YamlValue& value) {
-  const std::string text = value.Text();
+  std::string text = value.Text();
   if (text.rfind("${", 0) != 0) return text;
   const std::size_t end = text.find('}');
   if (end == std::string::npos) {

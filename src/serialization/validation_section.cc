@@ -27,7 +27,7 @@ void TakeFraction(const YamlValue& fraction, const HoldOutOptions& options,
   } catch (const InputError& error) {
     // Here it is the key that the message begins with.
     const std::string key = "holdout.fraction ";
-    const std::string message = error.message();
+    const std::string& message = error.message();
     fraction.Fail(message.rfind(key, 0) == 0 ? message.substr(key.size())
                                              : message);
   }
@@ -156,8 +156,8 @@ void Mention(Communicator* communicator, const Dataset& data,
     for (const int i : block.references) list[i] = true;
   }
   for (std::vector<bool>* list : {&mentioned->points, &mentioned->planes}) {
-    for (std::size_t i = 0; i < list->size(); ++i) {
-      (*list)[i] = !OnAllRanks(communicator, data, !(*list)[i]);
+    for (auto&& is_mentioned : *list) {
+      is_mentioned = !OnAllRanks(communicator, data, !is_mentioned);
     }
   }
 }

@@ -87,10 +87,10 @@ RepeatedCalibration::Options OptionsOf(const CalibrationTask& task) {
 
 class MonteCarlo {
  public:
-  MonteCarlo(const CalibrationTask& task, MonteCarloOptions study,
+  MonteCarlo(const CalibrationTask& task, const MonteCarloOptions& study,
              const TrialProgress& progress)
       : task_(Prepare(task)),
-        study_(std::move(study)),
+        study_(study),
         num_threads_(task.options.num_threads),
         progress_(progress),
         model_(task_.arm, task_.data.references, 1),

@@ -37,7 +37,7 @@ class Assessment {
     result_.estimator =
         covariance_.is_sandwich ? "sandwich" : "inverse information";
     if (!fit_.losses.empty() && !covariance_.is_sandwich) {
-      result_.warnings.push_back(
+      result_.warnings.emplace_back(
           "too few observations to determine the scale of what a robust loss "
           "leaves: "
           "standard deviations are those of least squares");
@@ -111,7 +111,7 @@ class Assessment {
   void WarnOfBending(const std::string& names) {
     const bool has_profiles =
         input_.resolve && input_.options.intervals != IntervalMethod::kLinear;
-    result_.warnings.push_back(
+    result_.warnings.emplace_back(
         "the model is nonlinear within the uncertainty of " + names +
         (has_profiles
              ? ": intervals there are those of the profile likelihood, and "
@@ -152,7 +152,7 @@ class Assessment {
                         *input_.validation, result_.confidence);
     if (result_.validation->verdict == "larger" &&
         result_.validation->rms_z > kWorthAWarning) {
-      result_.warnings.push_back(
+      result_.warnings.emplace_back(
           "validation errors are larger than predicted: sigma is stated too "
           "small, or the arm has errors that its parameters do not describe");
     }
@@ -183,13 +183,13 @@ class Assessment {
     const ResidualDiagnostics& residuals = result_.residuals;
     if (residuals.reduced_chi_square < kMuchSmaller) return;
     if (residuals.normality.p_value < kUnlikely && fit_.losses.empty()) {
-      result_.warnings.push_back(
+      result_.warnings.emplace_back(
           "the residuals are not Gaussian: look for outliers (`robust: "
           "{loss: huber}`) and for errors that the parameters do not "
           "describe");
     }
     if (residuals.whiteness.p_value < kUnlikely) {
-      result_.warnings.push_back(
+      result_.warnings.emplace_back(
           "residuals of consecutive poses resemble each other: something "
           "drifts (temperature, instrument), or the poses are in an order "
           "along which the model is nonlinear; intervals are then too narrow");

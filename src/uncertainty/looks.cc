@@ -100,8 +100,9 @@ Dataset SampleOfConfigurations(const FittedProblem& fit) {
       DrawHeldOut(fit.data, left_out, 1, communicator);
   std::vector<Eigen::Index> poses;
   for (std::size_t pose = 0; pose < is_left_out.size(); ++pose) {
-    if (is_left_out[pose] == 0)
+    if (is_left_out[pose] == 0) {
       poses.push_back(static_cast<Eigen::Index>(pose));
+    }
   }
   return GatherData(communicator, fit.data, SelectPoses(fit.data, poses));
 }
