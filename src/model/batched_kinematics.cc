@@ -1,6 +1,9 @@
 #include "alidade/batched_kinematics.h"
 
 #include <Eigen/Geometry>
+#include <cmath>
+#include <utility>
+#include <vector>
 
 #include "alidade/forward_kinematics.h"
 #include "alidade/parameter_layout.h"
@@ -28,6 +31,58 @@ class ArmGeometry {
   const ParameterLayout layout_;
   const Eigen::VectorXd values_;
   GeometryView<double> view_;
+};
+
+// The model (forward_kinematics.h) of an arm without error terms, operation by
+// operation, so with its bits; but sines and cosines of what is the same at all
+// poses are taken once.
+class RigidChain {
+ public:
+  RigidChain(const Arm& arm, int target)
+      : arm_(arm), tool_(arm.last_from_target(target)) {
+    for (const Joint& joint : arm.joints) {
+      turns_.push_back({std::sin(joint.alpha), std::cos(joint.alpha),
+                        std::sin(joint.beta), std::cos(joint.beta)});
+    }
+  }
+
+  // Position, and the columns of `axes` where that is not null.
+  Eigen::Vector3d Carry(const double* q, Eigen::Matrix3d* axes) const {
+    Eigen::Vector3d p = tool_.translation();
+    if (axes != nullptr) *axes = tool_.linear();
+    for (int j = arm_.num_joints() - 1; j >= 0; --j) {
+      const Joint& joint = arm_.joints[j];
+      const bool turns = joint.type == JointType::kRevolute;
+      const double theta = turns ? joint.theta + q[j] : joint.theta;
+      const double sine = std::sin(theta), cosine = std::cos(theta);
+      p.z() += turns ? joint.r : joint.r + q[j];
+      RotatePlane(sine, cosine, &p.x(), &p.y());
+      p.x() += joint.d;
+      Turn(turns_[j], p.data());
+      for (int k = 0; axes != nullptr && k < 3; ++k) {
+        double* const axis = axes->col(k).data();
+        RotatePlane(sine, cosine, axis, axis + 1);
+        Turn(turns_[j], axis);
+      }
+    }
+    const Eigen::Isometry3d& base = arm_.instrument_from_base;
+    if (axes != nullptr) *axes = base.linear() * *axes;
+    return base.linear() * p + base.translation();
+  }
+
+ private:
+  struct Turns {
+    double sin_alpha, cos_alpha, sin_beta, cos_beta;
+  };
+
+  static void Turn(const Turns& turns, double* v) {
+    RotatePlane(turns.sin_alpha, turns.cos_alpha, v + 1, v + 2);
+    RotatePlane(turns.sin_beta, turns.cos_beta, v + 2, v);
+  }
+
+  const Arm& arm_;
+  const Eigen::Isometry3d tool_;
+  std::vector<Turns> turns_;
 };
 
 template <typename Work>
@@ -99,10 +154,13 @@ Arm WithFirstTarget(Arm arm, int target) {
 Eigen::Matrix3Xd BatchedPositions(const Arm& arm, const JointValues& joints,
                                   int target, int num_threads) {
   const ArmGeometry geometry(arm, target);
+  const RigidChain chain(arm, target);
+  const bool is_rigid = arm.errors.empty();
   Eigen::Matrix3Xd positions(3, joints.cols());
   ForEachColumn(joints.cols(), num_threads, [&](Eigen::Index i) {
-    positions.col(i) =
-        TargetPosition(arm, geometry.view(), joints.col(i).data());
+    const double* const q = joints.col(i).data();
+    positions.col(i) = is_rigid ? chain.Carry(q, nullptr)
+                                : TargetPosition(arm, geometry.view(), q);
   });
   return positions;
 }
@@ -110,14 +168,18 @@ Eigen::Matrix3Xd BatchedPositions(const Arm& arm, const JointValues& joints,
 Eigen::MatrixXd BatchedTransforms(const Arm& arm, const JointValues& joints,
                                   int target, int num_threads) {
   const ArmGeometry geometry(arm, target);
+  const RigidChain chain(arm, target);
+  const bool is_rigid = arm.errors.empty();
   Eigen::MatrixXd transforms(16, joints.cols());
   ForEachColumn(joints.cols(), num_threads, [&](Eigen::Index i) {
     Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> transform(
         transforms.col(i).data());
     Eigen::Matrix3d rotation;
     transform.setIdentity();
+    const double* const q = joints.col(i).data();
     transform.topRightCorner<3, 1>() =
-        TargetPose(arm, geometry.view(), joints.col(i).data(), &rotation);
+        is_rigid ? chain.Carry(q, &rotation)
+                 : TargetPose(arm, geometry.view(), q, &rotation);
     transform.topLeftCorner<3, 3>() = rotation;
   });
   return transforms;
