@@ -45,6 +45,23 @@ void RequireFewReferences(const References& references) {
                            "(`known: true`), or leave data out");
 }
 
+void RequireJoint(const Arm& arm, const char* option, int joint) {
+  if (joint >= 0 && joint < arm.num_joints()) return;
+  throw InputError({}, std::string(option) + " names joint " +
+                           std::to_string(joint) + ", expected one from 0 to " +
+                           std::to_string(arm.num_joints() - 1));
+}
+
+void RequireJoints(const ErrorTermOptions& errors, const Arm& arm) {
+  for (const auto& [joint, other] : errors.coupling) {
+    RequireJoint(arm, "errors.coupling", joint);
+    RequireJoint(arm, "errors.coupling", other);
+  }
+  for (const CovariateUse& use : errors.uses) {
+    for (const int joint : use.joints) RequireJoint(arm, "errors.uses", joint);
+  }
+}
+
 void RequireValid(const CalibrationTask& task) {
   std::string error;
   if (!task.options.IsValid(&error)) throw InputError({}, error);
@@ -52,6 +69,7 @@ void RequireValid(const CalibrationTask& task) {
     throw InputError(
         {}, "the arm \"" + task.arm.name + "\" has no joint or no target");
   }
+  RequireJoints(task.options.errors, task.arm);
   const References& references = task.data.references;
   RequireFewReferences(references);
   const ParameterLayout layout(

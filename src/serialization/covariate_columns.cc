@@ -57,6 +57,9 @@ std::vector<CovariateUse> ReadEffects(
     const YamlValue& value, int num_joints,
     const std::vector<std::string>& covariates) {
   std::vector<CovariateUse> uses;
+  if (covariates.empty()) {
+    value.Fail("found without \"covariates\", expected their list beside it");
+  }
   const YamlMap map = value.AnyMap("covariates and what they move");
   for (const auto& [name, effects] : map.entries()) {
     if (std::count(covariates.begin(), covariates.end(), name) == 0) {

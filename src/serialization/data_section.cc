@@ -126,10 +126,11 @@ void VisitColumns(Visitor& v, const Arm& arm, ColumnMapping* mapping) {
   header("target", "a header", &mapping->target);
   header("set", "a header", &mapping->set);
   VisitCovariates(v, arm, mapping);
-  header("station",
-         "a header: texts that say where, or on which day, the row was "
-         "measured; with `errors` but `none`, each has a base of its own",
-         &mapping->station);
+  header(
+      "station",
+      "a header: texts that say where, or on which day, the row was "
+      "measured; with `errors` other than `none`, each has a base of its own",
+      &mapping->station);
   v.Custom(
       Key("targets").Schema(
           R"({"type": "object", "additionalProperties": {"type": "array", "items": {"type": "string"}}})"),

@@ -10,6 +10,7 @@
 
 #include "alidade/arm_file.h"
 #include "alidade/calibration.h"
+#include "alidade/error.h"
 #include "alidade/forward_kinematics.h"
 #include "alidade/units.h"
 #include "src/calibration/calibration_task.h"
@@ -209,6 +210,16 @@ TEST(FlexibleTest, ThreadsDoNotChangeBits) {
     if (std::isnan(one.parameters[k].std)) continue;
     EXPECT_EQ(one.parameters[k].std, two.parameters[k].std);
   }
+}
+
+TEST(FlexibleTest, JointsThatTheArmDoesNotHaveAreRefused) {
+  const CalibrationData data = DataOf(FlexibleArm(), 20);
+  CalibrationOptions options = With(ErrorTermSelection::kStated);
+  options.errors.coupling = {{1, 5}};
+  EXPECT_THROW(Calibrate(NominalArm(), data, options), InputError);
+  options.errors.coupling.clear();
+  options.errors.uses = {{"temperature", false, false, {-1}}};
+  EXPECT_THROW(Calibrate(NominalArm(), data, options), InputError);
 }
 
 TEST(FlexibleTest, SeveralProcessesAreRefusedWithASentence) {

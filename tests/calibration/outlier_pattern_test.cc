@@ -92,8 +92,10 @@ TEST_F(OutlierPatternTest, FewOrHardlyRejectedOnesSayNothing) {
   for (Outlier& outlier : kept) outlier.weight = 0.9;
   EXPECT_EQ(PatternOf(arm_, data_, kept), "");
   // Of no pose, as distances between points are.
-  for (Outlier& outlier : kept) outlier = {0, {"point distance", -1}};
-  for (Outlier& outlier : kept) outlier.weight = 0.0;
+  for (Outlier& outlier : kept) {
+    outlier.weight = 0.0;
+    outlier.label.pose = -1;
+  }
   EXPECT_EQ(PatternOf(arm_, data_, kept), "");
 }
 

@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "alidade/calibration.h"
@@ -13,6 +14,7 @@
 #include "alidade/rotation.h"
 #include "src/calibration/station_frames.h"
 #include "src/common/random.h"
+#include "src/kernel/measurement_model.h"
 #include "src/model/joint_draw.h"
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/rv2aj_arms.h"

@@ -195,7 +195,10 @@ TEST_F(ErrorTermsJobTest, ColumnsThatDoNotGoTogetherAreRefused) {
   WriteData("mass,way", std::vector<std::string>(kPoses, "1,1"),
             Eigen::MatrixXd::Zero(0, kPoses));
   EXPECT_THAT(LoadingError("    effects: {mass: base}\n"),
-              HasSubstr("no covariate"));
+              HasSubstr("without \"covariates\""));
+  EXPECT_THAT(LoadingError("    covariates: [way]\n"
+                           "    effects: {mass: base}\n"),
+              HasSubstr("unknown covariate"));
   EXPECT_THAT(LoadingError("    covariates: [mass]\n"
                            "    effects: {mass: [joint 6]}\n"),
               HasSubstr("joint 6"));
