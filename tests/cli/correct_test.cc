@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -24,6 +25,7 @@ namespace {
 
 using testing::ErrorTermKinematics;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::ReadWhole;
 using testing::TemporaryDirectory;
 using testing::WriteWhole;
@@ -465,6 +467,71 @@ TEST(ExportTest, JsonIsTheArmFile) {
   Eigen::VectorXd q(6);
   q << 0.1, -0.4, 0.3, 1.0, -0.5, 0.2;
   EXPECT_LT((Pose(again, q) - Pose(real, q)).norm(), 1e-14);
+  // The commands take it where they take a result, too.
+  const auto exported = Alidade("export " + file + " --as=json");
+  EXPECT_EQ(exported.status, 0) << exported.err;
+  EXPECT_EQ(exported.out, ReadWhole(file));
+}
+
+// The product of the six origins, each followed by the joint's rotation.
+Eigen::Isometry3d UrFlange(const std::string& text, const Eigen::VectorXd& q) {
+  static const std::regex kNumber(R"((?:x|y|z|roll|pitch|yaw): *(\S+))");
+  std::vector<double> numbers;
+  for (std::sregex_iterator it(text.begin(), text.end(), kNumber), end;
+       it != end; ++it) {
+    numbers.push_back(std::stod((*it)[1]));
+  }
+  EXPECT_EQ(numbers.size(), 36u);
+  Eigen::Isometry3d flange = Eigen::Isometry3d::Identity();
+  for (int j = 0; j < 6; ++j) {
+    const double* n = numbers.data() + std::ptrdiff_t{6} * j;
+    flange = flange * Eigen::Translation3d(n[0], n[1], n[2]) *
+             Eigen::AngleAxisd(n[5], Eigen::Vector3d::UnitZ()) *
+             Eigen::AngleAxisd(n[4], Eigen::Vector3d::UnitY()) *
+             Eigen::AngleAxisd(n[3], Eigen::Vector3d::UnitX()) *
+             Eigen::AngleAxisd(q[j], Eigen::Vector3d::UnitZ());
+  }
+  return flange;
+}
+
+TEST(ExportTest, KinematicsOfTheDriverSurviveARoundTrip) {
+  std::string text = "kinematics:\n";
+  const std::array<std::array<double, 6>, 6> numbers = {{
+      {0, 0, 0.0892, 0, 0, 1.5e-5},
+      {8.3e-5, 0, 0, 1.57028, 0, 9.4e-5},
+      {-0.42515, 0, 0, 2.8e-4, 7.4e-4, 8.2e-5},
+      {-0.39231, 7e-4, 0.11005, 3.1352, -3.1401, 3.14152},
+      {3.7e-5, -0.09472, 1.8e-4, 1.5689, 0, -1.3e-5},
+      {1.5e-4, 0.08242, 1.3e-4, 1.57233, 3.14159, -3.14158},
+  }};
+  const std::array<const char*, 6> links = {"shoulder", "upper_arm", "forearm",
+                                            "wrist_1",  "wrist_2",   "wrist_3"};
+  const std::array<const char*, 6> keys = {"x",    "y",     "z",
+                                           "roll", "pitch", "yaw"};
+  for (int j = 0; j < 6; ++j) {
+    text += std::string("  ") + links[j] + ":\n";
+    for (int k = 0; k < 6; ++k) {
+      std::array<char, 48> line;
+      std::snprintf(line.data(), line.size(), "    %s: %.9g\n", keys[k],
+                    numbers[j][k]);
+      text += line.data();
+    }
+  }
+  text += "  hash: calib_1\n";
+  const TemporaryDirectory directory;
+  const std::string file = directory / "my_robot_kinematics.yaml";
+  WriteWhole(file, text);
+  const auto exported = Alidade("export " + file + " --as=ur");
+  ASSERT_EQ(exported.status, 0) << exported.err;
+  EXPECT_THAT(exported.err, Not(HasSubstr("not part of it")));
+  Random random(925);
+  for (int i = 0; i < 20; ++i) {
+    Eigen::VectorXd q(6);
+    for (double& angle : q) angle = random.Uniform(-kPi, kPi);
+    EXPECT_LT((UrFlange(exported.out, q).matrix() - UrFlange(text, q).matrix())
+                  .norm(),
+              1e-12);
+  }
 }
 
 }  // namespace
