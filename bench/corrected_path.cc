@@ -15,6 +15,7 @@
 #include "alidade/units.h"
 #include "bench/study_main.h"
 #include "src/common/files.h"
+#include "src/common/format.h"
 #include "src/common/random.h"
 #include "src/job/run_job.h"
 #include "src/report/svg_chart.h"
@@ -70,11 +71,9 @@ ChartSeries Errors(const std::string& label, const Arm& real,
     series.y.push_back(error / kMillimetre);
     sum += error / kMillimetre;
   }
-  char text[64];
-  std::snprintf(text, sizeof text, "%s: %.2g mm in the mean", label.c_str(),
-                sum / kPoints);
-  series.label = text;
-  std::printf("%s\n", text);
+  series.label =
+      label + ": " + FormatSignificant(sum / kPoints, 2) + " mm in the mean";
+  std::printf("%s\n", series.label.c_str());
   return series;
 }
 
