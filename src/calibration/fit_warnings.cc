@@ -30,6 +30,7 @@ constexpr double kLargeResiduals = 2.5;
 // Balls in sockets and contacts with planes whose places are all unknown: an
 // arm twice as large would touch points twice as far.
 bool LeavesSizeOpen(const CalibrationTask& task) {
+  if (!task.options.identifiability.candidates.joints) return false;
   for (std::size_t k = 0; k < task.data.training.blocks.size(); ++k) {
     if (task.data.training.global_observations(k) == 0) continue;
     const MeasurementKind kind = task.data.training.blocks[k].kind;

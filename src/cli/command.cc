@@ -59,15 +59,22 @@ std::vector<Command> InputCommands() {
            "seed gives the same bytes."},
           {"out", "seed"}, 1, 1, RunSimulate),
       Command(
-          {"plan", "PLAN.yaml", "choose the poses to measure next",
+          {"plan", "PLAN.yaml | --check RESULT",
+           "choose the poses to measure next",
            "Chooses the poses with most information, of candidates drawn "
            "within joint limits and the plan's constraints or read from a "
            "file, beside "
            "those measured already. Prints the accuracy to expect by the "
            "number of poses and writes to --out=DIR (default: results/ and the "
            "plan's name): poses.csv for the robot, `simulate` and what will be "
-           "measured, plan.txt, accuracy.svg, curve.csv, plan.json."},
-          {"out", "seed"}, 1, 1, RunPlanCommand),
+           "measured, plan.txt, accuracy.svg, curve.csv, plan.json.\n"
+           "With --check and a result of `calibrate`: the --poses that show "
+           "best whether the arm is as calibrated and its correction works, "
+           "what they can show, and a data set to be filled in and given to "
+           "`validate --check` (--out=FILE.csv; default: results/ and its name "
+           "with _check)."},
+          {"out", "seed", "check", "poses", "refit", "nominal"}, 1, 1,
+          RunPlanCommand),
   };
 }
 
@@ -128,8 +135,13 @@ std::vector<Command> ResultCommands() {
            "errors are as large as predicted, by the share that lies within "
            "its intervals, and the predicted accuracy over the workspace; "
            "--out=DIR writes the map and a histogram of errors over their "
-           "predictions."},
-          {"seed", "out"}, 2, kAnyNumber, RunValidate),
+           "predictions.\n"
+           "With --check, a result and one data set of a few poses: PASSED or "
+           "FAILED, whether errors are as predicted for the arm as it was "
+           "calibrated, with the changes that these poses would show. Exit "
+           "status 1 where it failed."},
+          {"seed", "out", "check", "corrected", "refit", "nominal"}, 2,
+          kAnyNumber, RunValidate),
       Command(
           {"correct", "RESULT | ARM.yaml  TARGETS.csv | PROGRAM",
            "targets and programs for a controller that believes in the nominal "
@@ -158,11 +170,13 @@ std::vector<Command> ResultCommands() {
            "the "
            "joints alone; ur: the kinematics file of Universal Robots' ROS "
            "driver; urdf: the URDF of the nominal arm with new origins, every "
-           "other byte as it is; json: the arm file in JSON. What a format "
+           "other byte as it is; json: the arm file in JSON; frames: base and "
+           "targets with their standard deviations, as --frames of `correct` "
+           "reads them (angles by --rotation). What a format "
            "lacks is made up for by the numbers that it has, and it is said "
            "what is lost and what that costs over the workspace. The text goes "
            "to standard output or --out=FILE (docs/robot.md)."},
-          {"as", "table", "nominal", "out"}, 1, 1, RunExport),
+          {"as", "table", "nominal", "rotation", "out"}, 1, 1, RunExport),
       Command(
           {"fk", "ARM.yaml | RESULT  JOINTS.csv", "poses of joint values",
            "Adds to each row of joint values the pose of the arm's target in "

@@ -41,6 +41,10 @@ struct CommandLine {
   std::string as;                ///< --as; empty = not given
   std::string table;             ///< --table; empty = not given
   std::string frames;            ///< --frames; empty = not given
+  bool check = false;            ///< --check
+  bool corrected = false;        ///< --corrected
+  std::string refit;             ///< --refit; empty = not given
+  int poses = 0;                 ///< --poses
 };
 
 /// The texts of a command.
@@ -88,6 +92,8 @@ ExitStatus RunCalibrate(const CommandLine& line);
 ExitStatus RunCompare(const CommandLine& line);
 ExitStatus RunMonteCarlo(const CommandLine& line);
 ExitStatus RunValidate(const CommandLine& line);
+ExitStatus RunCheckPlan(const CommandLine& line);  ///< plan --check
+ExitStatus RunArmCheck(const CommandLine& line);   ///< validate --check
 ExitStatus RunFk(const CommandLine& line);
 ExitStatus RunIk(const CommandLine& line);
 ExitStatus RunExport(const CommandLine& line);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <iostream>
+#include <optional>
 
 #include "alidade/error.h"
 #include "alidade/units.h"
@@ -10,6 +11,8 @@
 #include "src/common/text.h"
 #include "src/job/arm_export.h"
 #include "src/job/arm_source.h"
+#include "src/job/calibrated_arm.h"
+#include "src/job/frame_table.h"
 
 namespace alidade::internal {
 namespace {
@@ -36,10 +39,29 @@ std::string Statement(const ArmExport& exported) {
                    mm(exported.cost.max) + " mm at most.");
 }
 
+ExitStatus ExportFrames(const CommandLine& line) {
+  const std::string& path = line.files[0];
+  PoseFormat format;
+  if (const auto rotation = RotationFlag(line)) {
+    format.form = OrientationForm::kAngles;
+    format.rotation = *rotation;
+  }
+  std::optional<CalibratedArm> calibrated;
+  if (IsResult(path)) calibrated = LoadCalibratedArm(path);
+  const Arm arm = calibrated ? calibrated->arm : LoadArmOrResult(path);
+  WriteTable(
+      line,
+      FormatFrames(arm, calibrated ? &calibrated->covariance : nullptr, format),
+      {path});
+  return kExitDone;
+}
+
 }  // namespace
 
 ExitStatus RunExport(const CommandLine& line) {
-  RequireOneOf("as", line.as, {"dh", "mdh", "offsets", "ur", "urdf", "json"});
+  RequireOneOf("as", line.as,
+               {"dh", "mdh", "offsets", "ur", "urdf", "json", "frames"});
+  if (line.as == "frames") return ExportFrames(line);
   const std::string table = line.table.empty() ? "csv" : line.table;
   RequireOneOf("table", table, {"csv", "yaml", "latex"});
   const std::string& path = line.files[0];

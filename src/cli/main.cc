@@ -25,10 +25,15 @@
 // stands for the flag's value.
 DEFINE_string(as, "",
               "FORMAT dh, mdh (Denavit-Hartenberg, standard and modified), "
-              "offsets, ur, urdf or json");
+              "offsets, ur, urdf, json or frames");
 DEFINE_string(arm, "", "ARM.yaml the arm that the data are of");
 DEFINE_bool(calibrated_tool, false,
             "the tool itself was calibrated, and the controller's is wrong");
+DEFINE_bool(check, false,
+            "a few poses that show whether an arm is as it was calibrated");
+DEFINE_bool(corrected, false,
+            "with --check: the joint values are those asked for, and the robot "
+            "was given what `correct` makes of them");
 DEFINE_bool(dry_run, false, "print what would run, a line a job");
 DEFINE_bool(fail_fast, false, "start no more jobs once one is not done");
 DEFINE_string(frames, "",
@@ -55,6 +60,11 @@ DEFINE_string(read_as, "",
 DEFINE_string(rotation, "",
               "CONVENTION of the columns rx, ry, rz: intrinsic_zyx, "
               "extrinsic_xyz, rotation_vector ...");
+DEFINE_int32(poses, 10, "N poses of a check, from 3 to 50; 10 by default");
+DEFINE_string(refit, "",
+              "FRAMES of a check that are found from it, as they were set up "
+              "anew: base (the instrument's place), tool (the target's) or "
+              "base,tool");
 DEFINE_string(table, "", "FORMAT of tables: csv (the default), yaml, latex");
 DEFINE_string(target, "", "NAME of the arm's target, where it has several");
 DEFINE_bool(report, false, "also write report.html");
@@ -144,8 +154,8 @@ void PrintUsage(std::ostream& out) {
   }
   out << "\n'alidade COMMAND --help' says more of one; 'alidade --version' "
          "prints the version.\n"
-         "Exit status: 0 done; 1 an acceptance limit is missed; 2 bad usage or "
-         "input;\n3 a numerical failure.\n";
+         "Exit status: 0 done; 1 an acceptance limit is missed or a check "
+         "failed; 2 bad\nusage or input; 3 a numerical failure.\n";
 }
 
 void PrintHelp(const Command& command) {
@@ -327,7 +337,11 @@ ExitStatus RunCommand(const std::string& name,
                       FLAGS_calibrated_tool,
                       FLAGS_as,
                       FLAGS_table,
-                      FLAGS_frames});
+                      FLAGS_frames,
+                      FLAGS_check,
+                      FLAGS_corrected,
+                      FLAGS_refit,
+                      FLAGS_poses});
 }
 
 ExitStatus Main(const std::vector<std::string>& arguments) {

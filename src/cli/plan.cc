@@ -10,6 +10,7 @@
 namespace alidade::internal {
 
 ExitStatus RunPlanCommand(const CommandLine& line) {
+  if (line.check) return RunCheckPlan(line);
   const std::string& path = line.files.front();
   ProgressLine progress;
   progress.Show("planning " + path);

@@ -144,7 +144,7 @@ class Validation {
 }  // namespace
 
 ExitStatus RunValidate(const CommandLine& line) {
-  return Validation(line).Run();
+  return line.check ? RunArmCheck(line) : Validation(line).Run();
 }
 
 }  // namespace alidade::internal

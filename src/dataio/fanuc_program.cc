@@ -11,10 +11,10 @@ namespace {
 
 constexpr std::size_t kNowhere = std::string::npos;
 
-class FanucReader {
+class FanucReader : ProgramReader {
  public:
   FanucReader(int num_joints, RobotProgram* program)
-      : text_(program->text, "//", '"'), program_(program) {
+      : ProgramReader("//", '"', false, program) {
     for (int j = 1; j <= num_joints; ++j) {
       axes_.push_back("J" + std::to_string(j));
     }
@@ -36,13 +36,6 @@ class FanucReader {
   }
 
  private:
-  void Refuse(std::size_t at, const std::string& why) {
-    program_->refused.push_back({text_.LineOf(at), why});
-  }
-  void Leave(std::size_t at, const std::string& why) {
-    program_->left.push_back({text_.LineOf(at), why});
-  }
-
   // Motions that move by what registers hold.
   void ListComputed(std::size_t end) {
     for (const auto& [word, why] :
@@ -133,8 +126,6 @@ class FanucReader {
            KnowsFrame(target->frame, target->line, program_);
   }
 
-  const ProgramText text_;
-  RobotProgram* const program_;
   std::vector<std::string> axes_;
 };
 

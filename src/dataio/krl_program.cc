@@ -60,10 +60,10 @@ struct Variable {
   Aggregate value;
 };
 
-class KrlReader {
+class KrlReader : ProgramReader {
  public:
   KrlReader(int num_joints, RobotProgram* program)
-      : text_(program->text, ";", '"'), program_(program) {
+      : ProgramReader(";", '"', false, program) {
     for (int j = 1; j <= num_joints; ++j) {
       axes_.push_back("A" + std::to_string(j));
     }
@@ -77,21 +77,14 @@ class KrlReader {
       ReadAggregate(at);
     }
     for (const Variable& variable : variables_) ReadVariable(variable);
-    ListOtherMoves();
-    std::stable_sort(program_->targets.begin(), program_->targets.end(),
-                     [](const ProgramTarget& a, const ProgramTarget& b) {
-                       return a.numbers.front().begin < b.numbers.front().begin;
-                     });
+    ListOtherMoves(IsMotion, [this](const std::string& name) {
+      return std::any_of(variables_.begin(), variables_.end(),
+                         [&](const Variable& v) { return v.name == name; });
+    });
+    SortTargets();
   }
 
  private:
-  void Refuse(std::size_t at, const std::string& why) {
-    program_->refused.push_back({text_.LineOf(at), why});
-  }
-  void Leave(std::size_t at, const std::string& why) {
-    program_->left.push_back({text_.LineOf(at), why});
-  }
-
   Aggregate Parse(std::size_t at) const {
     Aggregate aggregate;
     aggregate.begin = at;
@@ -343,23 +336,6 @@ class KrlReader {
     AddTarget(variable.value, is_axes, name, *frames.begin());
   }
 
-  // Motions to what this file does not state in numbers.
-  void ListOtherMoves() {
-    for (std::size_t start = 0; start < text_.size();
-         start = text_.LineEnd(start) + 1) {
-      const std::size_t at = text_.SkipSpaces(start);
-      const std::string first = text_.WordAt(at);
-      if (!IsMotion(first)) continue;
-      const std::string name =
-          text_.WordAt(text_.SkipSpaces(at + first.size()));
-      const bool is_here =
-          std::any_of(variables_.begin(), variables_.end(),
-                      [&](const Variable& v) { return v.name == name; });
-      if (name.empty() || is_here) continue;
-      Leave(at, "moves to " + name + ", which is not stated in this file");
-    }
-  }
-
   void AddTarget(const Aggregate& value, bool is_axes, const std::string& name,
                  const Frames& frames) {
     const auto& names = is_axes ? axes_ : PoseNames();
@@ -395,8 +371,6 @@ class KrlReader {
     program_->targets.push_back(target);
   }
 
-  const ProgramText text_;
-  RobotProgram* const program_;
   std::vector<std::string> axes_;
   std::vector<std::pair<std::size_t, Frames>> changes_;
   std::map<std::string, Frames> point_frames_;

@@ -152,6 +152,27 @@ std::size_t ProgramText::FindWord(const std::string& word,
   return std::string::npos;
 }
 
+void ProgramReader::ListOtherMoves(
+    const std::function<bool(const std::string&)>& is_motion,
+    const std::function<bool(const std::string&)>& is_known) {
+  for (std::size_t start = 0; start < text_.size();
+       start = text_.LineEnd(start) + 1) {
+    const std::size_t at = text_.SkipSpaces(start);
+    const std::string first = text_.WordAt(at);
+    if (!is_motion(first)) continue;
+    const std::string name = text_.WordAt(text_.SkipSpaces(at + first.size()));
+    if (name.empty() || is_known(name)) continue;
+    Leave(at, "moves to " + name + ", which is not stated in this file");
+  }
+}
+
+void ProgramReader::SortTargets() {
+  std::stable_sort(program_->targets.begin(), program_->targets.end(),
+                   [](const ProgramTarget& a, const ProgramTarget& b) {
+                     return a.numbers.front().begin < b.numbers.front().begin;
+                   });
+}
+
 bool KnowsFrame(const std::string& name, int line, RobotProgram* program) {
   if (name.empty() || program->frames.count(name) > 0) return true;
   const bool is_computed = name == "?";

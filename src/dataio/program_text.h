@@ -2,6 +2,7 @@
 #define ALIDADE_SRC_DATAIO_PROGRAM_TEXT_H_
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -51,6 +52,32 @@ class ProgramText {
 };
 
 bool IsWordCharacter(char c);
+
+/// What the readers of all languages share: the text, and notes of what is not
+/// corrected.
+class ProgramReader {
+ protected:
+  ProgramReader(std::string_view comment, char quote, bool keep_case,
+                RobotProgram* program)
+      : text_(program->text, comment, quote, keep_case), program_(program) {}
+
+  void Refuse(std::size_t at, const std::string& why) {
+    program_->refused.push_back({text_.LineOf(at), why});
+  }
+  void Leave(std::size_t at, const std::string& why) {
+    program_->left.push_back({text_.LineOf(at), why});
+  }
+
+  /// Motions, each a line that begins with a word of which `is_motion`, to a
+  /// name that is not `is_known`: not stated in numbers in this file.
+  void ListOtherMoves(const std::function<bool(const std::string&)>& is_motion,
+                      const std::function<bool(const std::string&)>& is_known);
+  /// Targets in the order of the text.
+  void SortTargets();
+
+  const ProgramText text_;
+  RobotProgram* const program_;
+};
 
 // One source each.
 void ReadUrScript(int num_joints, RobotProgram* program);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <initializer_list>
 #include <set>
 #include <utility>
 
@@ -29,12 +30,11 @@ struct Literal {
   bool is_joints() const { return lists.size() == 2; }
 };
 
-class RapidReader {
+class RapidReader : ProgramReader {
  public:
   RapidReader(int num_joints, RobotProgram* program)
-      : text_(program->text, "!", '"'),
-        num_joints_(static_cast<std::size_t>(num_joints)),
-        program_(program) {}
+      : ProgramReader("!", '"', false, program),
+        num_joints_(static_cast<std::size_t>(num_joints)) {}
 
   void Read() {
     ReadFrames("TOOLDATA", "TRUE", 1);
@@ -47,21 +47,16 @@ class RapidReader {
     for (const auto& [name, literals] : variables_) {
       ReadVariable(name, literals);
     }
-    ListOtherMoves();
-    std::stable_sort(program_->targets.begin(), program_->targets.end(),
-                     [](const ProgramTarget& a, const ProgramTarget& b) {
-                       return a.numbers.front().begin < b.numbers.front().begin;
-                     });
+    const auto names_target = [](const std::string& word) {
+      return IsMove(word) && word.front() != 'S';
+    };
+    ListOtherMoves(names_target, [this](const std::string& name) {
+      return name == "OFFS" || name == "RELTOOL" || variables_.count(name) > 0;
+    });
+    SortTargets();
   }
 
  private:
-  void Refuse(std::size_t at, const std::string& why) {
-    program_->refused.push_back({text_.LineOf(at), why});
-  }
-  void Leave(std::size_t at, const std::string& why) {
-    program_->left.push_back({text_.LineOf(at), why});
-  }
-
   std::size_t SkipWhite(std::size_t at) const {
     while (at < text_.size() &&
            std::isspace(static_cast<unsigned char>(text_.at(at))) != 0) {
@@ -179,14 +174,33 @@ class RapidReader {
   }
 
   static bool IsMove(const std::string& word) {
-    return word.rfind("MOVE", 0) == 0 && word.size() > 4;
+    return (word.rfind("MOVE", 0) == 0 && word.size() > 4) ||
+           IsOneOf(word, {"TRIGGL", "TRIGGJ", "TRIGGC", "SEARCHL", "SEARCHC"});
   }
 
-  // "..., tool1\WObj:=wobj1": the last argument of a motion.
+  static bool IsOneOf(const std::string& word,
+                      std::initializer_list<const char*> words) {
+    return std::find(words.begin(), words.end(), word) != words.end();
+  }
+
+  // MoveLDO and its like go on with a signal and its value, MoveLSync with a
+  // procedure.
+  static int ArgumentsAfterTool(const std::string& motion) {
+    const std::string end =
+        motion.size() > 5 ? motion.substr(motion.size() - 2) : "";
+    if (IsOneOf(end, {"DO", "AO", "GO"})) return 2;
+    return end == "NC" ? 1 : 0;
+  }
+
+  // "..., tool1\WObj:=wobj1" of the motion that has a target at `at`.
   Frames FramesOf(std::size_t at) const {
     const std::size_t end = StatementEnd(at);
-    const std::size_t comma = text_.text().rfind(',', end);
-    if (comma == kNowhere || comma < at) return {"?", "?"};
+    const std::string motion = text_.WordAt(StatementStart(at));
+    std::size_t comma = end;
+    for (int skipped = ArgumentsAfterTool(motion); skipped >= 0; --skipped) {
+      comma = text_.text().rfind(',', comma - 1);
+      if (comma == kNowhere || comma < at) return {"?", "?"};
+    }
     Frames frames = {Key(text_.WordAt(SkipWhite(comma + 1))), ""};
     const std::size_t object = text_.text().find("\\WOBJ", at);
     if (object < end) {
@@ -258,23 +272,6 @@ class RapidReader {
     }
   }
 
-  // Motions to what this file does not state in numbers.
-  void ListOtherMoves() {
-    for (std::size_t start = 0; start < text_.size();
-         start = text_.LineEnd(start) + 1) {
-      const std::size_t at = text_.SkipSpaces(start);
-      const std::string first = text_.WordAt(at);
-      if (!IsMove(first)) continue;
-      const std::string name =
-          text_.WordAt(text_.SkipSpaces(at + first.size()));
-      if (name.empty() || name == "OFFS" || name == "RELTOOL" ||
-          variables_.count(name) > 0) {
-        continue;
-      }
-      Leave(at, "moves to " + name + ", which is not stated in this file");
-    }
-  }
-
   void AddTarget(const Literal& literal, const std::string& name,
                  const Frames& frames) {
     for (const NumberSpan& axis : literal.lists.back()) {
@@ -313,9 +310,7 @@ class RapidReader {
     program_->targets.push_back(target);
   }
 
-  const ProgramText text_;
   const std::size_t num_joints_;
-  RobotProgram* const program_;
   std::map<std::string, std::vector<Literal>> variables_;
 };
 

@@ -28,12 +28,11 @@ struct Literal {
   std::vector<NumberSpan> numbers;
 };
 
-class UrScriptReader {
+class UrScriptReader : ProgramReader {
  public:
   UrScriptReader(int num_joints, RobotProgram* program)
-      : text_(program->text, "#", '"', true),
-        num_joints_(static_cast<std::size_t>(num_joints)),
-        program_(program) {}
+      : ProgramReader("#", '"', true, program),
+        num_joints_(static_cast<std::size_t>(num_joints)) {}
 
   void Read() {
     ReadTools();
@@ -45,21 +44,10 @@ class UrScriptReader {
       ReadVariable(name, literals);
     }
     ListComputedMoves();
-    std::stable_sort(program_->targets.begin(), program_->targets.end(),
-                     [](const ProgramTarget& a, const ProgramTarget& b) {
-                       return a.numbers.front().begin < b.numbers.front().begin;
-                     });
+    SortTargets();
   }
 
  private:
-  int Line(std::size_t at) const { return text_.LineOf(at); }
-  void Refuse(std::size_t at, const std::string& why) {
-    program_->refused.push_back({Line(at), why});
-  }
-  void Leave(std::size_t at, const std::string& why) {
-    program_->left.push_back({Line(at), why});
-  }
-
   // set_tcp(p[...]) is of what follows in the text.
   void ReadTools() {
     for (std::size_t at = 0; (at = text_.FindWord("set_tcp", at)) != kNowhere;
@@ -73,7 +61,7 @@ class UrScriptReader {
         if (numbers && numbers->size() == 6) {
           ProgramTarget frame;
           frame.numbers = *numbers;
-          name = "set_tcp in line " + std::to_string(Line(at));
+          name = "set_tcp in line " + std::to_string(text_.LineOf(at));
           program_->frames[name] = PoseOf(ProgramLanguage::kUrScript, frame);
         }
       }
@@ -170,7 +158,7 @@ class UrScriptReader {
                  const std::string& tool) {
     ProgramTarget target;
     target.is_joints = !literal.is_pose;
-    target.line = Line(literal.begin);
+    target.line = text_.LineOf(literal.begin);
     target.name = name;
     target.numbers = literal.numbers;
     target.tool = tool;
@@ -214,7 +202,7 @@ class UrScriptReader {
       Refuse(literals.front().begin,
              other != kNowhere
                  ? name + " is moved to and also used otherwise (line " +
-                       std::to_string(Line(other)) + ")"
+                       std::to_string(text_.LineOf(other)) + ")"
                  : name + " is moved to with several tools");
       return;
     }
@@ -249,9 +237,7 @@ class UrScriptReader {
     }
   }
 
-  const ProgramText text_;
   const std::size_t num_joints_;
-  RobotProgram* const program_;
   std::vector<std::pair<std::size_t, std::string>> tools_;
   std::map<std::string, std::vector<Literal>> variables_;
 };

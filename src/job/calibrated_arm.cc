@@ -1,8 +1,10 @@
 #include "src/job/calibrated_arm.h"
 
 #include <Eigen/Eigenvalues>
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <vector>
 
 #include "alidade/arm_file.h"
@@ -88,7 +90,12 @@ ParameterCovariance CovarianceOf(const UncertaintyResult& uncertainty,
 }  // namespace
 
 bool IsResult(const std::string& path) {
-  return fs::is_directory(path) || fs::path(path).extension() == ".json";
+  if (fs::is_directory(path)) return true;
+  if (fs::path(path).extension() != ".json") return false;
+  // Arm files may be JSON as well. Both kinds begin with their format.
+  std::array<char, 100> begin{};
+  std::ifstream(path).read(begin.data(), begin.size() - 1);
+  return std::string(begin.data()).find("\"alidade-arm-") == std::string::npos;
 }
 
 std::optional<CalibratedArm> LoadCalibratedArm(const std::string& path) {

@@ -24,8 +24,8 @@ struct CalibratedArm {
   std::vector<InputFile> inputs;
 };
 
-/// Whether `path` is a result: a directory with a result.json, or a file of
-/// that format.
+/// Whether `path` is a result: a directory with a result.json, or a JSON file
+/// that is no arm.
 bool IsResult(const std::string& path);
 
 /// Reads arm.yaml and result.json of a result directory; `path` names it or its

@@ -1,6 +1,7 @@
 #include "src/serialization/ur_kinematics.h"
 
 #include <array>
+#include <cmath>
 #include <filesystem>
 
 #include "src/common/files.h"
@@ -55,6 +56,13 @@ Arm ReadUrKinematics(const YamlValue& root, const std::string& path) {
   flange.type = ChainJoint::Type::kFixed;
   chain.push_back(flange);
   Arm arm = ArmFromChain(chain);
+  // The last link is its joint's: what it is along and about the axis commutes
+  // with the joint's own rotation, and nothing else is left.
+  Eigen::Isometry3d& last_from_flange = arm.last_from_target();
+  const Eigen::Matrix3d turn = last_from_flange.linear();
+  arm.joints.back().r += last_from_flange.translation().z();
+  arm.joints.back().theta += std::atan2(turn(1, 0), turn(0, 0));
+  last_from_flange.setIdentity();
   arm.name = std::filesystem::path(path).stem().string();
   return arm;
 }

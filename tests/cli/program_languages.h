@@ -365,7 +365,7 @@ inline const Language& Rapid() {
       m.Say("  CONST jointtarget home:=[").Joints().Say(none + ";\n");
       m.Say("  CONST robtarget p10:=[").Pose().Say(none + ";\n");
       m.UseTool(tool).UseFrame(base);
-      m.Say("  LOCAL CONST ROBTARGET p20 := [").Pose().Say(none + ";\n");
+      m.Say("  LOCAL CONST ROBTARGET p20 :=\n    [").Pose().Say(none + ";\n");
       m.Say(
           "  PROC main()\n    MoveAbsJ home\\NoEOffs,v1000,z50,tool0;\n"
           "    MoveJ p10,v1000,z50,tool0;\n"
@@ -374,6 +374,10 @@ inline const Language& Rapid() {
       if (i % 2 == 0) {
         m.Say("    MoveL Offs(p20,0,0,50),v100,z1,gun\\WObj:=fixture;\n");
       }
+      m.Say(
+          "    MoveLDO p20,v100,fine,gun\\WObj:=fixture,do1,1;\n"
+          "    TriggL p20,v100,open,fine,gun\\WObj:=fixture;\n"
+          "    SearchL \\Stop,di1,found,p20,v10,gun\\WObj:=fixture;\n");
       m.Say("    TPWrite \"[[1,2,3]]\";\n  ENDPROC\nENDMODULE\n");
     };
     return l;
@@ -426,7 +430,12 @@ inline const Language& Fanuc() {
       }
       m.Say("/POS" + end + "P[1]{" + end + "   GP1:" + end +
             "\tUF : 0, UT : 1,\t" + end);
-      m.Joints().Say(end + "};" + end);
+      m.Joints().Say(end);
+      if (i % 2 == 1) {
+        m.Say("   GP2:" + end + "\tUF : 0, UT : 1,\t" + end +
+              "\tJ1=   100.000  mm" + end);
+      }
+      m.Say("};" + end);
       m.UseTool(Frame(0.02, -0.01, 0.12, 0.3));
       for (int k = 2; k < 5; ++k) {
         if (k == 3) m.UseFrame(Frame(0.1, 0.2, 0.05, -0.2));

@@ -1,0 +1,79 @@
+#include <filesystem>
+#include <iostream>
+
+#include "alidade/error.h"
+#include "src/cli/command.h"
+#include "src/common/files.h"
+#include "src/common/names.h"
+#include "src/job/arm_verification.h"
+#include "src/report/arm_check_report.h"
+
+namespace alidade::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kFewestPoses = 3;
+constexpr int kMostPoses = 50;
+constexpr std::uint64_t kDefaultSeed = 1;
+
+VerificationOptions OptionsOf(const CommandLine& line) {
+  VerificationOptions options;
+  options.corrected = line.corrected;
+  options.num_threads = line.threads;
+  options.refit_base = line.refit == "base" || line.refit == "base,tool";
+  options.refit_tool = line.refit == "tool" || line.refit == "base,tool";
+  if (!line.refit.empty() && !options.refit_base && !options.refit_tool) {
+    throw InputError({},
+                     "--refit: " + UnknownName("frame", line.refit,
+                                               {"base", "tool", "base,tool"}));
+  }
+  return options;
+}
+
+// results/my_arm_check.csv of results/my_arm, unless --out says otherwise.
+std::string PosesFile(const CommandLine& line) {
+  if (!line.out.empty()) return line.out;
+  fs::path result = line.files[0];
+  if (result.filename().empty()) result = result.parent_path();
+  return "results/" + result.stem().string() + "_check.csv";
+}
+
+}  // namespace
+
+ExitStatus RunCheckPlan(const CommandLine& line) {
+  const std::string out = PosesFile(line);
+  if (fs::exists(out)) {
+    throw InputError({out, 0, 0, ""},
+                     "is there already, and measurements may stand in it; "
+                     "expected another --out=FILE");
+  }
+  if (line.poses < kFewestPoses || line.poses > kMostPoses) {
+    throw InputError({}, "--poses=" + std::to_string(line.poses) +
+                             ", must be between " +
+                             std::to_string(kFewestPoses) + " and " +
+                             std::to_string(kMostPoses));
+  }
+  const ArmSource source = LoadArmSource(line.files[0], line.nominal);
+  const VerificationPlan plan = PlanVerification(
+      source, line.poses, line.seed.value_or(kDefaultSeed), OptionsOf(line));
+  const fs::path folder = fs::path(out).parent_path();
+  if (!folder.empty()) MakeDirectories(folder.string());
+  WriteFileAtomically(out, plan.text);
+  std::cout << FormatCheckPlan(source.real, plan.planned, plan.by_number);
+  PrintResults({out});
+  return kExitDone;
+}
+
+ExitStatus RunArmCheck(const CommandLine& line) {
+  if (line.files.size() != 2) {
+    throw InputError({}, "validate --check: expected RESULT DATA.csv");
+  }
+  const ArmSource source = LoadArmSource(line.files[0], line.nominal);
+  const ArmCheckResult check =
+      VerifyArm(source, line.files[1], OptionsOf(line));
+  std::cout << FormatArmCheck(source.real, check);
+  return check.passes ? kExitDone : kExitMissedLimits;
+}
+
+}  // namespace alidade::internal

@@ -1,0 +1,183 @@
+#include "src/job/arm_verification.h"
+
+#include <algorithm>
+#include <limits>
+#include <set>
+
+#include "alidade/calibration.h"
+#include "alidade/correction.h"
+#include "alidade/dataset_file.h"
+#include "alidade/error.h"
+#include "src/dataio/dataset_csv.h"
+#include "src/planning/check_poses.h"
+#include "src/planning/pose_rows.h"
+
+namespace alidade::internal {
+namespace {
+
+constexpr int kJointDecimals = 4;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+const CalibratedArm& Calibrated(const ArmSource& source) {
+  if (source.calibrated) return *source.calibrated;
+  throw InputError({source.inputs.front(), 0, 0, ""},
+                   "a check rests on what the calibration predicts, expected a "
+                   "result directory of `calibrate` that states its "
+                   "uncertainty");
+}
+
+// The controller's arm where the calibrated one stands.
+Arm Uncalibrated(const ArmSource& source, const Arm& calibrated) {
+  Arm arm = source.nominal;
+  arm.instrument_from_base = calibrated.instrument_from_base;
+  arm.targets = calibrated.targets;
+  return arm;
+}
+
+std::vector<int> RefittedColumns(const ParameterLayout& layout,
+                                 const VerificationOptions& options) {
+  std::vector<int> columns;
+  for (int column = 0; column < layout.size(); ++column) {
+    const ParameterKind kind = layout.parameter(column).kind;
+    const bool is_base = kind == ParameterKind::kBaseTranslation ||
+                         kind == ParameterKind::kBaseRotation;
+    const bool is_tool = kind == ParameterKind::kToolTranslation ||
+                         kind == ParameterKind::kToolRotation;
+    if ((is_base && options.refit_base) || (is_tool && options.refit_tool)) {
+      columns.push_back(column);
+    }
+  }
+  return columns;
+}
+
+// The joint values that the robot took when these were asked for.
+Eigen::MatrixXd JointsTaken(const ArmSource& source, const Dataset& data,
+                            const std::string& path) {
+  const CorrectionArms arms = MakeCorrectionArms(source.nominal, source.real);
+  const Correction correction = CorrectJoints(
+      arms, MotorsFromJoints(arms.nominal, data.joint_values.map().eval()));
+  for (Eigen::Index i = 0; i < correction.motors.cols(); ++i) {
+    if (correction.IsReached(i)) continue;
+    throw InputError({path, 0, 0, ""},
+                     "the joint values of pose " + std::to_string(i + 1) +
+                         " cannot be corrected, so that the robot was not "
+                         "there");
+  }
+  return JointsFromMotors(arms.real, correction.motors);
+}
+
+// Base and target from the check's own measurements, the arm held.
+Arm Refitted(const Arm& arm, const Dataset& data,
+             const VerificationOptions& options) {
+  CalibrationOptions fit;
+  fit.identifiability.candidates.joints = false;
+  fit.identifiability.candidates.base = options.refit_base;
+  fit.identifiability.candidates.tool = options.refit_tool;
+  fit.errors.selection = ErrorTermSelection::kNone;
+  fit.num_threads = options.num_threads;
+  CalibrationData measured;
+  measured.training = data;
+  return Calibrate(arm, measured, fit).arm;
+}
+
+ArmCheckResult Check(const ArmSource& source, const Arm& arm,
+                     const Dataset& data, const VerificationOptions& options) {
+  const MeasurementModel model(arm, options.num_threads);
+  const MeasurementModel uncalibrated(Uncalibrated(source, arm),
+                                      options.num_threads);
+  ArmCheckOptions check;
+  check.refitted = RefittedColumns(model.layout(), options);
+  return CheckArm(model, uncalibrated, Calibrated(source).covariance, data,
+                  check);
+}
+
+// Limits narrowed to what was measured: elsewhere the calibration is an
+// extrapolation, and a check would be one too.
+Arm WithinMeasured(const ArmSource& source) {
+  Arm arm = Calibrated(source).arm;
+  for (int j = 0; j < source.measured.rows(); ++j) {
+    Joint& joint = arm.joints[j];
+    const bool has_limits = HasLimits(joint);
+    const double lower = source.measured(j, 0);
+    const double upper = source.measured(j, 1);
+    joint.lower = has_limits ? std::max(joint.lower, lower) : lower;
+    joint.upper = has_limits ? std::min(joint.upper, upper) : upper;
+  }
+  return arm;
+}
+
+// As a plan's sheet: poses at which nothing is measured yet.
+Dataset Unmeasured(Dataset planned) {
+  ObservationBlock& block = planned.blocks.front();
+  block.sigmas =
+      Eigen::MatrixXd::Constant(block.rows_each(), block.size(), kInfinity);
+  return planned;
+}
+
+}  // namespace
+
+ArmCheckResult VerifyArm(const ArmSource& source, const std::string& path,
+                         const VerificationOptions& options) {
+  const CalibratedArm& calibrated = Calibrated(source);
+  Dataset data =
+      LoadDataset(path, calibrated.arm, calibrated.sigma, options.num_threads);
+  if (data.num_observations() > kMostChecked) {
+    throw InputError({path, 0, 0, ""},
+                     std::to_string(data.num_observations()) +
+                         " measurements, expected at most " +
+                         std::to_string(kMostChecked) +
+                         " of a check; `validate` without --check takes any "
+                         "number");
+  }
+  if (options.corrected) {
+    data.joint_values = JointsTaken(source, data, path);
+  }
+  const bool refits = options.refit_base || options.refit_tool;
+  const Arm arm =
+      refits ? Refitted(calibrated.arm, data, options) : calibrated.arm;
+  ArmCheckResult result = Check(source, arm, data, options);
+  if (result.degrees_of_freedom < 1.0) {
+    throw InputError({path, 0, 0, ""},
+                     "too few measurements for what is found from them, "
+                     "expected more poses");
+  }
+  return result;
+}
+
+VerificationPlan PlanVerification(const ArmSource& source, int num_poses,
+                                  std::uint64_t seed,
+                                  const VerificationOptions& options) {
+  const CalibratedArm& calibrated = Calibrated(source);
+  const Arm arm = WithinMeasured(source);
+  const MeasurementModel model(arm, options.num_threads);
+  const MeasurementModel uncalibrated(Uncalibrated(source, arm),
+                                      options.num_threads);
+  CheckPoseOptions choice;
+  choice.refitted = RefittedColumns(model.layout(), options);
+  choice.noise = calibrated.sigma;
+  choice.joint_decimals = kJointDecimals;
+  choice.seed = seed;
+  choice.num_threads = options.num_threads;
+  PoseMeasurement measurement;
+  measurement.sigma = calibrated.sigma;
+  VerificationPlan plan;
+  std::set<int> numbers = {4, 6, 8, 10, 15, 20, 30};
+  numbers.insert(num_poses);
+  for (const int number : numbers) {
+    choice.num_poses = number;
+    const Dataset poses = MakePlannedData(
+        model,
+        ChooseCheckPoses(model, uncalibrated, calibrated.covariance, choice),
+        measurement);
+    plan.by_number.push_back(Check(source, arm, poses, options));
+    if (number != num_poses) continue;
+    plan.planned = plan.by_number.back();
+    plan.text = FormatDataset(Unmeasured(poses), arm, kJointDecimals, false,
+                              {"poses to check " + calibrated.arm.name +
+                               ", in an order with little "
+                               "travel; fill in what is measured"});
+  }
+  return plan;
+}
+
+}  // namespace alidade::internal

@@ -1,0 +1,140 @@
+// `plan --check` and `validate --check` as they are run, on an arm whose truth
+// is known.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "alidade/arm_file.h"
+#include "alidade/units.h"
+#include "src/common/random.h"
+#include "tests/support/error_term_kinematics.h"
+#include "tests/support/process.h"
+#include "tests/support/rv2aj_arms.h"
+
+namespace alidade::internal {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::ReadWhole;
+using testing::TemporaryDirectory;
+using testing::WriteWhole;
+
+const std::string kSource = ALIDADE_SOURCE_DIR;
+
+testing::ProcessResult Alidade(const std::string& arguments) {
+  return testing::RunProcess(std::string(ALIDADE_BINARY) + " " + arguments);
+}
+
+class VerifyTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto done =
+        Alidade("calibrate " + kSource +
+                "/configs/jobs/rv2aj_flange.yaml --out=" + result_);
+    ASSERT_EQ(done.status, 0) << done.err;
+    const auto plan =
+        Alidade("plan --check " + result_ + " --poses=8 --out=" + poses_);
+    ASSERT_EQ(plan.status, 0) << plan.err;
+    EXPECT_THAT(plan.out, HasSubstr("8 poses to check whether"));
+    std::istringstream lines(ReadWhole(poses_));
+    for (std::string line; std::getline(lines, line);) {
+      if (line.empty() || line[0] == '#' || line[0] == 'q') continue;
+      std::istringstream cells(line);
+      Eigen::VectorXd q(5);
+      for (double& angle : q) {
+        std::string cell;
+        std::getline(cells, cell, ',');
+        angle = std::stod(cell) * kDegree;
+      }
+      joints_.push_back(q);
+    }
+    ASSERT_EQ(joints_.size(), 8u);
+  }
+
+  // The filled-in file of an arm, measured with 0.02 mm, and what is said of
+  // it.
+  testing::ProcessResult Check(const Arm& arm, const std::string& flags = "") {
+    const testing::ErrorTermKinematics kinematics(arm);
+    std::string text = "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,x_mm,y_mm,z_mm\n";
+    Random random(1);
+    for (const Eigen::VectorXd& q : joints_) {
+      const Eigen::Vector3d point =
+          kinematics.TargetFrame(q).cast<double>().topRightCorner<3, 1>();
+      std::array<char, 64> cell;
+      for (const double angle : q) {
+        std::snprintf(cell.data(), cell.size(), "%.4f,", angle / kDegree);
+        text += cell.data();
+      }
+      for (int k = 0; k < 3; ++k) {
+        std::snprintf(cell.data(), cell.size(), "%.4f%s",
+                      point[k] / kMillimetre + 0.02 * random.Normal(),
+                      k < 2 ? "," : "\n");
+        text += cell.data();
+      }
+    }
+    const std::string file = directory_ / "measured.csv";
+    WriteWhole(file, text);
+    return Alidade("validate --check " + result_ + " " + file + " " + flags);
+  }
+
+  const TemporaryDirectory directory_;
+  const std::string result_ = directory_ / "result";
+  const std::string poses_ = directory_ / "poses.csv";
+  std::vector<Eigen::VectorXd> joints_;
+  const Arm nominal_ = LoadArm(kSource + "/configs/robots/rv2aj_flange.yaml");
+  const Arm real_ = testing::WithRv2ajDeviations(nominal_);
+};
+
+TEST_F(VerifyTest, AnArmAsCalibratedPasses) {
+  const auto check = Check(real_);
+  EXPECT_EQ(check.status, 0) << check.err;
+  EXPECT_THAT(check.out, HasSubstr("PASSED: RV-2AJ at the flange"));
+  // The flange lies on the axis of the last joint, which moves nothing.
+  EXPECT_THAT(check.out, ::testing::ContainsRegex("\n5 +- +deg"));
+}
+
+TEST_F(VerifyTest, AnUncalibratedArmAndAChangedOneFail) {
+  const auto nominal = Check(nominal_);
+  EXPECT_EQ(nominal.status, 1) << nominal.err;
+  EXPECT_THAT(nominal.out, HasSubstr("FAILED"));
+  Arm changed = real_;
+  changed.joints[1].theta += 0.1 * kDegree;
+  EXPECT_EQ(Check(changed).status, 1);
+}
+
+TEST_F(VerifyTest, ACorrectedRobotStandsWhereTheNominalArmWould) {
+  EXPECT_EQ(Check(nominal_, "--corrected").status, 0);
+  // The correction was not loaded.
+  EXPECT_EQ(Check(real_, "--corrected").status, 1);
+}
+
+TEST_F(VerifyTest, AnInstrumentThatWasSetUpAnewIsNoFault) {
+  Arm moved = real_;
+  moved.instrument_from_base =
+      Eigen::Translation3d(0.4, -0.2, 0.1) *
+      Eigen::AngleAxisd(2.0, Eigen::Vector3d(0.6, 0.0, 0.8));
+  EXPECT_EQ(Check(moved).status, 1);
+  const auto refitted = Check(moved, "--refit=base");
+  EXPECT_EQ(refitted.status, 0) << refitted.out << refitted.err;
+  moved.joints[2].theta += 0.2 * kDegree;
+  EXPECT_EQ(Check(moved, "--refit=base").status, 1);
+}
+
+TEST_F(VerifyTest, WhatIsMeasuredIsNotOverwritten) {
+  const auto again = Alidade("plan --check " + result_ + " --out=" + poses_);
+  EXPECT_EQ(again.status, 2);
+  EXPECT_THAT(again.err, HasSubstr("is there already"));
+  EXPECT_THAT(Alidade("plan --check " + result_ +
+                      "/arm.yaml --out=" + (directory_ / "other.csv"))
+                  .err,
+              HasSubstr("expected --nominal"));
+}
+
+}  // namespace
+}  // namespace alidade::internal

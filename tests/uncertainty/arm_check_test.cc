@@ -1,0 +1,168 @@
+#include "src/uncertainty/arm_check.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "src/common/distributions.h"
+#include "src/common/random.h"
+#include "src/model/joint_draw.h"
+#include "tests/support/rv2aj_arms.h"
+
+namespace alidade::internal {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kSigma = 1e-4;  // m
+constexpr int kPoses = 8;
+constexpr int kTrials = 200;
+
+TEST(NoncentralFisherTest, OneDegreeOfFreedomIsAShiftedNormal) {
+  for (const double x : {0.5, 4.0, 9.0}) {
+    for (const double shift : {0.0, 0.3, 3.0, 40.0}) {
+      const double exact =
+          NormalCdf(shift - std::sqrt(x)) + NormalCdf(-shift - std::sqrt(x));
+      EXPECT_NEAR(NoncentralFisherSurvival(x, 1.0, kInfinity, shift * shift),
+                  exact, 1e-10);
+    }
+  }
+}
+
+TEST(NoncentralFisherTest, OfFewDegreesOfFreedomAsDraws) {
+  Random random(31);
+  constexpr int kDraws = 20000;
+  int above = 0;
+  for (int i = 0; i < kDraws; ++i) {
+    double upper = 0.0;
+    double lower = 0.0;
+    for (int k = 0; k < 4; ++k) {
+      upper += std::pow(random.Normal() + (k < 2 ? 1.5 : 0.0), 2.0);
+    }
+    for (int k = 0; k < 6; ++k) lower += std::pow(random.Normal(), 2.0);
+    above += (upper / 4.0) / (lower / 6.0) > 2.5;
+  }
+  EXPECT_NEAR(NoncentralFisherSurvival(2.5, 4.0, 6.0, 4.5),
+              static_cast<double>(above) / kDraws, 0.015);
+}
+
+// Checks of an arm whose calibration has left a few parameters unknown.
+class ArmCheckTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* name : {"theta1", "theta2", "theta3", "d3", "r1"}) {
+      covariance_.columns.push_back(model_.layout().Find(name).value());
+    }
+    Eigen::VectorXd deviations(5);
+    deviations << 3e-4, 2e-4, 4e-4, 2e-4, 1e-4;  // rad, m
+    covariance_.root = deviations.asDiagonal();
+    covariance_.null_space.resize(5, 0);
+    options_.significance = 0.2;
+  }
+
+  // The real arm, drawn from what the calibration has left unknown.
+  Eigen::VectorXd DrawArm() {
+    Eigen::VectorXd values = model_.NominalValues();
+    for (int k = 0; k < 5; ++k) {
+      values[covariance_.columns[k]] +=
+          covariance_.root(k, k) * random_.Normal();
+    }
+    return values;
+  }
+
+  Dataset Measure(const Eigen::VectorXd& values) {
+    Eigen::Matrix3Xd points = model_.Predict(values, joint_values_);
+    for (double& entry : points.reshaped()) entry += kSigma * random_.Normal();
+    return MakePositions(joint_values_, points,
+                         Eigen::Matrix3Xd::Constant(3, kPoses, kSigma));
+  }
+
+  ArmCheckResult Check(const Dataset& data) {
+    return CheckArm(model_, model_, covariance_, data, options_);
+  }
+
+  // How many of kTrials checks fail where `change` is made to the real arm.
+  template <typename Change>
+  int Failures(const Change& change) {
+    int failures = 0;
+    for (int i = 0; i < kTrials; ++i) {
+      Eigen::VectorXd values = DrawArm();
+      change(&values);
+      failures += Check(Measure(values)).passes ? 0 : 1;
+    }
+    return failures;
+  }
+
+  const MeasurementModel model_{testing::Rv2ajFlange()};
+  const Eigen::MatrixXd joint_values_ =
+      DrawJointValues(model_.nominal(), kPoses, 5);
+  ParameterCovariance covariance_;
+  ArmCheckOptions options_;
+  Random random_{32};
+};
+
+// Three and a half standard deviations of the count.
+void ExpectRate(int failures, double rate) {
+  const double deviation = std::sqrt(rate * (1.0 - rate) * kTrials);
+  EXPECT_NEAR(failures, rate * kTrials, 3.5 * deviation);
+}
+
+TEST_F(ArmCheckTest, AnArmAsCalibratedFailsAsOftenAsStated) {
+  ExpectRate(Failures([](Eigen::VectorXd*) {}), 0.2);
+}
+
+TEST_F(ArmCheckTest, AChangedZeroIsFoundWithTheStatedProbability) {
+  const int column = model_.layout().Column(ParameterKind::kTheta, 2);
+  const double change = Check(Measure(model_.NominalValues())).found_zero[2];
+  ExpectRate(
+      Failures([&](Eigen::VectorXd* values) { (*values)[column] += change; }),
+      0.9);
+}
+
+TEST_F(ArmCheckTest, AMovedBaseIsNoFaultOnceItIsRefitted) {
+  std::vector<int> base;
+  for (int k = 0; k < 3; ++k) {
+    base.push_back(model_.layout().Column(ParameterKind::kBaseTranslation, k));
+  }
+  const auto move = [&](Eigen::VectorXd* values) {
+    for (const int column : base) (*values)[column] += 2e-3;
+  };
+  EXPECT_EQ(Failures(move), kTrials);
+  options_.refitted = base;
+  ExpectRate(Failures(move), 0.2);
+  // Which costs three degrees of freedom, and what the base can take up.
+  const ArmCheckResult check = Check(Measure(model_.NominalValues()));
+  EXPECT_EQ(check.degrees_of_freedom, 3.0 * kPoses - 3.0);
+  options_.refitted.push_back(
+      model_.layout().Column(ParameterKind::kBaseRotation, 2));
+  EXPECT_EQ(Check(Measure(model_.NominalValues())).found_zero[0], kInfinity);
+}
+
+TEST_F(ArmCheckTest, MovesOfEveryPoseAreFoundWithTheStatedProbability) {
+  const double size = Check(Measure(model_.NominalValues())).found_move;
+  int failures = 0;
+  for (int i = 0; i < kTrials; ++i) {
+    Eigen::Matrix3Xd points = model_.Predict(DrawArm(), joint_values_);
+    for (double& entry : points.reshaped()) {
+      entry += kSigma * random_.Normal();
+    }
+    for (int k = 0; k < kPoses; ++k) {
+      points.col(k) +=
+          size *
+          Eigen::Vector3d(random_.Normal(), random_.Normal(), random_.Normal())
+              .normalized();
+    }
+    failures +=
+        Check(MakePositions(joint_values_, points,
+                            Eigen::Matrix3Xd::Constant(3, kPoses, kSigma)))
+                .passes
+            ? 0
+            : 1;
+  }
+  // Moves in other directions are found more or less easily.
+  EXPECT_NEAR(failures, 0.9 * kTrials, 0.07 * kTrials);
+}
+
+}  // namespace
+}  // namespace alidade::internal
