@@ -399,6 +399,26 @@ RepeatSpread MeasureRepeats(const Dataset& data, Communicator* communicator) {
   return spread;
 }
 
+namespace {
+
+// Of the reference, where both are given the same commands: zeros of joints and
+// couplings may be what the two differ in.
+Eigen::MatrixXd CommandedAlike(const Arm& arm, const Arm& reference,
+                               const Eigen::MatrixXd& joint_values) {
+  const auto is_same = [](const auto& a, const auto& b) {
+    return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
+  };
+  if (is_same(arm.joints_from_motors, reference.joints_from_motors) &&
+      is_same(arm.motor_offsets, reference.motor_offsets)) {
+    return joint_values;
+  }
+  Eigen::MatrixXd motors = joint_values;
+  if (HasMotorMap(arm)) motors = MotorsFromJoints(arm, joint_values);
+  return HasMotorMap(reference) ? JointsFromMotors(reference, motors) : motors;
+}
+
+}  // namespace
+
 Accuracy CompareArms(const Arm& arm, const Arm& reference, int count,
                      std::uint64_t seed) {
   RequireSameJoints(arm, reference);
@@ -408,7 +428,8 @@ Accuracy CompareArms(const Arm& arm, const Arm& reference, int count,
   const MeasurementModel reference_model(reference);
   const Eigen::Matrix3Xd difference =
       model.Predict(model.NominalValues(), joint_values) -
-      reference_model.Predict(reference_model.NominalValues(), joint_values);
+      reference_model.Predict(reference_model.NominalValues(),
+                              CommandedAlike(arm, reference, joint_values));
   return SummarizeErrors(difference.colwise().norm().transpose());
 }
 

@@ -53,11 +53,11 @@ Accuracy EvaluateRotations(const MeasurementModel& model, const Dataset& data,
 RepeatSpread MeasureRepeats(const Dataset& data,
                             Communicator* communicator = SingleProcess());
 
-/// Distance between the targets of two arms with the same joint types at
-/// `count` joint values drawn uniformly within the limits of the first
-/// (revolute joints without limits: a full turn). Pose k draws from stream k of
-/// the seed. @throws InputError where the arms differ in their joints, or a
-/// prismatic joint has no limits.
+/// Distance between the targets of two arms with the same joint types, both
+/// given the same commands (motors' values), at `count` joint values drawn
+/// uniformly within the limits of the first (revolute joints without limits: a
+/// full turn). Pose k draws from stream k of the seed. @throws InputError where
+/// the arms differ in their joints, or a prismatic joint has no limits.
 Accuracy CompareArms(const Arm& arm, const Arm& reference, int count,
                      std::uint64_t seed);
 

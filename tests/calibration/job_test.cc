@@ -156,5 +156,20 @@ TEST(CompareArmsTest, DistanceOfAShiftedBaseIsTheShiftEverywhere) {
   EXPECT_NEAR(accuracy.max, 5e-3, 1e-15);
 }
 
+// A joint that counts backwards from another zero is the same arm; a zero that
+// is off is as good as one in the geometry.
+TEST(CompareArmsTest, ArmsAreGivenTheSameCommands) {
+  Arm arm = LoadStudy().arm;
+  const Arm plain = arm;
+  arm.motor_offsets = Eigen::VectorXd::Zero(5);
+  arm.motor_offsets[1] = 2e-3;
+  Arm turned = plain;
+  turned.joints[1].theta += 2e-3;
+  EXPECT_LT(CompareArms(arm, turned, 100, 1).max, 1e-15);
+  EXPECT_NEAR(CompareArms(arm, plain, 100, 1).rms,
+              CompareArms(turned, plain, 100, 1).rms, 1e-5);
+  EXPECT_GT(CompareArms(arm, plain, 100, 1).rms, 1e-4);
+}
+
 }  // namespace
 }  // namespace alidade::internal
