@@ -102,7 +102,7 @@ void ReadApproach(const YamlValue& value, int num_joints,
 }
 
 void AddPayload(double mass, LoadedData* loaded) {
-  const std::string name = "payload";
+  const std::string name = kPayloadName;
   Dataset& data = loaded->data;
   const Eigen::Index before = data.covariates.rows();
   MatrixBuilder all(before + 1, data.num_poses());

@@ -63,6 +63,8 @@ void VisitCovariates(Visitor& v, const Arm& arm, ColumnMapping* mapping) {
            });
 }
 
+/// The covariate of AddPayload.
+inline constexpr char kPayloadName[] = "payload";
 /// A mass at the target that is the same at all poses.
 void AddPayload(double mass, LoadedData* loaded);
 /// A covariate of each station but the first, 1 there and 0 elsewhere.

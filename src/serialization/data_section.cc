@@ -160,6 +160,18 @@ void CheckTarget(const YamlMap& map, const Arm& arm, const DataFormat& format) {
   }
 }
 
+void CheckPayload(const YamlMap& map, const DataFormat& format) {
+  if (!format.payload) return;
+  const std::vector<CovariateUse>& uses = format.columns.uses;
+  const std::vector<std::string>& names = format.columns.covariates;
+  if (std::any_of(uses.begin(), uses.end(),
+                  [](const CovariateUse& use) { return use.is_payload; }) ||
+      std::count(names.begin(), names.end(), kPayloadName) > 0) {
+    map.Required("payload").Fail(
+        "found beside such a column in \"columns\", expected one of both");
+  }
+}
+
 void ReadWhere(const YamlValue& value, DataFormat* format) {
   const YamlMap filter = value.AnyMap("columns and the text to be in them");
   for (const auto& [column, text] : filter.entries()) {
@@ -210,7 +222,10 @@ void VisitData(Visitor& v, const Arm& arm, DataFormat* format,
            "map from columns to texts: only rows with these cells are read. A "
            "column that serves nothing else may stand here",
            [format](const YamlValue& value) { ReadWhere(value, format); });
-  v.Check([&](const YamlMap& map) { CheckTarget(map, arm, *format); });
+  v.Check([&](const YamlMap& map) {
+    CheckTarget(map, arm, *format);
+    CheckPayload(map, *format);
+  });
 }
 
 // All parts as one. A pose of a part without sets is in the set "".

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "alidade/calibration.h"
-#include "alidade/error.h"
 #include "alidade/rotation.h"
 #include "src/calibration/station_frames.h"
 #include "src/common/random.h"
@@ -143,9 +142,9 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(StationsTest, WithoutErrorTermsDataDoNotFit) {
   const Arm real = testing::WithRv2ajDeviations(NominalArm());
   const CalibrationData data(Measure(real, FarStations(), false, 1));
-  EXPECT_THROW(
-      Calibrate(NominalArm(), data, Options(3, ErrorTermSelection::kNone)),
-      InputError);
+  const CalibrationResult result =
+      Calibrate(NominalArm(), data, Options(3, ErrorTermSelection::kNone));
+  EXPECT_GT(result.train.after.rms, 0.1);
 }
 
 TEST(StationsTest, NearOnesAreNotMoved) {

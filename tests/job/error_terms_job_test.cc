@@ -79,7 +79,7 @@ class ErrorTermsJobTest : public ::testing::Test {
     return text;
   }
 
-  Job Load(const std::string& columns, const std::string& lines) {
+  Job JobWith(const std::string& columns, const std::string& lines) {
     const std::string text =
         "format: alidade-job-2\n"
         "title: A test\n"
@@ -99,7 +99,7 @@ class ErrorTermsJobTest : public ::testing::Test {
 
   std::string LoadingError(const std::string& columns) {
     try {
-      Load(columns, "");
+      JobWith(columns, "");
     } catch (const InputError& error) {
       return error.what();
     }
@@ -130,7 +130,7 @@ TEST_F(ErrorTermsJobTest, CovariatesAndStationsOfACsvMoveWhatTheyShould) {
       "    covariates: [temperature, tilt]\n"
       "    effects: {temperature: [joint 2]}\n"
       "    station: place\n";
-  const Job job = Load(
+  const Job job = JobWith(
       columns, "errors: {covariates: true}\nvalidation: {fraction: 0.3}\n");
   EXPECT_EQ(job.data.training.covariate_names,
             (std::vector<std::string>{"temperature", "tilt", "station shelf"}));
@@ -146,8 +146,8 @@ TEST_F(ErrorTermsJobTest, CovariatesAndStationsOfACsvMoveWhatTheyShould) {
   EXPECT_NEAR(effects[2].base.head<3>().norm(), std::sqrt(5.25), 0.01);
   EXPECT_LT(result.validation->after.rms, 1.3 * std::sqrt(3.0) * kSigma);
   // And by its evidence.
-  const CalibrationResult automatic =
-      alidade::RunJob(Load(columns, "validation: {fraction: 0.3}\n"), "test");
+  const CalibrationResult automatic = alidade::RunJob(
+      JobWith(columns, "validation: {fraction: 0.3}\n"), "test");
   EXPECT_LT(automatic.validation->after.rms, 1.3 * std::sqrt(3.0) * kSigma);
   EXPECT_NEAR(automatic.arm.errors.covariates[0].joints[1], 3e-5, 5e-6);
 }
@@ -178,9 +178,9 @@ TEST_F(ErrorTermsJobTest, PayloadAndApproachHaveColumns) {
   }
   WriteData("mass,way", cells, covariates);
   const CalibrationResult result =
-      alidade::RunJob(Load("    payload: mass\n    approach: way\n",
-                           "errors: {elasticity: true, covariates: true}\n"
-                           "validation: {fraction: 0.3}\n"),
+      alidade::RunJob(JobWith("    payload: mass\n    approach: way\n",
+                              "errors: {elasticity: true, covariates: true}\n"
+                              "validation: {fraction: 0.3}\n"),
                       "test");
   ASSERT_TRUE(result.IsUsable()) << result.message;
   const std::vector<CovariateEffect>& effects = result.arm.errors.covariates;
@@ -246,9 +246,10 @@ TEST_F(ErrorTermsJobTest, ValidationIsByPoseBlockOrRegion) {
   WriteData("more", std::vector<std::string>(kPoses, "1"),
             Eigen::MatrixXd::Zero(0, kPoses));
   const auto by = [&](const std::string& what) {
-    return HeldOut(Load("", "errors: none\nvalidation: {fraction: 0.3, by: " +
-                                what + "}\n"),
-                   q_);
+    return HeldOut(
+        JobWith("", "errors: none\nvalidation: {fraction: 0.3, by: " + what +
+                        "}\n"),
+        q_);
   };
   const auto runs = [](const std::vector<bool>& held_out) {
     int count = 0;
@@ -261,8 +262,8 @@ TEST_F(ErrorTermsJobTest, ValidationIsByPoseBlockOrRegion) {
   const std::vector<bool> block = by("block");
   const std::vector<bool> region = by("region");
   for (const auto& one : {pose, block, region}) {
-    EXPECT_NEAR(std::count(one.begin(), one.end(), true), 0.3 * kPoses,
-                0.06 * kPoses);
+    const auto count = std::count(one.begin(), one.end(), true);
+    EXPECT_NEAR(static_cast<double>(count), 0.3 * kPoses, 0.06 * kPoses);
   }
   // Six blocks of twenty; of 45 single poses some thirty have no neighbour.
   EXPECT_LE(runs(block), 6);
