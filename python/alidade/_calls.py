@@ -155,13 +155,25 @@ def calibrate(arm: Any, data: Any = None, *, validation: Any = None,
         if validation is not None and not isinstance(validation, Mapping):
             held = dataset_of(validation, nominal, "validation", count)
         _set_truth(chosen, truth, nominal)
-        core = _core.calibrate(nominal._core, measured._core,
-                               None if held is None else held._core, chosen,
-                               count, progress)
+        with reading():
+            core = _core.calibrate(nominal._core, measured._core,
+                                   None if held is None else held._core,
+                                   chosen, count, progress)
     result = Result(core)
     if check and not result.is_usable:
-        raise CalibrationError(f"{result.status}: {result.message}", result)
+        raise CalibrationError(f"{result.status}: {result.message}"
+                               + _hint(result), result)
     return result
+
+
+def _hint(result: Result) -> str:
+    """Whoever has arrays has not thought of the instrument's frame yet."""
+    are_given = all(one["state"] == "given" for one in result.parameters
+                    if one["kind"] == "base")
+    if result.status != "failed" or not are_given:
+        return ""
+    return ("; where the instrument stands or what it measures is not known: "
+            'parameters=["joints", "base", "tool"]')
 
 
 @takes_options("calibrate")

@@ -119,14 +119,21 @@ def without_place(error: InputError) -> InputError:
 
 
 class reading:
-    """Errors of options are those of the keywords."""
+    """Errors of options are those of the keywords, and units are factors."""
 
     def __enter__(self) -> None:
         return None
 
     def __exit__(self, kind: Any, error: Any, trace: Any) -> None:
-        if isinstance(error, InputError) and error.file == "options":
+        if not isinstance(error, InputError):
+            return
+        if error.file == "options":
             raise without_place(error) from None
+        for unit in ("mm", "deg"):
+            if error.message.endswith(f"state the unit {unit}"):
+                raise InputError(f"{error.message}: multiply by alidade.{unit}",
+                                 error.file, error.line, error.column,
+                                 error.key or "data") from None
 
 
 def _line(option: Option, indent: str) -> list[str]:

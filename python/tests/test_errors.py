@@ -190,8 +190,6 @@ WRONG = [
     (calibrate(acceptance={'train_max': -1}), 'acceptance.train_max'),
     (calibrate(solver={'name': datetime.date(2020, 1, 1)}),
      'calibrate.solver.name'),
-    (calibrate(data=alidade.Dataset(Q, 1e3 * POINTS, sigma=1e-4),
-               parameters=['joints', 'base', 'tool']), None),
     (lambda: alidade.calibrate('no.yaml'), None),
     (lambda: alidade.calibrate(JOB, validation=DATA), 'validation'),
     (lambda: alidade.calibrate(JOB, truth=ARM), 'truth'),
@@ -256,6 +254,21 @@ def test_errors_of_files_have_their_place(tmp_path):
 def test_a_misspelt_option_gets_its_name():
   with pytest.raises(alidade.InputError, match='did you mean "parameters"'):
     alidade.calibrate(ARM, DATA, parametres=['joints'])
+
+
+def test_units_are_named():
+  for joints, points, unit in ((Q, 1e3 * POINTS, 'mm'),
+                               (np.degrees(Q), POINTS, 'deg')):
+    with pytest.raises(alidade.InputError,
+                       match=f'multiply by alidade.{unit}'):
+      alidade.calibrate(ARM, alidade.Dataset(joints, points, sigma=1e-4),
+                        parameters=['joints', 'base', 'tool'])
+
+
+def test_an_unknown_frame_gets_a_hint():
+  moved = alidade.Dataset(Q, POINTS + [2.0, -1.0, 0.5], sigma=1e-4)
+  with pytest.raises(alidade.CalibrationError, match='"base", "tool"'):
+    alidade.calibrate(ARM, moved)
 
 
 def test_no_result_is_a_calibration_error():

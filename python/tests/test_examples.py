@@ -9,8 +9,10 @@ import io
 import json
 import os
 
+import numpy as np
 import pytest
 
+import alidade
 from conftest import ROOT
 
 EXAMPLES = sorted((ROOT / 'python/examples').glob('*.ipynb'))
@@ -72,6 +74,27 @@ def test_notebook(file, monkeypatch):
   if is_update:
     file.write_text(json.dumps(notebook, indent=1, ensure_ascii=False) + '\n')
   assert number >= 4
+
+
+def test_the_guide(real):
+  """The first block of docs/python.md, and the options that it names."""
+  guide = (ROOT / 'docs/python.md').read_text()
+  block = guide.split('```python\n')[1].split('```')[0]
+  simulated = alidade.simulate(real, count=60, sigma=2e-5)
+  names = {'base_guess': np.eye(4), 'joint_values': simulated.joint_values,
+           'positions': simulated.positions}
+  exec(compile(block, 'docs/python.md', 'exec'), names)
+  assert names['result'].validation.after.rms < 1e-4
+  plan = alidade.plan(names['arm'], poses=20, sigma=20e-6,
+                      measured=names['data'], curve=[],
+                      candidates={'count': 200}, parameters=['joints'])
+  assert plan.joint_values.shape == (20, 6)
+  for options in ({'validation': {'folds': 5}}, {'max_iterations': 20},
+                  {'policy': 'keep'}, {'fix': ['d2']},
+                  {'bounds': {'d3': (-1e-3, 1e-3)}},
+                  {'priors': {'theta': 2e-3}}):
+    alidade.calibrate(names['arm'], names['data'], errors='none', check=False,
+                      parameters=['joints', 'base', 'tool'], **options)
 
 
 def test_there_are_three():

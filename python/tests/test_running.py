@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import alidade
-from conftest import OPTIONS
+from conftest import OPTIONS, ROOT
 
 IS_QUICK = os.environ.get('ALIDADE_ALL_JOBS', '1') == '0'
 
@@ -128,3 +128,17 @@ def test_arrays_outlive_what_they_come_from(arm, data):
   np.testing.assert_array_equal(covariance, copies[1])
   joints = alidade.Dataset(np.ones((5, 6))).joint_values
   np.testing.assert_array_equal(joints, np.ones((5, 6)))
+
+
+def test_ctrl_c_ends_a_batch(tmp_path):
+  finished = []
+
+  def interrupt(*state):
+    finished.append(state)
+    if len(finished) == 3:
+      os.kill(os.getpid(), signal.SIGINT)
+
+  with pytest.raises(KeyboardInterrupt):
+    alidade.batch(ROOT / 'configs/batches/rv2aj_1000.yaml', tmp_path,
+                  threads=2, progress=interrupt)
+  assert len(finished) < 900
