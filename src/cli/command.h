@@ -41,6 +41,8 @@ struct CommandLine {
   std::string as;                ///< --as; empty = not given
   std::string table;             ///< --table; empty = not given
   std::string frames;            ///< --frames; empty = not given
+  std::string units;             ///< --units; empty = not given
+  std::string refit;             ///< --refit; empty = not given
 };
 
 /// The texts of a command.
@@ -79,6 +81,7 @@ const std::vector<Command>& Commands();
 ExitStatus RunShow(const CommandLine& line);
 ExitStatus RunCheck(const CommandLine& line);
 ExitStatus RunConvert(const CommandLine& line);
+ExitStatus RunImport(const CommandLine& line);
 ExitStatus RunSimulate(const CommandLine& line);
 ExitStatus RunPlanCommand(const CommandLine& line);
 ExitStatus RunIdentify(const CommandLine& line);
@@ -102,8 +105,8 @@ std::string OutputDirectory(const CommandLine& line);
 /// Prints "alidade: MESSAGE" on standard error.
 void PrintError(const std::string& message);
 
-/// True for names of data sets: they end in ".csv" or ".npy", whatever their
-/// case.
+/// True for names of data sets: they end in ".csv", ".npy" or, as other
+/// programs name theirs, ".txt", ".tsv", ".dat" or ".asc", whatever their case.
 bool IsDataFile(const std::string& path);
 
 }  // namespace alidade::internal

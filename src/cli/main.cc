@@ -54,6 +54,13 @@ DEFINE_string(rotation, "",
               "extrinsic_xyz, rotation_vector ...");
 DEFINE_string(table, "", "FORMAT of tables: csv (the default), yaml, latex");
 DEFINE_string(target, "", "NAME of the arm's target, where it has several");
+DEFINE_string(
+    units, "",
+    "UNITS of columns whose names state none: mm,deg; found by the arm "
+    "otherwise");
+DEFINE_string(refit, "",
+              "PARTS found anew from the data before errors are taken: base, "
+              "tool, references, with commas between them");
 DEFINE_bool(report, false, "also write report.html");
 DEFINE_string(outputs, "", "WHAT ");  // as a job's `outputs`
 DEFINE_uint64(seed, 0, "N seed of all that is drawn, instead of the file's");
@@ -308,7 +315,9 @@ ExitStatus RunCommand(const std::string& name,
                       FLAGS_calibrated_tool,
                       FLAGS_as,
                       FLAGS_table,
-                      FLAGS_frames});
+                      FLAGS_frames,
+                      FLAGS_units,
+                      FLAGS_refit});
 }
 
 ExitStatus Main(const std::vector<std::string>& arguments) {

@@ -280,7 +280,7 @@ void VisitMeasurements(Visitor& v, JobReading* reading) {
       Key("identifiability"), "which parameters are identified",
       [&](auto& section) {
         VisitIdentifiability(section, LayoutOf(job->arm, job->data.references),
-                             &job->options.identifiability);
+                             job->arm, &job->options.identifiability);
         section.Field(
             Key("prior_scale"), job->options.prior_scale,
             "`estimated`: the priors of the joints are multiplied by a factor "
