@@ -51,6 +51,18 @@ std::vector<Command> InputCommands() {
            "orientations are refused."},
           {"arm"}, 2, 2, RunConvert),
       Command(
+          {"import", "FILE --arm=ARM.yaml",
+           "read another program's measurements; write data set and job",
+           "FILE is a text of any form that is certain: separators, decimal "
+           "commas, encodings, titles, rows of units and words for what is "
+           "missing are found (docs/files.md, \"Files of other programs\"), "
+           "joints and position by the names of columns, units that these do "
+           "not state by the arm. Shows a table of what it understood, and "
+           "writes data.csv and job.yaml, ready for `calibrate`, below "
+           "--out=DIR (default: results/ and the file's name). What is not "
+           "certain is refused, and said what to state."},
+          {"arm", "out", "units", "rotation"}, 1, 1, RunImport),
+      Command(
           {"simulate", "SIMULATION.yaml",
            "write a data set from an arm, its deviations, poses and noise",
            "Plans the poses with the nominal arm, measures them with the real "
@@ -81,10 +93,12 @@ std::vector<Command> InputCommands() {
 std::vector<Command> CalibrationCommands() {
   return {
       Command(
-          {"identify", "JOB.yaml | ARM.yaml DATA.csv",
+          {"identify", "JOB.yaml | ARM.yaml [DATA.csv]",
            "show which parameters these poses can identify, and why",
            "Prints the decision for each parameter, the ranks it rests on and "
-           "what to look out for. Nothing is solved or written."},
+           "what to look out for. Nothing is solved or written. Of an arm "
+           "alone it says what positions of its target at random poses would "
+           "identify, with base and tool unknown."},
           {"seed"}, 1, 2, RunIdentify),
       Command(
           {"calibrate", "JOB.yaml",
@@ -126,11 +140,17 @@ std::vector<Command> CalibrationCommands() {
 std::vector<Command> ResultCommands() {
   return {
       Command(
-          {"validate", "ARM.yaml | RESULT  DATA.csv... | REFERENCE.yaml",
+          {"validate",
+           "ARM.yaml | RESULT  DATA.csv... | JOB.yaml | REFERENCE.yaml",
            "accuracy of an arm on data, or against another arm",
-           "With data sets: errors of the arm's predictions at their poses. "
+           "With data sets: errors of the arm's predictions at their poses; a "
+           "job names them by its `data` where more is to be said of them "
+           "(columns, angles, targets, contacts). --refit=base,tool,references "
+           "finds these anew from each set, where the instrument or the tool "
+           "stood elsewhere. "
            "With a second arm: distance between the two over 10 000 joint "
-           "values drawn within the limits of the first (--seed). With a "
+           "values drawn within the limits of the first (--seed), as they "
+           "stand and with base and tool aligned. With a "
            "result directory of `calibrate` instead of an arm: also whether "
            "errors are as large as predicted, by the share that lies within "
            "its intervals, and the predicted accuracy over the workspace; "
@@ -251,7 +271,10 @@ bool IsDataFile(const std::string& path) {
   std::string ending = path.substr(path.size() - 4);
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return std::tolower(c); });
-  return ending == ".csv";
+  for (const char* known : {".csv", ".txt", ".tsv", ".dat", ".asc"}) {
+    if (ending == known) return true;
+  }
+  return false;
 }
 
 }  // namespace alidade::internal

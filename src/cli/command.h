@@ -45,6 +45,7 @@ struct CommandLine {
   bool corrected = false;        ///< --corrected
   std::string refit;             ///< --refit; empty = not given
   int poses = 0;                 ///< --poses
+  std::string units;             ///< --units; empty = not given
 };
 
 /// The texts of a command.
@@ -85,6 +86,7 @@ ExitStatus RunShow(const CommandLine& line);
 ExitStatus RunCheck(const CommandLine& line);
 ExitStatus RunKeys(const CommandLine& line);
 ExitStatus RunConvert(const CommandLine& line);
+ExitStatus RunImport(const CommandLine& line);
 ExitStatus RunSimulate(const CommandLine& line);
 ExitStatus RunPlanCommand(const CommandLine& line);
 ExitStatus RunIdentify(const CommandLine& line);
@@ -110,8 +112,8 @@ std::string OutputDirectory(const CommandLine& line);
 /// Prints "alidade: MESSAGE" on standard error.
 void PrintError(const std::string& message);
 
-/// True for names of data sets: they end in ".csv" or ".npy", whatever their
-/// case.
+/// True for names of data sets: they end in ".csv", ".npy" or, as other
+/// programs name theirs, ".txt", ".tsv", ".dat" or ".asc", whatever their case.
 bool IsDataFile(const std::string& path);
 
 }  // namespace alidade::internal

@@ -9,9 +9,12 @@
 #include "src/dataio/dataset_csv.h"
 #include "src/dataio/dataset_npy.h"
 #include "src/job/result_directory.h"
+#include "src/model/motors.h"
 
 namespace alidade::internal {
 namespace {
+
+namespace fs = std::filesystem;
 
 void CheckNames(const CommandLine& line) {
   if (line.arm.empty()) {
@@ -23,7 +26,8 @@ void CheckNames(const CommandLine& line) {
   const std::string& from = line.files[0];
   const std::string& to = line.files[1];
   for (const std::string& path : line.files) {
-    if (IsDataFile(path)) continue;
+    const bool is_text = fs::path(path).extension() == ".csv" || &path == &from;
+    if (IsNpy(path) || (IsDataFile(path) && is_text)) continue;
     throw InputError({path, 0, 0, ""},
                      "expected a name that ends in .csv or .npy");
   }
@@ -37,6 +41,12 @@ void CheckNames(const CommandLine& line) {
 // Columns hold what the motors say and one target's positions; what the arm
 // makes of them is for those who read the file with it.
 Arm WithoutMotorMap(Arm arm) {
+  const std::vector<Dimension> motors = MotorDimensions(arm);
+  arm.joints.resize(motors.size());
+  for (std::size_t j = 0; j < motors.size(); ++j) {
+    arm.joints[j].type = motors[j] == Dimension::kAngle ? JointType::kRevolute
+                                                        : JointType::kPrismatic;
+  }
   arm.joints_from_motors.resize(0, 0);
   arm.motor_offsets.resize(0);
   return arm;

@@ -3,13 +3,18 @@
 
 #include "alidade/arm_file.h"
 #include "alidade/error.h"
+#include "alidade/forward_kinematics.h"
 #include "alidade/units.h"
 #include "src/calibration/calibration_task.h"
 #include "src/cli/command.h"
 #include "src/cli/progress.h"
 #include "src/dataio/dataset_csv.h"
+#include "src/model/joint_draw.h"
 #include "src/report/report.h"
+#include "src/serialization/config_file.h"
 #include "src/serialization/job_config.h"
+#include "src/serialization/ur_kinematics.h"
+#include "src/serialization/yaml_reader.h"
 
 namespace alidade::internal {
 namespace {
@@ -18,8 +23,36 @@ namespace {
 // data set that states none.
 constexpr double kAnySigma = kMillimetre;
 
+// Poses of an arm of which nothing was measured yet.
+constexpr int kRandomPoses = 200;
+
+bool IsArmAlone(const CommandLine& line) {
+  return line.files.size() == 1 &&
+         (IsUrKinematics(ReadYaml(line.files[0])) ||
+          DetectFormat(line.files[0]) == FileFormat::kArm);
+}
+
+// What positions of the target at random poses would identify.
+JobConfig ArmAlone(const CommandLine& line) {
+  JobConfig config;
+  config.arm = LoadArm(line.files[0]);
+  const Eigen::MatrixXd joints =
+      DrawJointValues(config.arm, kRandomPoses, line.seed.value_or(1));
+  Eigen::Matrix3Xd points(3, kRandomPoses);
+  for (int i = 0; i < kRandomPoses; ++i) {
+    points.col(i) = TargetPose(config.arm, joints.col(i)).translation();
+  }
+  config.data.training =
+      MakePositions(joints, points,
+                    SharedMatrix::Repeated(Eigen::Vector3d::Constant(kAnySigma),
+                                           kRandomPoses));
+  config.options.identifiability.candidates = {true, true, true};
+  return config;
+}
+
 JobConfig LoadJobOrPair(const CommandLine& line) {
   const std::vector<std::string>& files = line.files;
+  if (IsArmAlone(line)) return ArmAlone(line);
   if (files.size() == 1) return LoadJob(files.front(), line.threads);
   JobConfig config;
   config.arm = LoadArm(files[0]);
@@ -42,7 +75,11 @@ ExitStatus RunIdentify(const CommandLine& line) {
   const IdentifiabilityResult result = AnalyzeTask(config);
   LogIdentifiability(result);
   std::cout << config.arm.name << ", " << config.data.training.num_poses()
-            << " poses\n";
+            << (IsArmAlone(line) ? " random poses within the joint limits, "
+                                   "the target's position measured; base and "
+                                   "tool are identified too: a job or a data "
+                                   "set says what was measured\n"
+                                 : " poses\n");
   if (line.files.size() > 1) {
     std::cout << "where the data state no standard deviation, 1 mm is taken: a "
                  "job states the instrument's\n";

@@ -61,12 +61,16 @@ DEFINE_string(rotation, "",
               "CONVENTION of the columns rx, ry, rz: intrinsic_zyx, "
               "extrinsic_xyz, rotation_vector ...");
 DEFINE_int32(poses, 10, "N poses of a check, from 3 to 50; 10 by default");
-DEFINE_string(refit, "",
-              "FRAMES of a check that are found from it, as they were set up "
-              "anew: base (the instrument's place), tool (the target's) or "
-              "base,tool");
 DEFINE_string(table, "", "FORMAT of tables: csv (the default), yaml, latex");
 DEFINE_string(target, "", "NAME of the arm's target, where it has several");
+DEFINE_string(
+    units, "",
+    "UNITS of columns whose names state none: mm,deg; found by the arm "
+    "otherwise");
+DEFINE_string(refit, "",
+              "PARTS found anew from the data before errors are taken: base, "
+              "tool, references, with commas between them; of a check base, "
+              "tool or both");
 DEFINE_bool(report, false, "also write report.html");
 DEFINE_string(outputs, "", "WHAT ");  // as a job's `outputs`
 DEFINE_uint64(seed, 0, "N seed of all that is drawn, instead of the file's");
@@ -341,7 +345,8 @@ ExitStatus RunCommand(const std::string& name,
                       FLAGS_check,
                       FLAGS_corrected,
                       FLAGS_refit,
-                      FLAGS_poses});
+                      FLAGS_poses,
+                      FLAGS_units});
 }
 
 ExitStatus Main(const std::vector<std::string>& arguments) {

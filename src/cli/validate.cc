@@ -7,17 +7,19 @@
 #include <vector>
 
 #include "alidade/arm_file.h"
-#include "alidade/dataset_file.h"
 #include "alidade/error.h"
 #include "alidade/units.h"
 #include "src/calibration/evaluate.h"
 #include "src/cli/command.h"
+#include "src/cli/validation_data.h"
 #include "src/common/files.h"
 #include "src/job/calibrated_arm.h"
 #include "src/job/result_directory.h"
-#include "src/kernel/measurement_model.h"
 #include "src/report/report.h"
 #include "src/report/table.h"
+#include "src/serialization/config_file.h"
+#include "src/serialization/ur_kinematics.h"
+#include "src/serialization/yaml_reader.h"
 
 namespace alidade::internal {
 namespace {
@@ -74,6 +76,11 @@ class Validation {
     CheckResultDirectory(line_.out, OutputKind::kPredictions, inputs);
   }
 
+  static bool IsJob(const std::string& file) {
+    return !IsUrKinematics(ReadYaml(file)) &&
+           DetectFormat(file) == FileFormat::kJob;
+  }
+
   // Data state their own sigmas or have the fit's.
   double DefaultSigma() const {
     return calibrated_ && calibrated_->sigma > 0.0 ? calibrated_->sigma
@@ -81,9 +88,12 @@ class Validation {
   }
 
   void Compare(const std::string& file, std::vector<std::string>* checks) {
-    if (!IsDataFile(file)) {
+    if (!IsDataFile(file) && !IsJob(file)) {
       const Arm other = LoadArm(file);
       AddRow(file, CompareArms(arm_, other, kRandomPoses, seed_));
+      AddRow(file + ", base and tool aligned",
+             CompareArms(AlignedWith(arm_, other, seed_, line_.threads), other,
+                         kRandomPoses, seed_));
       if (!calibrated_) return;
       const ArmCheck check =
           CheckAgainst(*calibrated_, other, kMapPoses, seed_);
@@ -92,11 +102,17 @@ class Validation {
       check_ = check.check;
       return;
     }
-    const MeasurementModel model(arm_, line_.threads);
-    const Dataset data = LoadDataset(file, arm_, DefaultSigma(), line_.threads);
-    AddRow(file, EvaluateAccuracy(model, data, model.NominalValues()));
-    if (!calibrated_) return;
-    check_ = CheckAgainst(*calibrated_, data, line_.threads);
+    CalibrationData data =
+        LoadValidationData(file, arm_, DefaultSigma(), line_.threads);
+    const Dataset measured = data.training;
+    const bool has_references =
+        data.references.num_points() > 0 || data.references.num_planes() > 0;
+    AddRow(
+        refit_.any() ? file + ", " + refit_.Text() + " refitted" : file,
+        ValidationAccuracy(file, arm_, std::move(data), refit_, line_.threads));
+    // Predictions are of the arm where it stood.
+    if (!calibrated_ || refit_.any() || has_references) return;
+    check_ = CheckAgainst(*calibrated_, measured, line_.threads);
     checks->push_back(FormatPredictionCheck(file, *check_));
     WarnIfFitted(file);
   }
@@ -133,6 +149,7 @@ class Validation {
 
   const CommandLine& line_;
   const std::uint64_t seed_;
+  const Refit refit_ = ReadRefit(line_.refit);
   Arm arm_;
   std::optional<CalibratedArm> calibrated_;
   std::optional<PredictedMap> map_;

@@ -7,6 +7,7 @@
 #include "src/common/random.h"
 #include "src/compensation/pose_solver.h"
 #include "src/model/joint_draw.h"
+#include "src/model/motors.h"
 
 namespace alidade {
 namespace {
@@ -55,6 +56,7 @@ PoseSolutions SolvePoses(const Arm& arm,
                          const std::vector<Eigen::Isometry3d>& targets,
                          const Eigen::MatrixXd& starts,
                          const PoseSolverOptions& options) {
+  internal::RequireFreeJoints(arm);
   CHECK_EQ(starts.rows(), arm.num_joints());
   CHECK_EQ(starts.cols(), static_cast<Eigen::Index>(targets.size()));
   PoseSolutions solutions = MakeSolutions(arm, targets.size());
@@ -76,6 +78,7 @@ PoseSolutions FindPoses(const Arm& arm,
                         const std::vector<Eigen::Isometry3d>& targets,
                         const Eigen::VectorXd& start, int num_trials,
                         std::uint64_t seed, const PoseSolverOptions& options) {
+  internal::RequireFreeJoints(arm);
   CHECK_EQ(start.size(), arm.num_joints());
   PoseSolverOptions free = options;
   free.max_joint_change = std::numeric_limits<double>::infinity();

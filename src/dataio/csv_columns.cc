@@ -5,6 +5,7 @@
 
 #include "src/common/names.h"
 #include "src/common/numbers.h"
+#include "src/model/motors.h"
 
 namespace alidade::internal {
 namespace {
@@ -38,26 +39,115 @@ const char* TypeName(ColumnType type) {
   return type == ColumnType::kLength ? "a length" : "a squared length";
 }
 
-// Behind the last underscore.
+struct UnitWord {
+  const char* word;
+  Unit unit;
+};
+
+constexpr Unit kDegrees = {"deg", Dimension::kAngle, 0, kDegree};
+constexpr Unit kRadians = {"rad", Dimension::kAngle, 0, 1.0};
+constexpr Unit kMilliradians = {"mrad", Dimension::kAngle, -3, 1.0};
+constexpr Unit kMillimetres = {"mm", Dimension::kLength, -3, 1.0};
+constexpr Unit kMetres = {"m", Dimension::kLength, 0, 1.0};
+constexpr Unit kMicrometres = {"um", Dimension::kLength, -6, 1.0};
+constexpr Unit kCentimetres = {"cm", Dimension::kLength, -2, 1.0};
+constexpr Unit kInches = {"in", Dimension::kLength, -4, 254.0};
+constexpr Unit kFeet = {"ft", Dimension::kLength, -4, 3048.0};
+
+// Not "grad", which is a degree in German.
+constexpr std::array<UnitWord, 35> kUnitWords = {{
+    {"deg", kDegrees},
+    {"degs", kDegrees},
+    {"degree", kDegrees},
+    {"degrees", kDegrees},
+    {"\xc2\xb0", kDegrees},
+    {"\xc2\xba", kDegrees},
+    {"rad", kRadians},
+    {"rads", kRadians},
+    {"radian", kRadians},
+    {"radians", kRadians},
+    {"mrad", kMilliradians},
+    {"mm", kMillimetres},
+    {"millimeter", kMillimetres},
+    {"millimeters", kMillimetres},
+    {"millimetre", kMillimetres},
+    {"millimetres", kMillimetres},
+    {"m", kMetres},
+    {"meter", kMetres},
+    {"meters", kMetres},
+    {"metre", kMetres},
+    {"metres", kMetres},
+    {"um", kMicrometres},
+    {"\xc2\xb5m", kMicrometres},
+    {"\xce\xbcm", kMicrometres},
+    {"micron", kMicrometres},
+    {"microns", kMicrometres},
+    {"cm", kCentimetres},
+    {"centimeters", kCentimetres},
+    {"centimetres", kCentimetres},
+    {"in", kInches},
+    {"inch", kInches},
+    {"inches", kInches},
+    {"ft", kFeet},
+    {"foot", kFeet},
+    {"feet", kFeet},
+}};
+
+std::string Lower(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c | 0x20);
+  }
+  return lower;
+}
+
+bool IsOpening(char c) { return c == '[' || c == '('; }
+bool IsClosing(char c) { return c == ']' || c == ')'; }
+
+// "deg" of "[deg]".
+std::string_view WithoutFrame(std::string_view text) {
+  if (text.size() < 2 || !IsOpening(text.front()) || !IsClosing(text.back())) {
+    return text;
+  }
+  return text.substr(1, text.size() - 2);
+}
+
+// Where the unit of a header begins: at a bracket, or behind the last
+// underscore, blank or slash; its size where there is none.
+std::size_t UnitBegin(std::string_view header) {
+  if (!header.empty() && IsClosing(header.back())) {
+    const std::size_t open = header.find_last_of("[(");
+    return open == 0 ? header.size() : std::min(open, header.size());
+  }
+  const std::size_t mark = header.find_last_of("_ /");
+  return mark == std::string_view::npos ? header.size() : mark + 1;
+}
+
 std::string_view UnitName(std::string_view header) {
-  const std::size_t underscore = std::min(header.rfind('_'), header.size());
-  return header.substr(std::min(header.size(), underscore + 1));
+  return WithoutFrame(header.substr(UnitBegin(header)));
+}
+
+Dimension DimensionOf(ColumnType type) {
+  return type == ColumnType::kAngle ? Dimension::kAngle : Dimension::kLength;
 }
 
 // "J1" of "J1 [deg]".
-std::string WithoutBrackets(const std::string& header) {
-  const std::size_t end = header.find_first_of(" [(");
-  return end == 0 ? header : header.substr(0, end);
+std::string WithoutBrackets(std::string_view header) {
+  const std::size_t end = header.find_first_of("[(");
+  if (end == 0 || end == std::string_view::npos) return std::string(header);
+  header = header.substr(0, end);
+  while (!header.empty() && header.back() == ' ') header.remove_suffix(1);
+  return std::string(header);
 }
 
 }  // namespace
 
 std::vector<ColumnSpec> JointColumns(const Arm& arm) {
   std::vector<ColumnSpec> specs;
-  for (int j = 0; j < arm.num_joints(); ++j) {
-    const bool is_revolute = arm.joints[j].type == JointType::kRevolute;
-    specs.push_back({"q" + std::to_string(j + 1),
-                     is_revolute ? ColumnType::kAngle : ColumnType::kLength,
+  for (const Dimension dimension : MotorDimensions(arm)) {
+    const bool turns = dimension == Dimension::kAngle;
+    specs.push_back({"q" + std::to_string(specs.size() + 1),
+                     turns ? ColumnType::kAngle : ColumnType::kLength,
                      CellRule::kRequired});
   }
   return specs;
@@ -87,17 +177,75 @@ std::string Spellings(const ColumnSpec& spec) {
   return names.size() == 1 ? names[0] : names[0] + " or " + names[1];
 }
 
-bool IsNamed(const ColumnSpec& spec, std::string_view header) {
-  if (!spec.mapped.empty()) return header == spec.mapped;
+bool IsNamed(const ColumnSpec& spec, std::string_view header, int number) {
+  if (!spec.mapped.empty()) {
+    return header == spec.mapped || WithoutBrackets(header) == spec.mapped ||
+           spec.mapped == std::to_string(number);
+  }
   if (!HasUnit(spec.type)) return header == spec.base;
-  return header.substr(0, header.rfind('_')) == spec.base;
+  // What looks like a unit may be none.
+  return WithoutUnit(header) == spec.base ||
+         header.substr(0, header.rfind('_')) == spec.base;
 }
 
 const Unit* UnitOf(const ColumnSpec& spec, std::string_view header) {
-  for (const Unit* unit : UnitsOf(spec.type)) {
-    if (unit->name == UnitName(header)) return unit;
+  const std::string_view name = UnitName(header);
+  if (spec.type == ColumnType::kSquareLength) {
+    for (const Unit& unit : kSquareUnits) {
+      if (unit.name == name) return &unit;
+    }
+    return nullptr;
+  }
+  if (!HasUnit(spec.type)) return nullptr;
+  const Unit* const unit = FindHeaderUnit(name);
+  if (unit == nullptr) return spec.default_unit;
+  return unit->dimension == DimensionOf(spec.type) ? unit : nullptr;
+}
+
+bool StatesUnit(std::string_view header) {
+  return FindHeaderUnit(UnitName(header)) != nullptr;
+}
+
+std::string_view WithoutUnit(std::string_view header) {
+  if (!StatesUnit(header)) return header;
+  header = header.substr(0, UnitBegin(header));
+  while (!header.empty() && (header.back() == ' ' || header.back() == '_' ||
+                             header.back() == '/')) {
+    header.remove_suffix(1);
+  }
+  return header;
+}
+
+const Unit* FindHeaderUnit(std::string_view text) {
+  const std::string word = Lower(WithoutFrame(text));
+  for (const UnitWord& entry : kUnitWords) {
+    if (word == entry.word) return &entry.unit;
   }
   return nullptr;
+}
+
+bool IsOtherUnit(std::string_view text) {
+  static constexpr std::array<std::string_view, 18> kWords = {"s",
+                                                              "sec",
+                                                              "seconds",
+                                                              "ms",
+                                                              "c",
+                                                              "\xc2\xb0"
+                                                              "c",
+                                                              "k",
+                                                              "n",
+                                                              "nm",
+                                                              "kg",
+                                                              "%",
+                                                              "1",
+                                                              "hz",
+                                                              "v",
+                                                              "a",
+                                                              "unit",
+                                                              "units",
+                                                              "count"};
+  const std::string word = Lower(WithoutFrame(text));
+  return std::find(kWords.begin(), kWords.end(), word) != kWords.end();
 }
 
 std::string DescribeBadUnit(const ColumnSpec& spec, std::string_view header) {
@@ -109,8 +257,7 @@ std::string DescribeBadUnit(const ColumnSpec& spec, std::string_view header) {
     const std::string first = std::string("_") + units[0]->name;
     return problem + ": " + spec.base + " is " + TypeName(spec.type) +
            ", expected a header that ends in " + first + " or _" +
-           units[1]->name + ": rename it, here and in `columns`, to say " +
-           Quote(WithoutBrackets(spec.mapped) + first);
+           units[1]->name + ", or `unit` in the job's `columns`";
   }
   return problem + ": " + spec.base + " is " + TypeName(spec.type) +
          ", expected " + Spellings(spec);
@@ -118,7 +265,8 @@ std::string DescribeBadUnit(const ColumnSpec& spec, std::string_view header) {
 
 std::optional<int> JointNumber(std::string_view name) {
   if (name.size() < 2 || name.front() != 'q') return std::nullopt;
-  const auto number = ParseWhole<int>(name.substr(1, name.find('_') - 1));
+  const auto number =
+      ParseWhole<int>(name.substr(1, name.find_first_of("_ [(") - 1));
   return number < 1 ? std::nullopt : number;
 }
 

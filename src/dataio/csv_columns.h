@@ -29,9 +29,12 @@ struct ColumnSpec {
   std::string mapped = {};
   /// Known, but passed over.
   bool is_ignored = false;
+  /// Of headers that state none; null = they must.
+  const Unit* default_unit = nullptr;
 };
 
-/// The joints' columns: one required number each.
+/// The joints' columns (of coupled ones, the motors'): one required number
+/// each.
 std::vector<ColumnSpec> JointColumns(const Arm& arm);
 
 /// Names that the columns may have, every unit after the other.
@@ -43,17 +46,32 @@ std::string FirstName(const ColumnSpec& spec);
 /// "q1_deg or q1_rad"
 std::string Spellings(const ColumnSpec& spec);
 
-/// Whether a header of a file names the quantity, whatever its unit.
-bool IsNamed(const ColumnSpec& spec, std::string_view header);
+/// Whether the header of column `number` (from 1) of a file names the quantity,
+/// whatever its unit: "q1_deg", "q1 [deg]"; a mapping may name it with its
+/// unit, without one in brackets, or by the number.
+bool IsNamed(const ColumnSpec& spec, std::string_view header, int number);
 
-/// The unit that a header ends in; null where it is none of the column's.
-/// @pre the column has units.
+/// The unit that a header ends in, or the default one where it ends in none;
+/// null where it is none of the column's. @pre the column has units.
 const Unit* UnitOf(const ColumnSpec& spec, std::string_view header);
+
+/// Whether the header says its unit itself.
+bool StatesUnit(std::string_view header);
+
+/// The header without its unit: "q1" of "q1_deg" and of "q1 [deg]".
+std::string_view WithoutUnit(std::string_view header);
+
+/// The unit of lengths or angles that a text is, as people write it: "mm",
+/// "[deg]", "(inches)"; or null.
+const Unit* FindHeaderUnit(std::string_view text);
+
+/// Whether a text is some other unit: "s", "[C]".
+bool IsOtherUnit(std::string_view text);
 
 /// What is wrong with a header that UnitOf is null for, and what to do.
 std::string DescribeBadUnit(const ColumnSpec& spec, std::string_view header);
 
-/// "q12_deg" -> 12; nothing where the name is no joint's.
+/// "q12_deg", "q12 [deg]" -> 12; nothing where the name is no joint's.
 std::optional<int> JointNumber(std::string_view name);
 
 }  // namespace alidade::internal

@@ -13,8 +13,18 @@ namespace alidade::internal {
 /// one '\r' before it.
 std::string_view TakeLine(std::string_view* text);
 
-/// Whether the line is blank or begins with '#', so that it holds nothing.
-bool IsPassedOver(std::string_view line);
+/// Whether the line holds nothing: it is blank, has empty cells alone, or is a
+/// comment, which begins with '#', '//' or '%'.
+bool IsPassedOver(std::string_view line, char separator = ',');
+
+/// What stands behind the mark of a comment; empty where the line is none.
+std::string_view CommentOf(std::string_view line);
+
+/// The cells of a line, without the spaces and the double quotes around them,
+/// for TextOf where they are texts. Null, or where a quote is not closed or
+/// followed by something else than a separator.
+const char* SplitCells(std::string_view line, char separator,
+                       std::vector<std::string_view>* cells);
 
 /// What a cell says: in quotes, two of them are one of the text.
 std::string TextOf(std::string_view cell);
@@ -24,14 +34,14 @@ std::string TextOf(std::string_view cell);
 struct CsvLine {
   const std::string& path;
   std::string_view text;
-  int number = 0;  ///< from 1; 0: it is in no file
+  int number = 0;        ///< from 1; 0: it is in no file
+  char separator = ',';  ///< ' ': any number of blanks and tabs
 
-  /// The cells of the line, without the spaces and the double quotes around
-  /// them, for TextOf where they are texts. @throws InputError where a quote is
-  /// not closed.
+  /// SplitCells. @throws InputError where a quote is not closed.
   void Split(std::vector<std::string_view>* cells) const;
 
-  /// Of `cell`, a part of the line, or null. `column` is its name.
+  /// Of `cell`, a part of the line (other texts have no place in it), or null.
+  /// `column` is its name.
   SourceLocation Location(const char* cell = nullptr,
                           const std::string& column = "") const;
 

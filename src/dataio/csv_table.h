@@ -6,16 +6,17 @@
 #include <string_view>
 #include <vector>
 
-#include "src/common/mapped_file.h"
+#include "src/dataio/csv_layout.h"
 #include "src/dataio/data_table.h"
 #include "src/dataio/read_options.h"
+#include "src/dataio/text_encoding.h"
 
 namespace alidade::internal {
 
-/// The table of a CSV file. Blank lines and lines that begin with '#' are
-/// passed over; a byte-order mark and the carriage returns of Windows are
-/// accepted. The file is mapped into memory and cut at line ends; where, does
-/// not depend on the number of threads.
+/// The table of a text file, in any encoding (text_encoding.h) and dialect
+/// (csv_layout.h) that is certain or stated. Blank lines and comments are
+/// passed over. The file is mapped into memory and cut at line ends; where,
+/// does not depend on the number of threads.
 class CsvTable final : public DataTable {
  public:
   /// Reads the header and counts the rows. @throws InputError.
@@ -24,6 +25,7 @@ class CsvTable final : public DataTable {
 
   const TableHeader& header() const override { return *header_; }
   std::int64_t num_rows() const override { return num_rows_; }
+  std::string Notes() const override;
 
  protected:
   std::int64_t num_chunks() const override {
@@ -42,12 +44,15 @@ class CsvTable final : public DataTable {
     int lines_before = 0;
   };
 
-  void RefuseOtherEncodings() const;
-  void ReadHeader(std::string_view* rest);
+  void ReadHeader(std::string_view text);
+  void RequireMapping(std::string_view rows) const;
   void Cut(std::string_view rows, const ReadOptions& options);
 
-  const MappedFile file_;
+  const std::string& path() const { return text_.file.path(); }
+
+  const TextFile text_;
   const TableContent content_;
+  CsvLayout layout_;
   std::optional<TableHeader> header_;
   std::vector<Chunk> chunks_;
   std::int64_t num_rows_ = 0;

@@ -8,7 +8,10 @@
 
 #include "alidade/arm.h"
 #include "alidade/dataset.h"
+#include "src/common/numbers.h"
+#include "src/dataio/csv_dialect.h"
 #include "src/dataio/rotation_convention.h"
+#include "src/dataio/row_condition.h"
 
 namespace alidade::internal {
 
@@ -18,7 +21,8 @@ namespace alidade::internal {
 struct ColumnMapping {
   std::vector<std::string> joints;    ///< one per joint, from the base
   std::vector<std::string> position;  ///< x, y, z
-  /// rx, ry, rz, or a quaternion: w, x, y, z (without units).
+  /// rx, ry, rz, a quaternion: w, x, y, z, or a matrix: its rows (both without
+  /// units).
   std::vector<std::string> orientation;
   std::vector<std::string> std_position;     ///< of x, y, z
   std::vector<std::string> std_orientation;  ///< of rx, ry, rz; else about axes
@@ -35,6 +39,9 @@ struct ColumnMapping {
   std::string station;             ///< where the instrument or the arm stood
   /// Positions of several targets in one row: names, and headers of x, y, z.
   std::vector<std::pair<std::string, std::vector<std::string>>> targets;
+  /// Of headers that state none; null: those of the format.
+  const Unit* length_unit = nullptr;
+  const Unit* angle_unit = nullptr;
 };
 
 /// DataFormat::sigma of those who want to know what a file states: rows without
@@ -49,6 +56,8 @@ struct DataFormat {
   bool ignore_others = false;
   /// Of rx, ry, rz; they are refused where it is not stated.
   std::optional<RotationConvention> rotation;
+  /// Poses are those of a fixed target in the frame of a camera on the arm.
+  bool is_inverse = false;
   /// Orientations are passed over.
   bool ignore_rotation = false;
   double sigma = 1e-3;  ///< of lengths without a sigma of their own (m)
@@ -64,6 +73,16 @@ struct DataFormat {
   std::optional<double> payload;
   /// Rows are kept whose cell in the column (first) has the text (second).
   std::vector<std::pair<std::string, std::string>> where;
+  /// Rows are left out that meet one of these.
+  std::vector<RowCondition> exclude;
+  /// How a text is written, and lines of it that are left out.
+  StatedDialect dialect;
+  /// Whether what was found and is not stated here is logged.
+  bool logs_findings = true;
+  /// Of columns that the mapping names by headers without units; null: headers
+  /// must state them.
+  const Unit* length_unit = nullptr;
+  const Unit* angle_unit = nullptr;
 };
 
 /// What goes with a sigma of lengths where none of orientations is stated

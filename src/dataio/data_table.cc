@@ -70,11 +70,4 @@ void DataTable::FailAtEnd(const std::string& message) const {
   throw InputError({header().path(), num_lines(), 0, ""}, message);
 }
 
-bool IsNotMeasured(std::string_view cell) {
-  if (cell.empty()) return true;
-  if (cell.size() != 3) return false;
-  const auto lower = [&](int i) { return static_cast<char>(cell[i] | 0x20); };
-  return lower(0) == 'n' && lower(1) == 'a' && lower(2) == 'n';
-}
-
 }  // namespace alidade::internal

@@ -98,6 +98,10 @@ class DataTable {
   /// SI and as this machine's doubles, or the file is small.
   virtual std::optional<SharedMatrix> InPlace(int spec, int count) const;
 
+  /// What was found out about the file and should be said, in one sentence;
+  /// empty where it has the form of Alidade's own.
+  virtual std::string Notes() const { return ""; }
+
   /// @throws InputError at the end of the file.
   [[noreturn]] void FailAtEnd(const std::string& message) const;
 
@@ -108,9 +112,6 @@ class DataTable {
   /// Its last line.
   virtual int num_lines() const = 0;
 };
-
-/// Whether a cell says that nothing was measured: empty, or "nan".
-bool IsNotMeasured(std::string_view cell);
 
 }  // namespace alidade::internal
 

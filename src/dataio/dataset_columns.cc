@@ -48,14 +48,18 @@ void AddOrientations(const ColumnMapping& mapping, DatasetColumns* columns) {
   columns->quaternion =
       Add({"qw", "qx", "qy", "qz"}, ColumnType::kPlain, CellRule::kMeasured,
           is_quaternion ? mapped : Headers(), specs);
+  columns->matrix =
+      Add({"r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"},
+          ColumnType::kPlain, CellRule::kMeasured,
+          mapped.size() == 9 ? mapped : Headers(), specs);
   columns->vector = Add({"wx", "wy", "wz"}, ColumnType::kAngle,
                         CellRule::kMeasured, {}, specs);
   columns->angle_sigma =
       Add({"std_rx", "std_ry", "std_rz"}, ColumnType::kAngle,
-          CellRule::kPositive, is_quaternion ? Headers() : sigmas, specs);
+          CellRule::kPositive, mapped.size() > 3 ? Headers() : sigmas, specs);
   columns->turn_sigma =
       Add({"std_wx", "std_wy", "std_wz"}, ColumnType::kAngle,
-          CellRule::kPositive, is_quaternion ? sigmas : Headers(), specs);
+          CellRule::kPositive, mapped.size() > 3 ? sigmas : Headers(), specs);
 }
 
 void Ignore(int first, int count, DatasetColumns* columns) {
@@ -70,16 +74,38 @@ void IgnoreOthers(const DataFormat& format, DatasetColumns* columns) {
   const ColumnMapping& mapping = format.columns;
   const std::size_t given = mapping.orientation.size();
   const bool no_rotation = format.ignore_rotation;
-  if (no_rotation || given == 4) {
+  if (no_rotation || given > 3) {
     Ignore(columns->angles, 3, columns);
     Ignore(columns->angle_sigma, 3, columns);
   }
-  if (no_rotation || given == 3) Ignore(columns->quaternion, 4, columns);
+  if (no_rotation || given == 3 || given == 9) {
+    Ignore(columns->quaternion, 4, columns);
+  }
+  if (no_rotation || given == 3 || given == 4) {
+    Ignore(columns->matrix, 9, columns);
+  }
   if (no_rotation || given > 0) Ignore(columns->vector, 3, columns);
   if (no_rotation) Ignore(columns->turn_sigma, 3, columns);
   if (mapping.targets.empty()) return;
   Ignore(columns->position, 3, columns);
   Ignore(columns->target, 1, columns);
+}
+
+// Those that the mapping states hold for all headers, those of the job for the
+// ones that the mapping names.
+void SetDefaultUnits(const DataFormat& format, std::vector<ColumnSpec>* specs) {
+  const ColumnMapping& mapping = format.columns;
+  for (ColumnSpec& spec : *specs) {
+    const bool is_angle = spec.type == ColumnType::kAngle;
+    if (!is_angle && spec.type != ColumnType::kLength) continue;
+    const Unit* const stated =
+        is_angle ? mapping.angle_unit : mapping.length_unit;
+    const Unit* const of_job =
+        is_angle ? format.angle_unit : format.length_unit;
+    spec.default_unit = stated != nullptr     ? stated
+                        : spec.mapped.empty() ? nullptr
+                                              : of_job;
+  }
 }
 
 int CountHas(const TableHeader& header, int first, int count) {
@@ -101,6 +127,10 @@ class HeaderCheck {
     CheckReferences();
     CheckDifference();
     CheckSomethingIsMeasured();
+    if (format_.is_inverse && !(groups_.position && groups_.orientation())) {
+      header_.Fail(
+          "inverse poses need columns of a position and of an orientation");
+    }
     CheckTarget();
     return groups_;
   }
@@ -156,10 +186,12 @@ class HeaderCheck {
     groups_.angles = HasAll(columns_.angles, 3);
     groups_.vector = HasAll(columns_.vector, 3);
     groups_.quaternion = HasAll(columns_.quaternion, 4);
-    if (groups_.angles + groups_.vector + groups_.quaternion > 1) {
+    groups_.matrix = HasAll(columns_.matrix, 9);
+    if (groups_.angles + groups_.vector + groups_.quaternion + groups_.matrix >
+        1) {
       header_.Fail(
           "the orientation is there more than once, expected one of rx ry rz, "
-          "wx wy wz and qw qx qy qz");
+          "wx wy wz, qw qx qy qz and r11 r12 ... r33");
     }
     if (groups_.angles && !format_.rotation) {
       header_.Fail(
@@ -229,7 +261,8 @@ class HeaderCheck {
     header_.Fail(
         "no column holds a measurement, expected some of x_mm y_mm z_mm, "
         "rx_deg "
-        "ry_deg rz_deg, wx_deg wy_deg wz_deg, qw qx qy qz, distance_mm, point, "
+        "ry_deg rz_deg, wx_deg wy_deg wz_deg, qw qx qy qz, r11 r12 ... r33, "
+        "distance_mm, point, "
         "plane, dx_mm dy_mm dz_mm (or _m, _rad)");
   }
 
@@ -310,6 +343,7 @@ DatasetColumns MakeDatasetColumns(const Arm& arm, const DataFormat& format) {
                                            specs));
   }
   IgnoreOthers(format, &columns);
+  SetDefaultUnits(format, specs);
   return columns;
 }
 

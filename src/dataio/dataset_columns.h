@@ -22,6 +22,7 @@ struct DatasetColumns {
   int vector = 0;       ///< wx wy wz
   int turn_sigma = 0;   ///< of small turns about x y z
   int quaternion = 0;   ///< qw qx qy qz
+  int matrix = 0;       ///< r11 r12 r13 r21 ... r33
   int distance = 0;
   int distance_sigma = 0;
   int difference = 0;  ///< dx dy dz
@@ -47,12 +48,13 @@ struct MeasuredGroups {
   bool angles = false;
   bool vector = false;
   bool quaternion = false;
+  bool matrix = false;
   bool distance = false;
   bool fixed_point = false;
   bool plane = false;
   bool difference = false;
 
-  bool orientation() const { return angles || vector || quaternion; }
+  bool orientation() const { return angles || vector || quaternion || matrix; }
   bool positions_alone() const {
     return position && !(covariance || orientation() || distance ||
                          fixed_point || plane || difference);

@@ -1,5 +1,7 @@
 #include "src/dataio/dataset_csv.h"
 
+#include <glog/logging.h>
+
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -13,6 +15,7 @@
 #include "src/dataio/dataset_npy.h"
 #include "src/dataio/dataset_rows.h"
 #include "src/dataio/npy_table.h"
+#include "src/model/motors.h"
 
 namespace alidade::internal {
 namespace {
@@ -70,6 +73,21 @@ std::optional<LoadedData> ReadInPlace(const DataTable& table,
   return loaded;
 }
 
+// What the file and the job do not state but was found.
+void SayWhatWasFound(const DataTable& table, const DataFormat& format) {
+  std::string notes = table.Notes();
+  const ColumnMapping& mapping = format.columns;
+  const std::string units =
+      mapping.length_unit == nullptr && mapping.angle_unit == nullptr
+          ? table.header().DescribeDefaultUnits()
+          : "";
+  if (!units.empty()) {
+    notes += (notes.empty() ? "" : "; ") + units + ", the units of the job";
+  }
+  if (notes.empty()) return;
+  LOG(WARNING) << "note: " << table.header().path() << ": " << notes;
+}
+
 }  // namespace
 
 LoadedData LoadData(const std::string& path, const Arm& arm,
@@ -83,10 +101,12 @@ LoadedData LoadData(const std::string& path, const Arm& arm,
 LoadedData LoadDataWith(const DataFile& file, References* references,
                         const ReadOptions& options) {
   const DatasetColumns columns = MakeDatasetColumns(file.arm, file.format);
-  const auto table = OpenTable(
-      file.path,
-      {file.arm, columns.specs, file.format.ignore_others, file.format.where},
-      options);
+  const auto table =
+      OpenTable(file.path,
+                {file.arm, columns.specs, file.format.ignore_others,
+                 file.format.where, file.format.exclude, file.format.dialect},
+                options);
+  if (file.format.logs_findings) SayWhatWasFound(*table, file.format);
   const MeasuredGroups groups =
       CheckColumns(columns, file.format, file.arm, table->header());
   if (groups.positions_alone() && columns.target_positions.empty()) {
@@ -105,9 +125,9 @@ Eigen::MatrixXd LoadJointValues(const std::string& path, const Arm& arm) {
   if (table->num_rows() == 0) {
     table->FailAtEnd("no rows after the header, expected one for every pose");
   }
-  Eigen::MatrixXd motors(arm.num_joints(), table->num_rows());
+  Eigen::MatrixXd motors(NumMotors(arm), table->num_rows());
   table->VisitRows(1, [&](const TableRow& row) {
-    for (int j = 0; j < arm.num_joints(); ++j) {
+    for (int j = 0; j < motors.rows(); ++j) {
       motors(j, row.index()) = row.Number(j);
     }
   });

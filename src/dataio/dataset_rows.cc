@@ -1,6 +1,5 @@
 #include "src/dataio/dataset_rows.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,22 +10,20 @@
 #include "src/common/numbers.h"
 #include "src/common/text.h"
 #include "src/dataio/covariance.h"
+#include "src/dataio/inverse_pose.h"
+#include "src/dataio/row_orientation.h"
+#include "src/model/motors.h"
 
 namespace alidade::internal {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kQuaternionNorm = 1e-3;  // of 1
 
 // Two of the angles turn about one axis there.
 constexpr char kGimbalLock[] =
     "the angles are in gimbal lock here: their standard deviations leave a "
     "direction without noise, expected std_wx_deg std_wy_deg std_wz_deg (about "
     "the instrument's axes) instead";
-
-Eigen::Vector3d VectorOf(const TableRow& row, int first) {
-  return {row.Number(first), row.Number(first + 1), row.Number(first + 2)};
-}
 
 int FindOrAddPoint(const std::string& name, References* references) {
   const int found = references->FindPoint(name);
@@ -55,7 +52,7 @@ DatasetRows::DatasetRows(const DataTable& table, const DatasetColumns& columns,
       rotation_sigma_(format_.rotation_sigma > 0.0
                           ? format_.rotation_sigma
                           : DefaultRotationSigma(format_.sigma)),
-      motors_(arm_.num_joints(), table.num_rows()),
+      motors_(NumMotors(arm_), table.num_rows()),
       lines_(table.num_rows()),
       covariates_(columns.num_covariates,
                   columns.num_covariates > 0 ? table.num_rows() : 0),
@@ -130,7 +127,8 @@ void DatasetRows::Read(const TableRow& row) {
     covariates_.map()(k, i) = row.Number(columns_.covariates + k);
   }
   double* const motors = motors_.map().col(i).data();
-  for (int j = 0; j < arm_.num_joints(); ++j) motors[j] = row.Number(j);
+  const Eigen::Index num_motors = motors_.map().rows();
+  for (int j = 0; j < num_motors; ++j) motors[j] = row.Number(j);
   for (std::size_t k = 0; k < tables_.size(); ++k) {
     (this->*readers_[k])(row, &tables_[k]);
   }
@@ -140,10 +138,15 @@ void DatasetRows::Read(const TableRow& row) {
 void DatasetRows::ReadPositions(const TableRow& row, ObservationTable* table) {
   StatedObservation stated;
   const int count = ReadPosition(row, columns_.position, &stated);
-  const bool has_orientation = groups_.orientation() && HasOrientation(row);
+  const bool has_orientation =
+      groups_.orientation() && HasOrientation(row, columns_, groups_);
   if (count == 0 && !has_orientation) return;
   stated.target = ReadTarget(row);
   if (has_orientation) ReadOrientation(row, &stated);
+  if (format_.is_inverse && !(has_orientation && InvertPose(&stated))) {
+    row.Fail(columns_.position,
+             "inverse poses need position and orientation whole");
+  }
   table->Set(
       row.index(),
       has_orientation ? MeasurementKind::kPose : MeasurementKind::kPosition,
@@ -259,52 +262,10 @@ int DatasetRows::ReadPosition(const TableRow& row, int first,
   return count;
 }
 
-// All of a row's numbers or none of them.
-bool DatasetRows::HasOrientation(const TableRow& row) const {
-  const int first = groups_.quaternion ? columns_.quaternion
-                    : groups_.vector   ? columns_.vector
-                                       : columns_.angles;
-  const int count = groups_.quaternion ? 4 : 3;
-  int missing = 0;
-  int one = -1;
-  for (int i = first + count - 1; i >= first; --i) {
-    if (!std::isnan(row.Number(i))) continue;
-    ++missing;
-    one = i;
-  }
-  if (missing > 0 && missing < count) {
-    row.Fail(one,
-             "an orientation is measured as a whole: expected a "
-             "number here, or none in its other cells, found " +
-                 (row.Text(one).empty() ? std::string("nothing")
-                                        : Quote(row.Text(one))));
-  }
-  return missing == 0;
-}
-
-Eigen::Matrix3d DatasetRows::ReadRotation(const TableRow& row) const {
-  if (groups_.vector) {
-    return RotationFromVector<double>(VectorOf(row, columns_.vector));
-  }
-  if (groups_.angles) {
-    return RotationOf(*format_.rotation, VectorOf(row, columns_.angles));
-  }
-  const int first = columns_.quaternion;
-  const Eigen::Quaterniond quaternion(row.Number(first), row.Number(first + 1),
-                                      row.Number(first + 2),
-                                      row.Number(first + 3));
-  if (!(std::abs(quaternion.norm() - 1.0) <= kQuaternionNorm)) {
-    row.Fail(first, "the quaternion's norm is " +
-                        ShortestNumber(quaternion.norm()) +
-                        ", expected 1 to within 0.001: are its columns "
-                        "w, x, y, z?");
-  }
-  return quaternion.normalized().toRotationMatrix();
-}
-
 void DatasetRows::ReadOrientation(const TableRow& row,
                                   StatedObservation* stated) const {
-  const Eigen::Vector3d vector = VectorFromRotation(ReadRotation(row));
+  const Eigen::Vector3d vector = VectorFromRotation(
+      ReadRotation(row, columns_, groups_, format_.rotation));
   std::copy_n(vector.data(), 3, stated->measured.begin() + 3);
   Eigen::Map<Eigen::Vector3d> sigmas(stated->sigmas.data() + 3);
   const bool has_angle_sigmas = header_.Has(columns_.angle_sigma);
@@ -393,13 +354,14 @@ std::vector<bool> DatasetRows::FindPoses() const {
     const int to = links_[i];
     if (to == 0) continue;
     if (to > size || lines_[to - 1] == 0) {
-      throw InputError(
-          {header_.path(), lines_[i], link_columns_[i],
-           header_.NameOf(columns_.from)},
-          to <= size ? "data row " + std::to_string(to) +
-                           " is left out by `where`, expected one that is kept"
-                     : "expected a data row from 1 to " + std::to_string(size) +
-                           ", found " + std::to_string(to));
+      throw InputError({header_.path(), lines_[i], link_columns_[i],
+                        header_.NameOf(columns_.from)},
+                       to <= size ? "data row " + std::to_string(to) +
+                                        " is left out by `where` or `exclude`, "
+                                        "expected one that is kept"
+                                  : "expected a data row from 1 to " +
+                                        std::to_string(size) + ", found " +
+                                        std::to_string(to));
     }
     is_pose[to - 1] = true;
   }
@@ -455,8 +417,8 @@ LoadedData DatasetRows::Finish(References* references) {
     table_.FailAtEnd(
         lines_.empty()
             ? "no rows after the header, expected one for every pose"
-            : "`where` leaves no row, expected a text that is in its "
-              "column");
+            : "`where` and `exclude` leave no row, expected a text that is in "
+              "its column");
   }
   LoadedData loaded;
   Dataset& data = loaded.data;
@@ -488,7 +450,7 @@ LoadedData DatasetRows::Finish(References* references) {
   data.name = header_.path();
   data.files = {header_.path()};
   data.joint_values =
-      JointsFromMotors(arm_, KeepColumns(kept, arm_.num_joints(), &motors_));
+      JointsFromMotors(arm_, KeepColumns(kept, NumMotors(arm_), &motors_));
   if (columns_.num_covariates > 0) {
     data.covariate_names = format_.columns.covariates;
     data.covariates = KeepColumns(kept, columns_.num_covariates, &covariates_);

@@ -46,8 +46,6 @@ class DatasetRows {
                  StatedObservation* stated) const;
   int ReadPosition(const TableRow& row, int first,
                    StatedObservation* stated) const;
-  bool HasOrientation(const TableRow& row) const;
-  Eigen::Matrix3d ReadRotation(const TableRow& row) const;
   void ReadOrientation(const TableRow& row, StatedObservation* stated) const;
   double SigmaOr(const TableRow& row, int spec, double otherwise) const;
   int ReadTarget(const TableRow& row) const;

@@ -15,6 +15,7 @@
 #include "src/dataio/dataset_columns.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/dataio/observation_order.h"
+#include "src/model/motors.h"
 
 namespace alidade::internal {
 namespace {
@@ -44,6 +45,7 @@ class DatasetText {
       : data_(data),
         arm_(arm),
         motors_(MotorsFromJoints(arm, data.joint_values)),
+        dimensions_(MotorDimensions(arm)),
         joint_decimals_(joint_decimals),
         has_orientations_(data.Has(MeasurementKind::kPose)),
         sigmas_(SigmaColumns(data, with_sigmas)),
@@ -52,7 +54,7 @@ class DatasetText {
 
   std::string Header() const {
     const DatasetColumns columns = MakeDatasetColumns(arm_, DataFormat());
-    std::vector<std::pair<int, int>> groups = {{0, arm_.num_joints()},
+    std::vector<std::pair<int, int>> groups = {{0, NumMotors(arm_)},
                                                {columns.position, 3}};
     if (has_orientations_) groups.emplace_back(columns.vector, 3);
     if (sigmas_.positions) groups.emplace_back(columns.position_sigma, 3);
@@ -63,8 +65,8 @@ class DatasetText {
       for (int i = first; i < first + count; ++i) {
         if (!header.empty()) header += ",";
         const ColumnSpec& spec = columns.specs[i];
-        header += i < arm_.num_joints() && in_radians_[i] ? spec.base + "_rad"
-                                                          : FirstName(spec);
+        header += i < NumMotors(arm_) && in_radians_[i] ? spec.base + "_rad"
+                                                        : FirstName(spec);
       }
     }
     return header + "\n";
@@ -72,7 +74,7 @@ class DatasetText {
 
   void AppendRow(const ObservationBlock& block, Eigen::Index i,
                  std::string* text) {
-    for (int j = 0; j < data_.num_joints(); ++j) {
+    for (int j = 0; j < NumMotors(arm_); ++j) {
       if (j > 0) *text += ',';
       AppendJoint(j, motors_(j, block.pose(i)), text);
     }
@@ -84,15 +86,13 @@ class DatasetText {
   }
 
  private:
-  bool IsRevolute(int j) const {
-    return arm_.joints[j].type == JointType::kRevolute;
-  }
+  bool IsRevolute(int j) const { return dimensions_[j] == Dimension::kAngle; }
 
   // Turning joints whose values degrees cannot state exactly, where all their
   // digits are asked for.
   std::vector<bool> FindInexactJoints() const {
     std::vector<bool> in_radians(arm_.joints.size(), false);
-    for (int j = 0; j < arm_.num_joints(); ++j) {
+    for (int j = 0; j < NumMotors(arm_); ++j) {
       if (joint_decimals_ != kFewestDigits || !IsRevolute(j)) continue;
       for (Eigen::Index i = 0; i < motors_.cols() && !in_radians[j]; ++i) {
         in_radians[j] = !ExactDegrees(motors_(j, i));
@@ -159,6 +159,7 @@ class DatasetText {
   const Dataset& data_;
   const Arm& arm_;
   const SharedMatrix motors_;
+  const std::vector<Dimension> dimensions_;
   const int joint_decimals_;
   const bool has_orientations_;
   const StatedSigmas sigmas_;

@@ -92,10 +92,17 @@ NpyTable::NpyTable(const std::string& path, TableContent content,
 }
 
 void NpyTable::RefuseTexts() const {
-  if (!content_.where.empty()) {
+  if (header_->has_conditions()) {
     header_->Fail(
-        "`where` chooses rows by text, which NumPy arrays of numbers do "
-        "not have: expected a CSV");
+        "`where` and `exclude` choose rows by text, which NumPy arrays of "
+        "numbers do not have: expected a CSV, or numbers of rows");
+  }
+  const StatedDialect& dialect = content_.dialect;
+  if (dialect.separator || dialect.decimal || dialect.thousands ||
+      dialect.header || !dialect.missing.empty()) {
+    header_->Fail(
+        "`separator`, `decimal`, `thousands`, `header` and `missing` say how "
+        "texts are written, which NumPy arrays are not");
   }
   for (const TableHeader::Column& column : header_->columns()) {
     if (column.spec < 0 ||
@@ -119,6 +126,7 @@ void NpyTable::VisitChunk(std::int64_t chunk, const Visit& visit) const {
   const std::int64_t begin = chunk * rows_per_chunk_;
   const std::int64_t end = std::min(num_rows(), begin + rows_per_chunk_);
   for (std::int64_t i = begin; i < end; ++i) {
+    if (content_.dialect.IsExcluded(static_cast<int>(i) + 1)) continue;
     row.Read(first + static_cast<std::size_t>(i) * array_.record_bytes(), i);
     visit(row);
   }
@@ -127,7 +135,7 @@ void NpyTable::VisitChunk(std::int64_t chunk, const Visit& visit) const {
 std::optional<SharedMatrix> NpyTable::InPlace(int spec, int count) const {
   constexpr double kNumber = 1.2345;
   const char* const bytes = file_->text().data() + array_.data_offset;
-  if (!may_be_in_place_ ||
+  if (!may_be_in_place_ || !content_.dialect.excluded_lines.empty() ||
       reinterpret_cast<std::uintptr_t>(bytes) % alignof(double) != 0 ||
       LoadDouble(reinterpret_cast<const char*>(&kNumber)) != kNumber) {
     return std::nullopt;

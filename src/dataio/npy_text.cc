@@ -14,6 +14,7 @@
 #include "src/dataio/dataset_npy.h"
 #include "src/dataio/npy_header.h"
 #include "src/dataio/observation_order.h"
+#include "src/model/motors.h"
 
 namespace alidade::internal {
 namespace {
@@ -43,7 +44,7 @@ std::vector<std::string> ColumnsInSi(const Arm& arm, bool has_orientations,
       names.push_back(spec.base + (is_angle ? "_rad" : "_m"));
     }
   };
-  add(0, arm.num_joints());
+  add(0, NumMotors(arm));
   add(columns.position, 3);
   if (has_orientations) add(columns.vector, 3);
   if (sigmas.positions) add(columns.position_sigma, 3);
@@ -92,7 +93,7 @@ std::string FormatNpy(const Dataset& dataset, const Arm& arm,
       FormatNpyHeader(names, static_cast<std::int64_t>(rows.size()));
   bytes.reserve(bytes.size() + 8 * names.size() * rows.size());
   for (const ObservationRef& one : rows) {
-    for (int j = 0; j < dataset.num_joints(); ++j) {
+    for (int j = 0; j < motors.rows(); ++j) {
       AppendDouble(motors(j, one.pose()), &bytes);
     }
     const ObservationBlock& block = *one.block;

@@ -5,6 +5,7 @@
 
 #include "src/common/names.h"
 #include "src/common/numbers.h"
+#include "src/model/motors.h"
 
 namespace alidade::internal {
 namespace {
@@ -31,6 +32,28 @@ TableHeader::TableHeader(const CsvLine& line, const TableContent& content)
       columns_of_(content.specs.size(), -1) {
   Cells cells;
   line.Split(&cells);
+  Read(line, cells);
+}
+
+TableHeader::TableHeader(const CsvLine& line,
+                         const std::vector<std::string>& names,
+                         const TableContent& content)
+    : path_(line.path),
+      line_(line.number),
+      content_(content),
+      columns_of_(content.specs.size(), -1) {
+  Cells cells;
+  line.Split(&cells);
+  // Where the line says them too, messages name places in it.
+  cells.resize(std::max(cells.size(), names.size()));
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (cells[i] != names[i]) cells[i] = names[i];
+  }
+  cells.resize(names.size());
+  Read(line, cells);
+}
+
+void TableHeader::Read(const CsvLine& line, const Cells& cells) {
   RefuseOtherSeparators(line, cells);
   CheckNumJoints(cells);
   for (const std::string_view cell : cells) {
@@ -43,26 +66,55 @@ TableHeader::TableHeader(const CsvLine& line, const TableContent& content)
   ReadFilter();
 }
 
+int TableHeader::FindFilterColumn(const std::string& name,
+                                  const char* use) const {
+  std::vector<std::string> names;
+  for (const Column& column : columns_) {
+    const bool is_number = name == std::to_string(names.size() + 1);
+    if (column.name == name || is_number) return static_cast<int>(names.size());
+    names.push_back(column.name);
+  }
+  Fail(use + UnknownName("column", name, names), name);
+}
+
 void TableHeader::ReadFilter() {
   for (const auto& [name, text] : content_.where) {
-    int found = -1;
-    std::vector<std::string> names;
-    for (const Column& column : columns_) {
-      if (column.name == name) found = static_cast<int>(names.size());
-      names.push_back(column.name);
-    }
-    if (found < 0) {
-      Fail("rows are chosen by it: " + UnknownName("column", name, names),
-           name);
-    }
-    filter_.emplace_back(found, text);
+    filter_.emplace_back(FindFilterColumn(name, "rows are chosen by it: "),
+                         text);
+  }
+  for (const RowCondition& condition : content_.exclude) {
+    exclude_.emplace_back(
+        FindFilterColumn(condition.column, "`exclude` names it: "), condition);
   }
 }
 
-bool TableHeader::Keeps(const Cells& cells) const {
-  return std::all_of(filter_.begin(), filter_.end(), [&](const auto& entry) {
-    return cells[entry.first] == entry.second;
-  });
+bool TableHeader::Keeps(const Cells& cells, const CsvDialect& dialect) const {
+  return std::all_of(filter_.begin(), filter_.end(),
+                     [&](const auto& entry) {
+                       return cells[entry.first] == entry.second;
+                     }) &&
+         std::none_of(exclude_.begin(), exclude_.end(), [&](const auto& entry) {
+           return entry.second.IsMet(cells[entry.first], dialect);
+         });
+}
+
+std::string TableHeader::DescribeDefaultUnits() const {
+  std::string text;
+  for (const ColumnType type : {ColumnType::kAngle, ColumnType::kLength}) {
+    std::vector<std::string> names;
+    const Unit* unit = nullptr;
+    for (const Column& column : columns_) {
+      if (column.spec < 0 || StatesUnit(column.name)) continue;
+      const ColumnSpec& spec = specs()[column.spec];
+      if (spec.type != type || spec.default_unit == nullptr) continue;
+      names.push_back(column.name);
+      unit = spec.default_unit;
+    }
+    if (names.empty()) continue;
+    text +=
+        (text.empty() ? "" : ", ") + JoinNames(names) + " are in " + unit->name;
+  }
+  return text;
 }
 
 void TableHeader::Fail(const std::string& message,
@@ -88,8 +140,10 @@ void TableHeader::RefuseOtherSeparators(const CsvLine& line,
        {std::make_pair(';', "semicolons"), std::make_pair('\t', "tabs"),
         std::make_pair(' ', "spaces")}) {
     if (line.text.find(separator) == std::string_view::npos) continue;
-    line.Fail(std::string("cells are separated by ") + name +
-              ", expected commas, and points in decimal numbers");
+    line.Fail(
+        std::string("cells are separated by ") + name +
+        ", but its rows do not say how: expected `separator` in the job's "
+        "`data`, or commas");
   }
 }
 
@@ -101,19 +155,18 @@ void TableHeader::CheckNumJoints(const Cells& cells) const {
   // A mapping names the joints one by one; what else begins with q is no
   // matter.
   const bool is_mapped = !specs().front().mapped.empty();
-  if (is_mapped || num_joints == 0 || num_joints == content_.arm.num_joints()) {
-    return;
-  }
+  const int num_motors = NumMotors(content_.arm);
+  if (is_mapped || num_joints == 0 || num_joints == num_motors) return;
   Fail("data set has " + std::to_string(num_joints) + " joints, arm \"" +
-       content_.arm.name + "\" has " +
-       std::to_string(content_.arm.num_joints()));
+       content_.arm.name + "\" has " + std::to_string(num_motors) +
+       (HasFewerMotors(content_.arm) ? " motors" : ""));
 }
 
 // -1 where the column is passed over.
 int TableHeader::FindSpec(const CsvLine& line, std::string_view cell) const {
   for (std::size_t i = 0; i < specs().size(); ++i) {
     const ColumnSpec& spec = specs()[i];
-    if (!IsNamed(spec, cell)) continue;
+    if (!IsNamed(spec, cell, NextNumber())) continue;
     const bool has_unit =
         spec.type != ColumnType::kPlain && spec.type != ColumnType::kText;
     if (has_unit && UnitOf(spec, cell) == nullptr) {
@@ -123,9 +176,12 @@ int TableHeader::FindSpec(const CsvLine& line, std::string_view cell) const {
     return static_cast<int>(i);
   }
   const auto& where = content_.where;
+  const auto& exclude = content_.exclude;
   const bool is_in_filter =
       std::any_of(where.begin(), where.end(),
-                  [&](const auto& entry) { return entry.first == cell; });
+                  [&](const auto& entry) { return entry.first == cell; }) ||
+      std::any_of(exclude.begin(), exclude.end(),
+                  [&](const auto& entry) { return entry.column == cell; });
   if (!content_.ignore_others && !is_in_filter && !IsForPeople(cell)) {
     FailUnknown(line, cell);
   }
@@ -134,15 +190,9 @@ int TableHeader::FindSpec(const CsvLine& line, std::string_view cell) const {
 
 void TableHeader::FailUnknown(const CsvLine& line,
                               std::string_view cell) const {
-  if (ParseNumber(cell)) {
-    line.Fail("found the number " + Quote(cell) +
-                  ", expected a line of column names first: " +
-                  JoinNames(ExpectedNames(specs())),
-              cell.data());
-  }
   std::string joints = FirstName(specs().front());
-  if (content_.arm.num_joints() > 1) {
-    joints += " to " + FirstName(specs()[content_.arm.num_joints() - 1]);
+  if (NumMotors(content_.arm) > 1) {
+    joints += " to " + FirstName(specs()[NumMotors(content_.arm) - 1]);
   }
   line.Fail(UnknownName("column", cell, ExpectedNames(specs())) +
                 "; the arm's joints are " + joints +
@@ -162,7 +212,8 @@ TableHeader::Column TableHeader::ReadColumn(const CsvLine& line,
   for (const Column& other : columns_) {
     if (other.spec != column.spec) continue;
     line.Fail("repeated, expected " + Spellings(spec) +
-                  " once (it is there as " + Quote(other.name) + ")",
+                  " once (it is there as " + Quote(other.name) + ")" +
+                  (spec.mapped.empty() ? "" : ", or the column's number"),
               cell.data(), column.name);
   }
   return column;
@@ -175,7 +226,12 @@ void TableHeader::RequireColumns() const {
     const bool is_required =
         spec.rule == CellRule::kRequired || !spec.mapped.empty();
     if (!is_required || spec.is_ignored || columns_of_[i] >= 0) continue;
-    Fail("column is missing, expected " + Spellings(spec), FirstName(spec));
+    const bool is_without_header = columns_[0].name == "1";
+    Fail("column is missing, expected " + Spellings(spec) +
+             (is_without_header ? " (the file has no header that fits its "
+                                  "rows: columns go by their numbers, from 1)"
+                                : ""),
+         FirstName(spec));
   }
 }
 

@@ -9,7 +9,9 @@
 #include "alidade/arm.h"
 #include "alidade/error.h"
 #include "src/dataio/csv_columns.h"
+#include "src/dataio/csv_dialect.h"
 #include "src/dataio/csv_lines.h"
+#include "src/dataio/row_condition.h"
 
 namespace alidade::internal {
 
@@ -22,6 +24,8 @@ struct TableContent {
   std::vector<ColumnSpec> specs;  ///< the joints first
   bool ignore_others = false;     ///< columns that are none of `specs`
   Filter where = {};
+  std::vector<RowCondition> exclude = {};  ///< of rows that are left out
+  StatedDialect dialect = {};              ///< of texts
 };
 
 /// The columns of a table, as its header names them. Quantities are asked for
@@ -39,6 +43,10 @@ class TableHeader {
   /// the table is unknown (unless others are ignored) or repeated, its unit
   /// does not fit, or a required one is missing.
   TableHeader(const CsvLine& line, const TableContent& content);
+  /// The same with the names of the columns, which `line` may say otherwise.
+  /// Its number is 0 where there is no header.
+  TableHeader(const CsvLine& line, const std::vector<std::string>& names,
+              const TableContent& content);
 
   const std::vector<ColumnSpec>& specs() const { return content_.specs; }
   /// The columns of the table, in its order.
@@ -50,8 +58,12 @@ class TableHeader {
   std::string NameOf(int spec) const {
     return Has(spec) ? columns_[columns_of_[spec]].name : "";
   }
-  /// Whether the filter keeps a row.
-  bool Keeps(const std::vector<std::string_view>& cells) const;
+  /// Whether a row is left out by conditions.
+  bool has_conditions() const { return !filter_.empty() || !exclude_.empty(); }
+  bool Keeps(const std::vector<std::string_view>& cells,
+             const CsvDialect& dialect) const;
+  /// "X, Y, Z are in mm": what headers do not say and the job's units do.
+  std::string DescribeDefaultUnits() const;
 
   const std::string& path() const { return path_; }
   /// @throws InputError at the header. `column` is its name.
@@ -61,11 +73,15 @@ class TableHeader {
  private:
   using Cells = std::vector<std::string_view>;
 
+  void Read(const CsvLine& line, const Cells& cells);
   void ReadFilter();
+  int FindFilterColumn(const std::string& name, const char* use) const;
   void RefuseOtherSeparators(const CsvLine& line, const Cells& cells) const;
   void CheckNumJoints(const Cells& cells) const;
   Column ReadColumn(const CsvLine& line, std::string_view cell) const;
   int FindSpec(const CsvLine& line, std::string_view cell) const;
+  // Of the column that is read now, from 1.
+  int NextNumber() const { return static_cast<int>(columns_.size()) + 1; }
   [[noreturn]] void FailUnknown(const CsvLine& line,
                                 std::string_view cell) const;
   void RequireColumns() const;
@@ -76,6 +92,7 @@ class TableHeader {
   std::vector<Column> columns_;
   std::vector<int> columns_of_;                      // by spec
   std::vector<std::pair<int, std::string>> filter_;  // column, text
+  std::vector<std::pair<int, RowCondition>> exclude_;
 };
 
 /// Names that the columns of a table may have, one unit of each; joints come

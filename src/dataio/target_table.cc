@@ -11,6 +11,7 @@
 #include "src/common/text.h"
 #include "src/dataio/csv_lines.h"
 #include "src/dataio/csv_table.h"
+#include "src/model/motors.h"
 
 namespace alidade::internal {
 namespace {
@@ -62,7 +63,7 @@ class TargetReader {
     table_.num_rows = csv_.num_rows();
     if (table_.num_rows == 0) csv_.FailAtEnd("no rows, expected targets");
     if (table_.has_joints) {
-      table_.motors.resize(content_.arm.num_joints(), table_.num_rows);
+      table_.motors.resize(NumMotors(content_.arm), table_.num_rows);
     }
     if (table_.has_positions) {
       table_.poses.resize(static_cast<std::size_t>(table_.num_rows));
@@ -89,7 +90,13 @@ class TargetReader {
 
   void CheckColumns() {
     const TableHeader& header = csv_.header();
-    table_.has_joints = HasAll(groups_.joints, content_.arm.num_joints());
+    // Columns are added to the text as it is.
+    if (!csv_.Notes().empty()) {
+      header.Fail(csv_.Notes() +
+                  ": targets are read with commas between cells, decimal "
+                  "points and a header in the first line");
+    }
+    table_.has_joints = HasAll(groups_.joints, NumMotors(content_.arm));
     table_.has_positions = HasAll(groups_.position, 3);
     PoseFormat& format = table_.format;
     format.form = OrientationForm::kNone;
@@ -152,7 +159,7 @@ class TargetReader {
 
   void ReadRow(const TableRow& row) {
     const Eigen::Index i = row.index();
-    for (int j = 0; table_.has_joints && j < content_.arm.num_joints(); ++j) {
+    for (int j = 0; j < table_.motors.rows(); ++j) {
       table_.motors(j, i) = Number(row, j);
     }
     if (csv_.header().Has(groups_.name)) {
@@ -305,8 +312,9 @@ std::vector<AddedColumn> PoseColumns(
 std::vector<AddedColumn> MotorColumns(const std::string& prefix, const Arm& arm,
                                       const Eigen::MatrixXd& motors) {
   std::vector<AddedColumn> columns;
-  for (int j = 0; j < arm.num_joints(); ++j) {
-    const bool turns = arm.joints[j].type == JointType::kRevolute;
+  const std::vector<Dimension> dimensions = MotorDimensions(arm);
+  for (int j = 0; j < NumMotors(arm); ++j) {
+    const bool turns = dimensions[j] == Dimension::kAngle;
     const std::string unit = turns ? "deg" : "mm";
     columns.push_back(
         NumberColumn(prefix + "q" + std::to_string(j + 1) + "_" + unit,

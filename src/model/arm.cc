@@ -1,6 +1,7 @@
 #include "alidade/arm.h"
 
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -23,6 +24,17 @@ double SumOfLengths(const Arm& arm) {
     }
   }
   return sum;
+}
+
+// Joints that determine all motors, one for each.
+std::vector<int> LeadingJoints(const Eigen::MatrixXd& joints_from_motors) {
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> rows(
+      joints_from_motors.transpose());
+  const auto& order = rows.colsPermutation().indices();
+  std::vector<int> joints(order.data(),
+                          order.data() + joints_from_motors.cols());
+  std::sort(joints.begin(), joints.end());
+  return joints;
 }
 
 }  // namespace
@@ -70,10 +82,18 @@ Eigen::MatrixXd MotorsFromJoints(const Arm& arm,
                                  const Eigen::MatrixXd& joints) {
   Eigen::MatrixXd motors = joints;
   if (arm.motor_offsets.size() > 0) motors.colwise() -= arm.motor_offsets;
-  if (arm.joints_from_motors.size() > 0) {
-    motors = arm.joints_from_motors.partialPivLu().solve(motors).eval();
+  const Eigen::MatrixXd& map = arm.joints_from_motors;
+  if (map.size() == 0) return motors;
+  if (map.rows() == map.cols()) return map.partialPivLu().solve(motors);
+  // The other joints follow.
+  const std::vector<int> leading = LeadingJoints(map);
+  Eigen::MatrixXd square(map.cols(), map.cols());
+  Eigen::MatrixXd moved(map.cols(), motors.cols());
+  for (Eigen::Index i = 0; i < map.cols(); ++i) {
+    square.row(i) = map.row(leading[i]);
+    moved.row(i) = motors.row(leading[i]);
   }
-  return motors;
+  return square.partialPivLu().solve(moved);
 }
 
 }  // namespace alidade

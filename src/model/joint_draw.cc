@@ -2,6 +2,7 @@
 
 #include "alidade/units.h"
 #include "src/common/random.h"
+#include "src/model/motors.h"
 
 namespace alidade::internal {
 
@@ -22,7 +23,8 @@ Eigen::MatrixXd DrawJointValues(const Arm& arm, int count, std::uint64_t seed) {
       joint_values(j, i) = DrawJointValue(arm, j, &random);
     }
   }
-  return joint_values;
+  if (!HasFewerMotors(arm)) return joint_values;
+  return JointsFromMotors(arm, MotorsFromJoints(arm, joint_values));
 }
 
 }  // namespace alidade::internal

@@ -7,6 +7,7 @@
 #include "src/common/random.h"
 #include "src/model/chain_axes.h"
 #include "src/model/joint_draw.h"
+#include "src/model/motors.h"
 
 namespace alidade::internal {
 namespace {
@@ -53,9 +54,10 @@ void RoundMotors(const Arm& arm, int decimals, Eigen::VectorXd* joints) {
   const double scale = std::pow(10.0, decimals);
   Eigen::VectorXd motors = MotorsFromJoints(arm, *joints);
   const bool is_direct = !HasMotorMap(arm);
-  for (int j = 0; j < arm.num_joints(); ++j) {
+  const std::vector<Dimension> dimensions = MotorDimensions(arm);
+  for (Eigen::Index j = 0; j < motors.size(); ++j) {
     const Joint& joint = arm.joints[j];
-    const bool turns = joint.type == JointType::kRevolute;
+    const bool turns = dimensions[j] == Dimension::kAngle;
     const bool is_limited = is_direct && HasLimits(joint);
     const auto in_unit = [&](double steps) {
       return turns ? steps / scale * kDegree : steps / (scale * 1000.0);

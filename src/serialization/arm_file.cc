@@ -12,6 +12,7 @@
 #include "src/common/names.h"
 #include "src/compensation/dh_conversion.h"
 #include "src/dataio/urdf_file.h"
+#include "src/model/motors.h"
 #include "src/serialization/arm_errors.h"
 #include "src/serialization/arm_fields.h"
 #include "src/serialization/config_file.h"
@@ -80,25 +81,35 @@ void ReadLimits(const YamlValue& value, const Units& units, Joint* joint) {
   }
 }
 
+// As many columns as the first row has numbers.
 void ReadMotorMatrix(const YamlValue& value, const Units& units, Arm* arm) {
   const int n = arm->num_joints();
-  arm->joints_from_motors.resize(n, n);
   const std::vector<YamlValue> rows = value.List(n, "one row per joint");
+  const auto m = static_cast<int>(rows[0].List().size());
+  if (m < 1 || m > n) {
+    rows[0].Fail("expected one number per motor, 1 to " + std::to_string(n) +
+                 ", found " + std::to_string(m));
+  }
+  arm->joints_from_motors.resize(n, m);
   for (int i = 0; i < n; ++i) {
-    const std::vector<YamlValue> row = rows[i].List(n, "one entry per motor");
-    for (int j = 0; j < n; ++j) {
-      const Dimension to = arm->joints[i].dimension();
-      const Dimension from = arm->joints[j].dimension();
-      double entry = row[j].Number();
-      if (to != from) entry *= units.Of(to).InSi() / units.Of(from).InSi();
-      arm->joints_from_motors(i, j) = entry;
+    const std::vector<YamlValue> row = rows[i].List(m, "one entry per motor");
+    for (int j = 0; j < m; ++j) {
+      arm->joints_from_motors(i, j) = row[j].Number();
     }
   }
-  if (!Eigen::FullPivLU<Eigen::MatrixXd>(arm->joints_from_motors)
-           .isInvertible()) {
+  const std::vector<Dimension> motors = MotorDimensions(*arm);
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < m; ++j) {
+      const Dimension to = arm->joints[i].dimension();
+      if (to == motors[j]) continue;
+      arm->joints_from_motors(i, j) *=
+          units.Of(to).InSi() / units.Of(motors[j]).InSi();
+    }
+  }
+  if (Eigen::FullPivLU<Eigen::MatrixXd>(arm->joints_from_motors).rank() < m) {
     value.Fail(
-        "the matrix is singular, expected one by which every joint can be "
-        "moved alone");
+        "the matrix is singular, expected one whose motors move joints "
+        "independently of each other");
   }
 }
 
@@ -113,7 +124,7 @@ void RefuseBeside(const YamlMap& map, const char* key,
 
 // Of a list that is there.
 void CheckCount(const YamlMap& map, const char* key) {
-  constexpr std::size_t kMost = 64;
+  constexpr std::size_t kMost = kMostJoints;
   const std::optional<YamlValue> list = map.Optional(key);
   const std::size_t count = list ? list->List().size() : 1;
   if (count > 0 && count <= kMost) return;
@@ -158,7 +169,7 @@ Arm ReadChain(const YamlMap& map, const ArmReading& reading) {
   }
   RefuseBeside(map, "urdf", {"joints", "convention"});
   return reading.files->Read(*urdf.file, [&urdf](const std::string& path) {
-    return ArmFromChain(LoadUrdfChain(path, urdf.base_link, urdf.tip_link));
+    return LoadUrdfArm(path, urdf.base_link, urdf.tip_link);
   });
 }
 
@@ -260,7 +271,8 @@ void VisitMotors(Visitor& v, Arm* arm) {
                .In("the row's joint's per the column's")
                .Default("identity")
                .Schema(R"({"type": "array", "items": {"type": "array"}})"),
-           "n rows of n numbers, not singular",
+           "n rows of n numbers, not singular; or of fewer, where there are "
+           "fewer motors than joints",
            [arm](const YamlValue& value, const Units& units) {
              ReadMotorMatrix(value, units, arm);
            });

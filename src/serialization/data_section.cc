@@ -12,6 +12,7 @@
 #include "src/data/merge.h"
 #include "src/dataio/read_options.h"
 #include "src/serialization/covariate_columns.h"
+#include "src/serialization/dialect_section.h"
 #include "src/serialization/partitioned_data.h"
 #include "src/serialization/simulation_file.h"
 #include "src/simulation/simulation.h"
@@ -41,10 +42,10 @@ void CheckTargetName(const YamlValue& value, const std::string& name,
 
 std::vector<std::string> ReadOrientation(const YamlValue& value) {
   const std::vector<YamlValue> items = value.List();
-  if (items.size() != 3 && items.size() != 4) {
+  if (items.size() != 3 && items.size() != 4 && items.size() != 9) {
     value.Fail(
-        "expected the headers of rx, ry, rz or of a quaternion's w, x, y, z, "
-        "found " +
+        "expected the headers of rx, ry, rz, of a quaternion's w, x, y, z or "
+        "of a rotation matrix, row by row, found " +
         std::to_string(items.size()));
   }
   return ReadHeaders(items);
@@ -103,7 +104,8 @@ void VisitColumns(Visitor& v, const Arm& arm, ColumnMapping* mapping) {
   list("position", "list: x, y, z", 3, "the headers of x, y and z",
        &mapping->position);
   v.Custom(Key("orientation").Schema(kNamesSchema),
-           "list: rx, ry, rz, or a quaternion's w, x, y, z",
+           "list: rx, ry, rz, a quaternion's w, x, y, z, or the nine numbers "
+           "of a rotation matrix, row by row",
            [&](const YamlValue& value) {
              mapping->orientation = ReadOrientation(value);
            });
@@ -139,6 +141,9 @@ void VisitColumns(Visitor& v, const Arm& arm, ColumnMapping* mapping) {
       [&](const YamlValue& value) {
         mapping->targets = ReadTargetHeaders(value, arm);
       });
+  v.Custom(Key("unit").Default("those of the job").Schema(kUnitsSchema),
+           "of headers that state none: `mm`, `deg`, or a list of both",
+           [=](const YamlValue& value) { ReadHeaderUnits(value, mapping); });
   v.Check(CheckTargets);
 }
 
@@ -222,6 +227,7 @@ void VisitData(Visitor& v, const Arm& arm, DataFormat* format,
            "map from columns to texts: only rows with these cells are read. A "
            "column that serves nothing else may stand here",
            [format](const YamlValue& value) { ReadWhere(value, format); });
+  VisitDialect(v, format);
   v.Check([&](const YamlMap& map) {
     CheckTarget(map, arm, *format);
     CheckPayload(map, *format);
@@ -295,7 +301,8 @@ std::vector<std::string> PathsOf(const std::vector<YamlValue>& entries,
 std::optional<YamlValue> PlainFileOf(const YamlValue& entry) {
   if (!entry.IsMap()) return entry;
   std::optional<YamlValue> file = entry.Find("file");
-  for (const char* key : {"columns", "target", "where", "point", "plane"}) {
+  for (const char* key :
+       {"columns", "target", "where", "point", "plane", "exclude", "inverse"}) {
     if (entry.Find(key)) return std::nullopt;
   }
   return file;
@@ -349,6 +356,8 @@ void ReadEntry(const YamlValue& value, const DataFormat& defaults,
                JobContext* context, JobConfig* job, FileAssignment* assignment,
                std::vector<LoadedData>* parts) {
   DataFormat format = defaults;
+  format.length_unit = &context->units.Of(Dimension::kLength);
+  format.angle_unit = &context->units.Of(Dimension::kAngle);
   std::optional<YamlValue> file;
   if (value.Find("simulate")) {
     const YamlValue simulate = value.Map({"simulate"}).Required("simulate");

@@ -62,7 +62,7 @@ void VisitIdentification(Visitor& v, JobConfig* job) {
       Key("identifiability"), "which parameters are identified",
       [&](auto& section) {
         VisitIdentifiability(section, LayoutOf(job->arm, job->data.references),
-                             &job->options.identifiability);
+                             job->arm, &job->options.identifiability);
         section.Field(
             Key("prior_scale"), job->options.prior_scale,
             "`estimated`: the priors of the joints are multiplied by a factor "

@@ -317,7 +317,7 @@ void VisitIdentified(Visitor& v, PlanReading* reading) {
             [&](auto& section) {
               VisitIdentifiability(section,
                                    LayoutOf(job->arm, job->data.references),
-                                   &job->options.identifiability);
+                                   job->arm, &job->options.identifiability);
             });
   v.Custom(Key("errors").Default("none").Schema(kErrorsSchema),
            "error terms that the poses are to determine, as in a job "

@@ -11,6 +11,7 @@
 #include "alidade/units.h"
 #include "src/common/random.h"
 #include "src/model/joint_draw.h"
+#include "src/model/motors.h"
 
 namespace alidade::internal {
 namespace {
@@ -35,10 +36,11 @@ Eigen::MatrixXd RoundedJointValues(const Arm& arm, int decimals,
   if (decimals < 0) return joint_values;
   Eigen::MatrixXd q = MotorsFromJoints(arm, joint_values);
   const double scale = std::pow(10.0, decimals);
+  const std::vector<Dimension> dimensions = MotorDimensions(arm);
   for (Eigen::Index i = 0; i < q.cols(); ++i) {
-    for (int j = 0; j < arm.num_joints(); ++j) {
+    for (Eigen::Index j = 0; j < q.rows(); ++j) {
       double& value = q(j, i);
-      if (arm.joints[j].type == JointType::kRevolute) {
+      if (dimensions[j] == Dimension::kAngle) {
         value = std::round(value / kDegree * scale) / scale * kDegree;
       } else {
         value = std::round(value / kMillimetre * scale) / (scale * 1000.0);

@@ -82,7 +82,7 @@ INSTANTIATE_TEST_SUITE_P(
              "data.csv:1:1: found the number \"3.901\", expected a line of "
              "column names first"},
         Slip{"Spaces", "data.csv", "q1_deg q2_deg x_mm\n1 2 3\n", kCheckData,
-             "cells are separated by spaces, expected commas"}),
+             "data set has 2 joints, arm"}),
     [](const auto& slip) { return slip.param.name; });
 
 }  // namespace

@@ -55,15 +55,26 @@ TEST_P(LoadDataErrorTest, NamesLineColumnAndWhatWasExpected) {
 INSTANTIATE_TEST_SUITE_P(
     Encodings, LoadDataErrorTest,
     ::testing::Values(
-        ErrorCase{"Utf16",
-                  std::string("\xff\xfeq\0", 4),
-                  {0, 0, "", "UTF-16, expected UTF-8: save the file as"}},
-        ErrorCase{"Utf16BigEndian",
-                  std::string("\xfe\xff\0q", 4),
-                  {0, 0, "", "UTF-16, expected UTF-8"}},
-        ErrorCase{"DecimalCommas",
-                  "q1_deg;x_mm\n1;2,5\n",
-                  {1, 0, "", "separated by semicolons, expected commas"}}),
+        ErrorCase{"Workbook",
+                  "PK\x03\x04 and so on",
+                  {0, 0, "", "save the sheet as CSV"}},
+        ErrorCase{"NoText",
+                  std::string("q1_deg,x_mm\n1,\0\n", 17),
+                  {0, 0, "", "not a text file"}},
+        ErrorCase{
+            "DecimalOrThousands",
+            "q1_deg;x_mm\n1;2,500\n3;4,500\n",
+            {2, 0, "", "expected `decimal: \",\"` or `thousands: \",\"`"}},
+        ErrorCase{
+            "PointsOfThousandsPerhaps",
+            "q1_deg;x_mm\n1;2.500\n3;500\n",
+            {2, 0, "", "expected `decimal: \".\"` or `thousands: \".\"`"}},
+        ErrorCase{"DecimalCommasAndPoints",
+                  "q1_deg;x_mm\n1;2,5\n3;4.5\n",
+                  {3, 0, "", "found \"4.5\" in line 3 and \"2,5\" in line 2"}},
+        ErrorCase{"DecimalCommasBetweenCommas",
+                  "q1_deg,x_mm\n1,5,2,5\n",
+                  {2, 0, "", "numbers take a decimal point, not a comma"}}),
     CaseName);
 
 INSTANTIATE_TEST_SUITE_P(
@@ -218,7 +229,7 @@ TEST(LoadDataErrorTest, FiltersThatLeaveNothing) {
               format);
   ExpectError({"Value",
                "q1_deg,x_mm,series\n1,2,A\n",
-               {2, 0, "", "`where` leaves no row"}},
+               {2, 0, "", "`where` and `exclude` leave no row"}},
               format);
   ExpectError({"From",
                "q1_deg,dx_mm,from,series\n1,,,A\n2,5,1,C\n",

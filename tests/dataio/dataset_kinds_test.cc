@@ -415,5 +415,70 @@ TEST(FormatDatasetTest, NamesTargetsWhereThereAreSeveral) {
             "10,20,1,2,3,b\n20,20,4,5,6,a\n");
 }
 
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+// The inverse of a pose that is moved by `change` on the left, less the inverse
+// of the pose itself.
+Vector6d InverseMoved(const Vector3d& point, const Matrix3d& rotation,
+                      const Vector6d& change) {
+  const Vector3d turn = change.tail<3>();
+  const Matrix3d moved = Eigen::AngleAxisd(turn.norm(), turn.stableNormalized())
+                             .toRotationMatrix() *
+                         rotation;
+  Vector6d difference;
+  difference.head<3>() = -moved.transpose() * (point + change.head<3>()) +
+                         rotation.transpose() * point;
+  const Eigen::AngleAxisd left(Matrix3d(moved.transpose() * rotation));
+  difference.tail<3>() = left.angle() * left.axis();
+  return difference;
+}
+
+TEST(LoadDataTest, InversePosesAreTurnedRoundWithTheirNoise) {
+  DataFormat format;
+  format.is_inverse = true;
+  const Loaded loaded = Load(
+      Rows("x_mm,y_mm,z_mm,wx_rad,wy_rad,wz_rad,std_x_mm,std_y_mm,std_z_mm,"
+           "std_wx_rad,std_wy_rad,std_wz_rad",
+           {"100,-250,900,0.3,-0.5,1.1,0.1,0.2,0.3,0.001,0.002,0.0005"}),
+      format);
+  const Vector3d point(0.1, -0.25, 0.9);
+  const Vector3d vector(0.3, -0.5, 1.1);
+  const Matrix3d rotation =
+      Eigen::AngleAxisd(vector.norm(), vector.normalized()).toRotationMatrix();
+  const ObservationBlock& block = loaded.block();
+  ASSERT_EQ(block.kind, MeasurementKind::kPose);
+  const Vector6d measured = block.measured.map().col(0);
+  EXPECT_LT((measured.head<3>() + rotation.transpose() * point).norm(), 1e-14);
+  EXPECT_LT((measured.tail<3>() + vector).norm(), 1e-14);
+  // By differences.
+  Eigen::Matrix<double, 6, 6> carried;
+  for (int k = 0; k < 6; ++k) {
+    constexpr double kStep = 1e-6;
+    carried.col(k) =
+        InverseMoved(point, rotation, kStep * Vector6d::Unit(k)) / kStep;
+  }
+  Vector6d sigmas;
+  sigmas << 1e-4, 2e-4, 3e-4, 0.001, 0.002, 0.0005;
+  const Eigen::Matrix<double, 6, 6> expected =
+      carried * sigmas.cwiseAbs2().asDiagonal() * carried.transpose();
+  const Eigen::MatrixXd& whitener = block.whiteners.at(0);
+  const Eigen::MatrixXd one = whitener * expected * whitener.transpose();
+  EXPECT_LT((one - Eigen::MatrixXd::Identity(6, 6)).cwiseAbs().maxCoeff(),
+            1e-4);
+}
+
+TEST(LoadDataTest, RotationMatricesAreOrientations) {
+  const std::string header =
+      "x_mm,y_mm,z_mm,r11,r12,r13,r21,r22,r23,r31,r32,r33";
+  const Loaded loaded = Load(Rows(header, {"1,2,3,0,-1,0,1,0,0,0,0,1"}));
+  const Vector3d turn = loaded.block().measured.map().col(0).tail<3>();
+  EXPECT_LT((turn - Vector3d(0.0, 0.0, 0.5 * kPi)).norm(), 1e-14);
+  // A mirror, and lengths that are no unit.
+  for (const char* row :
+       {"1,2,3,0,1,0,1,0,0,0,0,1", "1,2,3,0,-2,0,2,0,0,0,0,2"}) {
+    EXPECT_THROW(Load(Rows(header, {row})), InputError) << row;
+  }
+}
+
 }  // namespace
 }  // namespace alidade::internal

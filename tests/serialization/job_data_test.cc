@@ -244,6 +244,42 @@ TEST(JobDataTest, ParametersAreThoseOfArmAndReferences) {
   EXPECT_EQ(job.options.bounds[1].upper, 3 * kDegree);
 }
 
+// Two joints, the second of which slides, two targets.
+TEST(JobDataTest, ParametersAreNamedByKindsJointsFramesAndPatterns) {
+  const DataJob files;
+  using Names = std::vector<std::string>;
+  const auto load = [&](const std::string& section) {
+    return files
+        .Load("data: {file: b.csv, target: ball}\nidentifiability: {" +
+              section + "}\n")
+        .options.identifiability;
+  };
+  EXPECT_EQ(load("fix: [alpha, d*]").fix,
+            (Names{"alpha1", "alpha2", "d1", "d2"}));
+  EXPECT_EQ(load("fix: [joint 2]").fix,
+            (Names{"beta2", "alpha2", "d2", "theta2", "r2"}));
+  EXPECT_EQ(load("free: [theta]").free, (Names{"theta1", "theta2"}));
+  EXPECT_EQ(load("fix: [offsets]").fix, (Names{"theta1", "r2"}));
+  EXPECT_EQ(load("fix: [geometry]").fix.size(), 10U);
+  EXPECT_EQ(load("fix: [frames]").fix.size(), 18U);
+  EXPECT_EQ(load("fix: [tool2]").fix.size(), 6U);
+  EXPECT_EQ(load("prefer: [r, alpha1]").prefer, (Names{"r1", "r2", "alpha1"}));
+  // The narrower entry counts.
+  const IdentifiabilityOptions some = load("fix: [geometry], free: [theta]");
+  EXPECT_EQ(some.fix.size(), 8U);
+  EXPECT_EQ(some.free, (Names{"theta1", "theta2"}));
+  const IdentifiabilityOptions one = load("fix: [theta1], free: [theta]");
+  EXPECT_EQ(one.fix, (Names{"theta1"}));
+  EXPECT_EQ(one.free, (Names{"theta2"}));
+  // Offsets alone, and more where it is asked for.
+  const IdentifiabilityOptions offsets =
+      load("parameters: [offsets, frames], free: [d2]");
+  EXPECT_TRUE(offsets.candidates.joints && offsets.candidates.base &&
+              offsets.candidates.tool);
+  EXPECT_EQ(offsets.fix, (Names{"beta1", "beta2", "alpha1", "alpha2", "d1",
+                                "theta2", "r1"}));
+}
+
 // Whether loading fails with these words.
 void ExpectRefusal(const DataJob& files, const std::string& job,
                    const std::string& says) {
@@ -378,6 +414,15 @@ TEST(JobDataErrorTest, BoundsAndNames) {
   files.ExpectError(
       data + "identifiability: {fix: [point3_x]}\n",
       {8, 25, "identifiability.fix[1]", "unknown parameter \"point3_x\""});
+  files.ExpectError(data + "identifiability: {fix: [thetta]}\n",
+                    {8, 25, "identifiability.fix[1]",
+                     "unknown parameter \"thetta\", did you mean \"theta\"?"});
+  files.ExpectError(data + "identifiability: {free: [joint 3]}\n",
+                    {8, 26, "identifiability.free[1]",
+                     "unknown parameter \"joint 3\", did you mean"});
+  files.ExpectError(
+      data + "identifiability: {fix: [alpha], free: [alpha]}\n",
+      {8, 18, "identifiability", "stands in `fix` and in `free`"});
 }
 
 TEST(JobDataErrorTest, Validation) {

@@ -368,19 +368,6 @@ TEST(LoadJobTest, NamesTheForeignHeaderThatIsMissing) {
                    {1, 0, "b_deg", "column is missing, expected b_deg"});
 }
 
-TEST(LoadJobTest, RefusesAForeignHeaderWithoutAUnit) {
-  const TestDirectory directory;
-  directory.Write("foreign.csv", "axis,q2_mm,x_mm,y_mm,z_mm\n1,2,3,4,5\n");
-  const std::string job =
-      WriteJob(directory,
-               "data: {file: foreign.csv, columns: {joints: [axis, q2_mm]}}\n");
-  ExpectInputError([&] { LoadJob(job); },
-                   {1, 1, "axis",
-                    "no unit: q1 is an angle, expected a header that ends in "
-                    "_deg or _rad: rename it, here and in `columns`, to say "
-                    "\"axis_deg\""});
-}
-
 TEST(LoadJobTest, HoldsOutAFractionOfTheConfigurations) {
   const TestDirectory directory;
   std::string text = "q1_deg,q2_mm,x_mm,y_mm,z_mm\n";

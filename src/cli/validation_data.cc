@@ -1,0 +1,137 @@
+#include "src/cli/validation_data.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "alidade/error.h"
+#include "alidade/forward_kinematics.h"
+#include "src/calibration/calibration_task.h"
+#include "src/calibration/evaluate.h"
+#include "src/cli/command.h"
+#include "src/common/names.h"
+#include "src/dataio/dataset_csv.h"
+#include "src/kernel/measurement_model.h"
+#include "src/model/joint_draw.h"
+#include "src/serialization/job_config.h"
+
+namespace alidade::internal {
+namespace {
+
+void RequireSameShape(const std::string& path, const Arm& arm,
+                      const Arm& other) {
+  std::vector<std::string> names[2];
+  for (const Target& target : arm.targets) names[0].push_back(target.name);
+  for (const Target& target : other.targets) names[1].push_back(target.name);
+  if (arm.JointDimensions() == other.JointDimensions() &&
+      names[0] == names[1]) {
+    return;
+  }
+  throw InputError({path, 0, 0, "arm"},
+                   "has other joints or targets than the arm that is "
+                   "validated");
+}
+
+std::vector<std::string> UnknownReferences(const References& references) {
+  std::vector<std::string> names;
+  for (const ReferencePoint& point : references.points) {
+    if (!point.is_known) names.push_back(point.name);
+  }
+  for (const ReferencePlane& plane : references.planes) {
+    if (!plane.is_known) names.push_back(plane.name);
+  }
+  return names;
+}
+
+}  // namespace
+
+std::string Refit::Text() const {
+  std::vector<std::string> names;
+  if (base) names.emplace_back("base");
+  if (tool) names.emplace_back("tool");
+  if (references) names.emplace_back("references");
+  return JoinNames(names);
+}
+
+Refit ReadRefit(const std::string& text) {
+  Refit refit;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string name = text.substr(begin, end - begin);
+    bool* const member = name == "base"         ? &refit.base
+                         : name == "tool"       ? &refit.tool
+                         : name == "references" ? &refit.references
+                                                : nullptr;
+    if (member == nullptr) {
+      throw InputError(
+          {}, "validate: --refit: " +
+                  UnknownName("part", name, {"base", "tool", "references"}));
+    }
+    *member = true;
+    begin = end + 1;
+  }
+  return refit;
+}
+
+CalibrationData LoadValidationData(const std::string& path, const Arm& arm,
+                                   double default_sigma, int num_threads) {
+  CalibrationData data;
+  if (IsDataFile(path)) {
+    DataFormat format;
+    format.sigma = default_sigma;
+    data.training =
+        LoadData(path, arm, format, &data.references, num_threads).data;
+    return data;
+  }
+  JobConfig job = LoadJob(path, num_threads);
+  RequireSameShape(path, arm, job.arm);
+  data = std::move(job.data);
+  data.validation.reset();
+  return data;
+}
+
+Accuracy ValidationAccuracy(const std::string& path, const Arm& arm,
+                            CalibrationData data, const Refit& refit,
+                            int num_threads) {
+  const std::vector<std::string> unknown = UnknownReferences(data.references);
+  if (!unknown.empty() && !refit.references) {
+    throw InputError({path, 0, 0, ""},
+                     "measured against " + JoinNames(unknown) +
+                         ", of which nobody says where they are: "
+                         "--refit=references finds them from these data, or a "
+                         "job states them");
+  }
+  const Execution execution{num_threads, SingleProcess()};
+  if (!refit.base && !refit.tool && unknown.empty()) {
+    const MeasurementModel model(arm, data.references, execution);
+    return EvaluateAccuracy(model, data.training, model.NominalValues());
+  }
+  CalibrationTask task;
+  task.arm = arm;
+  task.data = std::move(data);
+  task.options.identifiability.candidates = {false, refit.base, refit.tool};
+  task.options.num_threads = num_threads;
+  const CalibrationResult result = Calibrate(std::move(task));
+  if (!result.IsUsable()) {
+    throw InputError({path, 0, 0, ""}, "the fit of " + refit.Text() +
+                                           " failed: " + result.message);
+  }
+  return result.train.after;
+}
+
+Arm AlignedWith(const Arm& arm, const Arm& reference, std::uint64_t seed,
+                int num_threads) {
+  constexpr int kPoses = 500;
+  constexpr double kAnySigma = 1e-4;  // m
+  const Eigen::MatrixXd joints = DrawJointValues(arm, kPoses, seed);
+  CalibrationTask task;
+  task.arm = arm;
+  task.data.training =
+      MakePositions(joints, TargetPositions(reference, joints), kAnySigma);
+  task.options.identifiability.candidates = {false, true, true};
+  task.options.num_threads = num_threads;
+  const CalibrationResult result = Calibrate(std::move(task));
+  return result.IsUsable() ? result.arm : arm;
+}
+
+}  // namespace alidade::internal

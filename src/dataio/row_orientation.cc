@@ -1,0 +1,90 @@
+#include "src/dataio/row_orientation.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <string>
+
+#include "alidade/rotation.h"
+#include "src/common/names.h"
+#include "src/common/text.h"
+
+namespace alidade::internal {
+namespace {
+
+constexpr double kQuaternionNorm = 1e-3;  // of 1
+constexpr double kMatrixRounding = 1e-3;  // of R^T R = 1
+
+// The rotation nearest to it, which is a rounded one.
+Eigen::Matrix3d MatrixOf(const TableRow& row, int first) {
+  Eigen::Matrix3d matrix;
+  for (int i = 0; i < 9; ++i) {
+    matrix(i / 3, i % 3) = row.Number(first + i);
+  }
+  const Eigen::Matrix3d error =
+      matrix.transpose() * matrix - Eigen::Matrix3d::Identity();
+  if (!(error.cwiseAbs().maxCoeff() <= kMatrixRounding &&
+        matrix.determinant() > 0.0)) {
+    row.Fail(first,
+             "the nine numbers are no rotation matrix, expected rows of unit "
+             "vectors at right angles, right-handed: are they its rows, first "
+             "to third, and no scale is in them?");
+  }
+  return Eigen::Quaterniond(matrix).normalized().toRotationMatrix();
+}
+
+}  // namespace
+
+Eigen::Vector3d VectorOf(const TableRow& row, int first) {
+  return {row.Number(first), row.Number(first + 1), row.Number(first + 2)};
+}
+
+// All of a row's numbers or none of them.
+bool HasOrientation(const TableRow& row, const DatasetColumns& columns,
+                    const MeasuredGroups& groups) {
+  const int first = groups.quaternion ? columns.quaternion
+                    : groups.matrix   ? columns.matrix
+                    : groups.vector   ? columns.vector
+                                      : columns.angles;
+  const int count = groups.quaternion ? 4 : groups.matrix ? 9 : 3;
+  int missing = 0;
+  int one = -1;
+  for (int i = first + count - 1; i >= first; --i) {
+    if (!std::isnan(row.Number(i))) continue;
+    ++missing;
+    one = i;
+  }
+  if (missing > 0 && missing < count) {
+    row.Fail(one,
+             "an orientation is measured as a whole: expected a "
+             "number here, or none in its other cells, found " +
+                 (row.Text(one).empty() ? std::string("nothing")
+                                        : Quote(row.Text(one))));
+  }
+  return missing == 0;
+}
+
+Eigen::Matrix3d ReadRotation(
+    const TableRow& row, const DatasetColumns& columns,
+    const MeasuredGroups& groups,
+    const std::optional<RotationConvention>& convention) {
+  if (groups.vector) {
+    return RotationFromVector<double>(VectorOf(row, columns.vector));
+  }
+  if (groups.angles) {
+    return RotationOf(*convention, VectorOf(row, columns.angles));
+  }
+  if (groups.matrix) return MatrixOf(row, columns.matrix);
+  const int first = columns.quaternion;
+  const Eigen::Quaterniond quaternion(row.Number(first), row.Number(first + 1),
+                                      row.Number(first + 2),
+                                      row.Number(first + 3));
+  if (!(std::abs(quaternion.norm() - 1.0) <= kQuaternionNorm)) {
+    row.Fail(first, "the quaternion's norm is " +
+                        ShortestNumber(quaternion.norm()) +
+                        ", expected 1 to within 0.001: are its columns "
+                        "w, x, y, z?");
+  }
+  return quaternion.normalized().toRotationMatrix();
+}
+
+}  // namespace alidade::internal

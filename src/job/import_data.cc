@@ -1,0 +1,329 @@
+#include "src/job/import_data.h"
+
+#include <algorithm>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+#include "alidade/error.h"
+#include "src/calibration/position_fit.h"
+#include "src/calibration/position_sample.h"
+#include "src/common/format.h"
+#include "src/common/names.h"
+#include "src/common/text.h"
+#include "src/dataio/column_roles.h"
+#include "src/dataio/csv_columns.h"
+#include "src/dataio/csv_layout.h"
+#include "src/dataio/csv_lines.h"
+#include "src/dataio/dataset_csv.h"
+#include "src/dataio/dataset_npy.h"
+#include "src/dataio/text_encoding.h"
+#include "src/model/motors.h"
+
+namespace alidade::internal {
+namespace {
+
+constexpr Eigen::Index kPosesToHoldOut = 20;
+
+std::vector<std::string> Numbers(const std::vector<int>& columns) {
+  std::vector<std::string> numbers;
+  for (const int column : columns) numbers.push_back(std::to_string(column));
+  return numbers;
+}
+
+class Importer {
+ public:
+  explicit Importer(const ImportRequest& request) : request_(request) {
+    if (IsNpy(request.path)) {
+      throw InputError({request.path, 0, 0, ""},
+                       "an array states its columns: jobs read it as it is");
+    }
+  }
+
+  ImportedData Import() {
+    ReadLayout();
+    roles_ = FindColumnRoles(request_.path, names_, NumMotors(request_.arm));
+    SetFormat();
+    FindUnits();
+    LoadedData loaded = Load(format_);
+    if (LeaveOutLost(loaded.data)) loaded = Load(format_);
+    Describe(loaded);
+    result_.loaded = std::move(loaded);
+    return std::move(result_);
+  }
+
+ private:
+  void ReadLayout() {
+    const TextFile text = OpenText(request_.path);
+    const std::string_view all = text.file.text().substr(text.begin);
+    const CsvLayout layout = FindCsvLayout(request_.path, all, {});
+    names_ = layout.names;
+    if (names_.empty()) {
+      throw InputError({request_.path, 0, 0, ""}, "holds no table");
+    }
+    if (!text.encoding.empty()) {
+      result_.notes.push_back("the text is " + text.encoding);
+    }
+    result_.notes.insert(result_.notes.end(), layout.notes.begin(),
+                         layout.notes.end());
+    std::string_view rest = all.substr(layout.rows);
+    std::vector<std::string_view> cells;
+    while (!rest.empty() && cells.empty()) {
+      const std::string_view line = TakeLine(&rest);
+      if (IsPassedOver(line, layout.dialect.separator)) continue;
+      SplitCells(line, layout.dialect.separator, &cells);
+    }
+    for (std::size_t i = 0; i < names_.size(); ++i) {
+      const std::string first = i < cells.size() ? TextOf(cells[i]) : "";
+      result_.columns.push_back({names_[i], "", "", first});
+    }
+  }
+
+  void SetFormat() {
+    format_.sigma = kUnstatedSigma;
+    format_.ignore_others = true;
+    format_.logs_findings = false;
+    ColumnMapping& columns = format_.columns;
+    columns.joints = Numbers(roles_.joints);
+    columns.position = Numbers(roles_.position);
+    format_.rotation = request_.rotation;
+    const bool has_angles = !roles_.angles.empty() && request_.rotation;
+    if (!roles_.quaternion.empty()) {
+      columns.orientation = Numbers(roles_.quaternion);
+    } else if (!roles_.matrix.empty()) {
+      columns.orientation = Numbers(roles_.matrix);
+    } else if (has_angles) {
+      columns.orientation = Numbers(roles_.angles);
+    } else {
+      format_.ignore_rotation = true;
+    }
+    if (!roles_.angles.empty() && !has_angles) {
+      result_.notes.emplace_back(
+          "three angles state an orientation in many ways: they are passed "
+          "over, --rotation=CONVENTION reads them");
+    }
+    const Arm& arm = request_.arm;
+    if (arm.num_targets() > 1 &&
+        std::find(names_.begin(), names_.end(), "target") == names_.end()) {
+      throw InputError({request_.path, 0, 0, "target"},
+                       "arm " + Quote(arm.name) +
+                           " has several targets, expected a column target "
+                           "that names one of them");
+    }
+  }
+
+  bool NeedsUnit(const std::vector<int>& columns) const {
+    return std::any_of(columns.begin(), columns.end(), [&](int column) {
+      return !StatesUnit(names_[static_cast<std::size_t>(column) - 1]);
+    });
+  }
+
+  LoadedData Load(const DataFormat& format) const {
+    References references;
+    return LoadData(request_.path, request_.arm, format, &references);
+  }
+
+  // Those that a table may have without saying so.
+  std::vector<const Unit*> Candidates(const std::vector<int>& columns,
+                                      const Unit* stated,
+                                      std::vector<const char*> names) const {
+    if (stated != nullptr) return {stated};
+    if (!NeedsUnit(columns)) return {nullptr};
+    std::vector<const Unit*> units;
+    for (const char* name : names) units.push_back(FindHeaderUnit(name));
+    return units;
+  }
+
+  // By the fit of the positions to the nominal arm with any base and tool.
+  void FindUnits() {
+    const std::vector<const Unit*> lengths =
+        Candidates(roles_.position, request_.length_unit, {"mm", "m", "in"});
+    const std::vector<const Unit*> angles =
+        Candidates(roles_.joints, request_.angle_unit, {"deg", "rad"});
+    std::vector<std::pair<double, std::pair<const Unit*, const Unit*>>> fits;
+    for (const Unit* length : lengths) {
+      for (const Unit* angle : angles) {
+        const bool is_only = lengths.size() * angles.size() == 1;
+        fits.emplace_back(is_only ? 0.0 : MisfitWith(length, angle),
+                          std::pair{length, angle});
+      }
+    }
+    std::sort(fits.begin(), fits.end(),
+              [](const auto& a, const auto& b) { return a.first < b.first; });
+    constexpr double kFits = 0.02;  // of the reach, as plausibility.h has it
+    constexpr double kClear = 5.0;
+    const bool is_certain =
+        fits.size() == 1 || (fits[0].first < kFits * ArmReach(request_.arm) &&
+                             fits[1].first > kClear * fits[0].first);
+    if (!is_certain) FailUnits();
+    std::tie(format_.columns.length_unit, format_.columns.angle_unit) =
+        fits[0].second;
+    if (fits.size() > 1) {
+      result_.notes.push_back(
+          "units that names do not state are those under which the positions "
+          "fit the arm, to " +
+          FormatSignificant(fits[0].first * 1e3, 2) + " mm");
+    }
+  }
+
+  double MisfitWith(const Unit* length, const Unit* angle) const {
+    DataFormat format = format_;
+    format.ignore_rotation = true;
+    format.columns.orientation.clear();
+    format.columns.length_unit = length;
+    format.columns.angle_unit = angle;
+    const LoadedData loaded = Load(format);
+    const std::optional<PositionSample> sample =
+        SamplePositions(loaded.data, SingleProcess());
+    return sample ? Misfit(request_.arm, *sample)
+                  : std::numeric_limits<double>::infinity();
+  }
+
+  [[noreturn]] void FailUnits() const {
+    throw InputError(
+        {request_.path, 0, 0, ""},
+        "the names of columns state no units, and under none, or several, of "
+        "mm, m, inches, degrees and radians do the positions fit the arm: "
+        "expected --units=mm,deg, or another arm");
+  }
+
+  // Whether there were any.
+  bool LeaveOutLost(const Dataset& data) {
+    constexpr double kFar = 20.0;  // reaches
+    std::vector<int> lines;
+    const Eigen::Vector3d middle = MedianOf(data);
+    for (const ObservationBlock& block : data.blocks) {
+      if (!HoldsPosition(block.kind)) continue;
+      for (Eigen::Index i = 0; i < block.size(); ++i) {
+        const Eigen::Vector3d point = block.measured.map().col(i).head<3>();
+        const bool is_lost =
+            point.isZero(0.0) ||
+            !((point - middle).norm() < kFar * ArmReach(request_.arm));
+        if (is_lost) lines.push_back(data.sources[block.pose(i)].line);
+      }
+    }
+    std::sort(lines.begin(), lines.end());
+    std::vector<std::string> names;
+    for (const int line : lines) {
+      format_.dialect.excluded_lines.emplace_back(line, line);
+      names.push_back(std::to_string(line));
+    }
+    if (!names.empty()) {
+      result_.notes.push_back(
+          "the target was lost (0, 0, 0, or out of reach) and the row is left "
+          "out: line " +
+          JoinNames(names));
+    }
+    return !names.empty();
+  }
+
+  static Eigen::Vector3d MedianOf(const Dataset& data) {
+    Eigen::Vector3d median = Eigen::Vector3d::Zero();
+    for (int axis = 0; axis < 3; ++axis) {
+      std::vector<double> values;
+      for (const ObservationBlock& block : data.blocks) {
+        if (!HoldsPosition(block.kind)) continue;
+        for (Eigen::Index i = 0; i < block.size(); ++i) {
+          values.push_back(block.measured(axis, i));
+        }
+      }
+      if (values.empty()) continue;
+      const auto middle =
+          values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+      std::nth_element(values.begin(), middle, values.end());
+      median[axis] = *middle;
+    }
+    return median;
+  }
+
+  void SetUse(const std::vector<int>& columns,
+              const std::vector<const char*>& uses, const Unit* unit) {
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      ImportedData::Column& column =
+          result_.columns[static_cast<std::size_t>(columns[i]) - 1];
+      column.use = uses.empty() ? "joint " + std::to_string(i + 1) : uses[i];
+      if (StatesUnit(column.name)) {
+        const std::size_t begin = WithoutUnit(column.name).size();
+        column.unit = UnitNameOf(column.name.substr(begin));
+      } else if (unit != nullptr) {
+        column.unit = unit->name;
+      }
+    }
+  }
+
+  static std::string UnitNameOf(std::string text) {
+    text.erase(0, text.find_first_not_of(" _/"));
+    const Unit* const unit = FindHeaderUnit(text);
+    return unit == nullptr ? "" : unit->name;
+  }
+
+  void Describe(const LoadedData& loaded) {
+    const Unit* const length = format_.columns.length_unit;
+    const Unit* const angle = format_.columns.angle_unit;
+    SetUse(roles_.joints, {}, angle);
+    SetUse(roles_.position, {"x", "y", "z"}, length);
+    SetUse(roles_.matrix,
+           {"r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"},
+           nullptr);
+    SetUse(roles_.quaternion, {"qw", "qx", "qy", "qz"}, nullptr);
+    if (request_.rotation) {
+      SetUse(roles_.angles, {"rx", "ry", "rz"}, angle);
+    }
+    std::vector<std::string> lines;
+    for (const RejectedRow& row : loaded.rejected) {
+      lines.push_back(std::to_string(row.line));
+    }
+    if (!lines.empty()) {
+      result_.notes.push_back("nothing was measured in line " +
+                              JoinNames(lines));
+    }
+  }
+
+  const ImportRequest& request_;
+  std::vector<std::string> names_;
+  ColumnRoles roles_;
+  DataFormat format_;
+  ImportedData result_;
+};
+
+// As YAML reads it.
+std::string Quoted(const std::string& text) {
+  std::string quoted = "'";
+  for (const char c : OneLine(text))
+    quoted += c == '\'' ? "''" : std::string(1, c);
+  return quoted + "'";
+}
+
+}  // namespace
+
+ImportedData ImportData(const ImportRequest& request) {
+  return Importer(request).Import();
+}
+
+std::string JobText(const std::string& title, const std::string& arm,
+                    const std::string& data, Eigen::Index num_poses) {
+  std::string text =
+      "format: alidade-job-2\n"
+      "title: " +
+      Quoted(title) +
+      "\n"
+      "units: {length: mm, angle: deg}\n"
+      "arm: " +
+      Quoted(arm) +
+      "\n"
+      "data: " +
+      Quoted(data) +
+      "\n"
+      "# The instrument's standard deviation of a coordinate, or as here: from "
+      "the fit.\n"
+      "measurement: {sigma: estimate}\n"
+      "identifiability: {parameters: [joints, base, tool]}\n";
+  if (num_poses >= kPosesToHoldOut) {
+    text +=
+        "# Poses that the fit does not see and the result is judged by.\n"
+        "validation: {fraction: 0.2}\n";
+  }
+  return text;
+}
+
+}  // namespace alidade::internal

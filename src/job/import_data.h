@@ -1,0 +1,52 @@
+#ifndef ALIDADE_SRC_JOB_IMPORT_DATA_H_
+#define ALIDADE_SRC_JOB_IMPORT_DATA_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "alidade/arm.h"
+#include "src/dataio/data_format.h"
+
+namespace alidade::internal {
+
+/// What is known of a file of measurements that another program wrote.
+struct ImportRequest {
+  std::string path;
+  const Arm& arm;
+  /// Of columns whose names state none: "mm", "deg"; empty: found.
+  const Unit* length_unit = nullptr;
+  const Unit* angle_unit = nullptr;
+  std::optional<RotationConvention> rotation = {};  ///< of three angles
+};
+
+/// A file of measurements as it was understood.
+struct ImportedData {
+  struct Column {
+    std::string name;
+    std::string use;  ///< "joint 1", "x"; empty: passed over
+    std::string unit;
+    std::string first;  ///< its first cell
+  };
+  std::vector<Column> columns;
+  std::vector<std::string> notes;  ///< how it is written, what was left out
+  LoadedData loaded;
+};
+
+/// Reads positions or poses from a text file of any form that is certain
+/// (csv_layout.h, column_roles.h). Units that neither names nor the request
+/// state are those under which the positions fit the nominal arm, where only
+/// one does so. Positions that are exactly 0, 0, 0, or farther away than an arm
+/// of this size can be, are those of a lost target and left out.
+/// @throws InputError where something is not certain; the message says what to
+/// state.
+ImportedData ImportData(const ImportRequest& request);
+
+/// A job that calibrates with the data set, ready to run; paths are as seen
+/// from the job's folder.
+std::string JobText(const std::string& title, const std::string& arm,
+                    const std::string& data, Eigen::Index num_poses);
+
+}  // namespace alidade::internal
+
+#endif  // ALIDADE_SRC_JOB_IMPORT_DATA_H_

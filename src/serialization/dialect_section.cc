@@ -1,0 +1,123 @@
+#include "src/serialization/dialect_section.h"
+
+#include <string>
+
+#include "src/common/names.h"
+#include "src/common/numbers.h"
+#include "src/dataio/csv_columns.h"
+
+namespace alidade::internal {
+namespace {
+
+char MarkOf(const YamlValue& value, const std::string& what,
+            const std::vector<std::pair<std::string, char>>& marks) {
+  std::vector<std::string> names;
+  for (const auto& [name, mark] : marks) {
+    if (value.Text() == name) return mark;
+    names.push_back(name);
+  }
+  value.Fail("expected " + what + ", one of " + JoinNames(names) + ", found " +
+             Quote(value.Text()));
+}
+
+// "12" or "40-45".
+std::optional<std::pair<int, int>> LinesOf(std::string_view text) {
+  const std::size_t dash = text.find('-');
+  const auto first = ParseWhole<int>(text.substr(0, dash));
+  const auto last = dash == std::string_view::npos
+                        ? first
+                        : ParseWhole<int>(text.substr(dash + 1));
+  if (!first || !last) return std::nullopt;
+  return std::pair{*first, *last};
+}
+
+}  // namespace
+
+void ReadSeparator(const YamlValue& value, StatedDialect* dialect) {
+  dialect->separator = MarkOf(value, "what separates cells",
+                              {{",", ','},
+                               {";", ';'},
+                               {"|", '|'},
+                               {"tab", '\t'},
+                               {"space", ' '},
+                               {"\t", '\t'},
+                               {" ", ' '}});
+}
+
+void ReadDecimal(const YamlValue& value, StatedDialect* dialect) {
+  dialect->decimal =
+      MarkOf(value, "the decimal mark", {{".", '.'}, {",", ','}});
+}
+
+void ReadThousands(const YamlValue& value, StatedDialect* dialect) {
+  dialect->thousands = MarkOf(value, "the mark of thousands",
+                              {{".", '.'},
+                               {",", ','},
+                               {"'", '\''},
+                               {"space", ' '},
+                               {"none", '\0'},
+                               {" ", ' '}});
+}
+
+void ReadHeaderLine(const YamlValue& value, StatedDialect* dialect) {
+  if (value.Text() == "none") {
+    dialect->header = 0;
+    return;
+  }
+  const std::optional<int> line = ParseWhole<int>(value.Text());
+  if (line < 1) {
+    value.Fail("expected the number of a line, from 1, or none, found " +
+               Quote(value.Text()));
+  }
+  dialect->header = line;
+}
+
+void ReadMissingWords(const YamlValue& value, StatedDialect* dialect) {
+  for (const YamlValue& word : value.List()) {
+    dialect->missing.push_back(word.Text());
+  }
+}
+
+void ReadExclude(const YamlValue& value, DataFormat* format) {
+  for (const YamlValue& entry : value.List()) {
+    const std::string text = entry.Text();
+    const std::optional<std::pair<int, int>> lines = LinesOf(text);
+    if (lines && lines->first >= 1 && lines->first <= lines->second) {
+      format->dialect.excluded_lines.push_back(*lines);
+      continue;
+    }
+    std::optional<RowCondition> condition = ParseRowCondition(text);
+    if (!condition) {
+      entry.Fail(
+          "expected lines of the file (12, 40-45) or a condition (status = "
+          "lost, rms_mm > 0.05), found " +
+          Quote(text));
+    }
+    format->exclude.push_back(*std::move(condition));
+  }
+}
+
+void ReadHeaderUnits(const YamlValue& value, ColumnMapping* mapping) {
+  std::vector<YamlValue> entries = {value};
+  if (value.IsList()) entries = value.List();
+  for (const YamlValue& entry : entries) {
+    const Unit* const unit = FindHeaderUnit(entry.Text());
+    if (unit == nullptr) {
+      entry.Fail(
+          "expected a unit of lengths (mm, m, um, cm, in) or of angles "
+          "(deg, rad, mrad), found " +
+          Quote(entry.Text()));
+    }
+    const Unit*& member = unit->dimension == Dimension::kLength
+                              ? mapping->length_unit
+                              : mapping->angle_unit;
+    if (member != nullptr) {
+      entry.Fail(
+          "a second unit of the same kind, expected one of lengths and "
+          "one of angles");
+    }
+    member = unit;
+  }
+}
+
+}  // namespace alidade::internal
