@@ -75,7 +75,8 @@ class CsvRow final : public TableRow {
 
   [[noreturn]] void FailBadNumber(std::string_view cell,
                                   const NumberColumn& column) const {
-    const bool is_otherwise = MarksOf(cell).shape != NumberShape::kNone;
+    const bool is_otherwise = MarksOf(cell).shape != NumberShape::kNone &&
+                              PlainNumber(cell, dialect_).text().empty();
     if (!is_otherwise) FailNumber(column);
     Fail(column.spec,
          "found " + Quote(cell) + " in a file with " +

@@ -107,7 +107,8 @@ void DatasetRows::AddGroup(MeasurementKind kind, Eigen::Index per_row,
                          !columns_.target_positions.empty();
   if (HoldsPosition(kind)) {
     const bool has_angle_sigmas = header_.Has(columns_.angle_sigma);
-    shape.has_whiteners = groups_.covariance || has_angle_sigmas;
+    shape.has_whiteners =
+        groups_.covariance || has_angle_sigmas || format_.is_inverse;
     shape.states_sigmas |=
         shape.has_whiteners || header_.Has(columns_.turn_sigma);
   }

@@ -4,6 +4,7 @@
 
 #include "alidade/error.h"
 #include "src/common/names.h"
+#include "src/common/numbers.h"
 #include "src/dataio/csv_lines.h"
 
 namespace alidade::internal {
@@ -21,6 +22,7 @@ void NumberEvidence::Add(std::string_view cell, std::size_t column, int line) {
     case NumberShape::kInteger:
       has_integers_.resize(std::max(has_integers_.size(), column + 1));
       has_integers_[column] = true;
+      if (column == 0) Count(cell);
       return;
     case NumberShape::kAmbiguous:
       has_long_groups_ |= marks.digits_before > 1;
@@ -35,6 +37,13 @@ void NumberEvidence::Add(std::string_view cell, std::size_t column, int line) {
       Keep(marks.decimal, cell, line, &decimals_);
       Keep(marks.thousands, cell, line, &thousands_);
   }
+}
+
+// Whether the first column counts the rows.
+void NumberEvidence::Count(std::string_view cell) {
+  const std::optional<int> number = ParseWhole<int>(cell);
+  is_counter_ = is_counter_ && number && (!last_ || *number == *last_ + 1);
+  last_ = number;
 }
 
 void NumberEvidence::AddRows(std::string_view rows, int lines_before,
@@ -78,7 +87,8 @@ char NumberEvidence::AmbiguousAlone(const std::string& path) const {
   bool has_others = ambiguous_.size() > 1;
   for (std::size_t i = 0; i < has_integers_.size(); ++i) {
     const bool is_mixed = i < has_ambiguous_.size() && has_ambiguous_[i];
-    const bool is_beside = i > 0 && (mark == ',' || !has_long_groups_);
+    const bool is_beside =
+        (i > 0 || !is_counter_) && (mark == ',' || !has_long_groups_);
     has_others |= has_integers_[i] && (is_mixed || is_beside);
   }
   if (has_others) FailAmbiguous(path, example);

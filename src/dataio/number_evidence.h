@@ -2,6 +2,7 @@
 #define ALIDADE_SRC_DATAIO_NUMBER_EVIDENCE_H_
 
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,6 +37,7 @@ class NumberEvidence {
   };
   using Examples = std::map<char, Example>;  // by mark
 
+  void Count(std::string_view cell);
   static void Keep(char mark, std::string_view cell, int line, Examples* kept);
   char DecimalMark(const std::string& path, const StatedDialect& stated) const;
   char AmbiguousAlone(const std::string& path) const;
@@ -47,6 +49,8 @@ class NumberEvidence {
   Examples ambiguous_;
   std::vector<bool> has_integers_;  // by column
   std::vector<bool> has_ambiguous_;
+  bool is_counter_ = true;  // what integers the first column has
+  std::optional<int> last_;
   bool has_long_groups_ = false;  // two or three digits before such a mark
 };
 

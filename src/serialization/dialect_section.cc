@@ -37,6 +37,7 @@ void ReadSeparator(const YamlValue& value, StatedDialect* dialect) {
   dialect->separator = MarkOf(value, "what separates cells",
                               {{",", ','},
                                {";", ';'},
+                               {"bar", '|'},
                                {"|", '|'},
                                {"tab", '\t'},
                                {"space", ' '},

@@ -33,7 +33,7 @@ void VisitDialect(Visitor& v, DataFormat* format) {
           "poses are those of a fixed target in the frame of a camera on the "
           "arm, `tool`; `base` is then the arm's frame in that of the target");
   v.Custom(Key("separator").Default("found").Schema(kTextSchema),
-           "between cells, where it is not found: `\",\"`, `\";\"`, `\"|\"`, "
+           "between cells, where it is not found: `\",\"`, `\";\"`, `bar`, "
            "`tab` or `space`",
            [=](const YamlValue& value) { ReadSeparator(value, dialect); });
   v.Custom(Key("decimal").Default("found").Schema(kTextSchema),

@@ -121,7 +121,7 @@ class Writer {
 
   std::string Text() {
     WriteTop();
-    if (style_.has_header_in_comment) text_ += "# ";
+    if (style_.has_header_in_comment && style_.has_header) text_ += "# ";
     if (style_.has_header) Line(Names());
     if (style_.has_unit_row) Line(Units());
     for (int i = 0; i < kRows; ++i) {

@@ -244,7 +244,7 @@ TEST(JobDataTest, ParametersAreThoseOfArmAndReferences) {
   EXPECT_EQ(job.options.bounds[1].upper, 3 * kDegree);
 }
 
-// Two joints, the second of which slides, two targets.
+// Two joints that turn, two targets.
 TEST(JobDataTest, ParametersAreNamedByKindsJointsFramesAndPatterns) {
   const DataJob files;
   using Names = std::vector<std::string>;
@@ -259,7 +259,7 @@ TEST(JobDataTest, ParametersAreNamedByKindsJointsFramesAndPatterns) {
   EXPECT_EQ(load("fix: [joint 2]").fix,
             (Names{"beta2", "alpha2", "d2", "theta2", "r2"}));
   EXPECT_EQ(load("free: [theta]").free, (Names{"theta1", "theta2"}));
-  EXPECT_EQ(load("fix: [offsets]").fix, (Names{"theta1", "r2"}));
+  EXPECT_EQ(load("fix: [offsets]").fix, (Names{"theta1", "theta2"}));
   EXPECT_EQ(load("fix: [geometry]").fix.size(), 10U);
   EXPECT_EQ(load("fix: [frames]").fix.size(), 18U);
   EXPECT_EQ(load("fix: [tool2]").fix.size(), 6U);
@@ -276,8 +276,8 @@ TEST(JobDataTest, ParametersAreNamedByKindsJointsFramesAndPatterns) {
       load("parameters: [offsets, frames], free: [d2]");
   EXPECT_TRUE(offsets.candidates.joints && offsets.candidates.base &&
               offsets.candidates.tool);
-  EXPECT_EQ(offsets.fix, (Names{"beta1", "beta2", "alpha1", "alpha2", "d1",
-                                "theta2", "r1"}));
+  EXPECT_EQ(offsets.fix,
+            (Names{"beta1", "beta2", "alpha1", "alpha2", "d1", "r1", "r2"}));
 }
 
 // Whether loading fails with these words.
@@ -369,7 +369,7 @@ TEST(JobDataErrorTest, Entries) {
       {7, 51, "data.columns.targets", "found beside \"target\""});
   files.ExpectError("data: {file: b.csv, columns: {orientation: [a, b]}}\n",
                     {7, 44, "data.columns.orientation",
-                     "rx, ry, rz or of a quaternion's w, x, y, z, found 2"});
+                     "of a rotation matrix, row by row, found 2"});
   files.ExpectError(
       "data: {file: a.csv, rotation_sigma: 0}\n",
       {7, 37, "data.rotation_sigma", "expected an angle above 0, found 0"});
