@@ -39,6 +39,11 @@ TEST(InputErrorTest, KeepsItsParts) {
   EXPECT_EQ(error.message(), "is empty");
 }
 
+TEST(InputErrorTest, NamesOfAnyCharactersStayOnOneLine) {
+  const InputError error({"a.npy", 0, 0, "q1\n\tdeg"}, "is unknown");
+  EXPECT_STREQ(error.what(), "a.npy: q1\\n\\x09deg: is unknown");
+}
+
 TEST(InputErrorTest, IsARuntimeError) {
   try {
     throw InputError({"arm.yaml", 1, 1, ""}, "is empty");
