@@ -189,10 +189,14 @@ void CheckReferences(const YamlValue& value, const JobConfig& job) {
 void CheckOneWay(const YamlMap& map) {
   int ways = 0;
   for (const auto& [key, value] : map.entries()) {
-    if (key != "seed") ++ways;
+    if (key != "seed" && key != "by") ++ways;
   }
   const bool has_seed = map.Optional("seed").has_value();
   const bool draws = map.Optional("fraction") || map.Optional("folds");
+  if (const std::optional<YamlValue> by = map.Optional("by");
+      by && !map.Optional("fraction")) {
+    by->Fail("says what `fraction` holds out, which is not there");
+  }
   if (ways == 1 && (draws || !has_seed)) return;
   map.Fail(
       "expected `data`, or `fraction` and `seed`, or `folds` and `seed`, or "
