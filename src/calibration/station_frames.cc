@@ -68,7 +68,7 @@ bool IsIsotropic(const ObservationBlock& block, Eigen::Index i) {
   if (!block.whiteners.empty() && block.whiteners[i].size() > 0) return false;
   const auto sigmas = block.sigmas.col(i);
   for (int row = 0; row < block.rows_each(); ++row) {
-    if (sigmas[row] != sigmas[row / 3 * 3]) return false;
+    if (sigmas[row] != sigmas[Eigen::Index{3} * (row / 3)]) return false;
   }
   return true;
 }

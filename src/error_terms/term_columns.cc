@@ -458,8 +458,9 @@ Eigen::SparseMatrix<double> TermColumns::From(const TermColumns& other) const {
         for (const double knot : {below, below + 1.0}) {
           const double share = 1.0 - std::abs(place - knot);
           int number = static_cast<int>(knot);
-          if (theirs.is_periodic)
+          if (theirs.is_periodic) {
             number = (number + theirs.count) % theirs.count;
+          }
           if (number < 0 || number >= theirs.count || share <= 0.0) continue;
           entries.emplace_back(num_dense() + mine.offset + k,
                                other.num_dense() + theirs.offset + number,

@@ -28,7 +28,7 @@ PoseTurns TurnsAt(const Arm& arm, const double* joint_values) {
   ChainAxes chain;
   ComputeChainAxes(arm, joint_values, &chain);
   PoseTurns turns;
-  turns.axes.resize(3, 3 * n);
+  turns.axes.resize(3, Eigen::Index{3} * n);
   turns.points = chain.origin_on_axis;
   turns.last = chain.instrument_from_last;
   for (int j = 0; j < n; ++j) {
@@ -37,8 +37,8 @@ PoseTurns TurnsAt(const Arm& arm, const double* joint_values) {
     const Eigen::Vector3d y =
         j + 1 < n ? Eigen::Vector3d(chain.beta_axis.col(j + 1))
                   : Eigen::Vector3d(chain.instrument_from_last.linear().col(1));
-    turns.axes.col(3 * j) = y.cross(z);
-    turns.axes.col(3 * j + 1) = y;
+    turns.axes.col(Eigen::Index{3} * j) = y.cross(z);
+    turns.axes.col(Eigen::Index{3} * j + 1) = y;
     turns.axes.col(3 * j + 2) = z;
   }
   return turns;
@@ -115,7 +115,7 @@ class RowsMaker {
   void FillPoses() {
     const int n = arm_.num_joints();
     rows_.joint_values = data_.joint_values.map();
-    rows_.moments.resize(3 * n, data_.num_poses());
+    rows_.moments.resize(Eigen::Index{3} * n, data_.num_poses());
     const std::vector<CovariateEffect>& effects = arm_.errors.covariates;
     rows_.covariates.resize(static_cast<Eigen::Index>(effects.size()),
                             data_.num_poses());
@@ -167,7 +167,7 @@ class RowsMaker {
             values_.segment<3>(layout.Column(ParameterKind::kBaseRotation, 0)))
             .inverse();
     const int n = arm_.num_joints();
-    turns->setZero(num_rows_, 3 * (n + 4));
+    turns->setZero(num_rows_, Eigen::Index{3} * (n + 4));
     const Eigen::Matrix3d base_axes = arm_.instrument_from_base.linear();
     const auto visit = [&](int, Eigen::Index i,
                            const Eigen::Ref<const Eigen::MatrixXd>& moves) {
@@ -176,7 +176,7 @@ class RowsMaker {
       const int pose = second ? one.second_pose : one.pose;
       if (pose < 0) return;
       const double sign = second ? -kTermUnit : kTermUnit;
-      turns->block(one.first_row, 3 * n, one.height, 3) =
+      turns->block(one.first_row, Eigen::Index{3} * n, one.height, 3) =
           sign * moves.leftCols<3>() * base_axes;
       turns->block(one.first_row, 3 * n + 3, one.height, 3) =
           sign * moves.middleCols<3>(3) * from_axes * base_axes;
