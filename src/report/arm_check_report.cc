@@ -50,7 +50,8 @@ std::string FormatArmCheck(const Arm& arm, const ArmCheckResult& check) {
   const std::string limit =
       "T = " + FormatSignificant(check.statistic, 4) + ", limit " +
       FormatSignificant(check.limit, 4) + " of " +
-      FormatSignificant(check.degrees_of_freedom, 6) +
+      ShortestNumber(
+          NumberOrNan(FormatSignificant(check.degrees_of_freedom, 6))) +
       " degrees of freedom (p = " + FormatSignificant(check.p_value, 2) + ")";
   return Paragraph(std::string(check.passes ? "PASSED: " : "FAILED: ") +
                    arm.name + (check.passes ? " is" : " is not") +
