@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "src/common/format.h"
+#include "src/common/number_text.h"
 #include "src/common/text.h"
 #include "src/report/table.h"
 
