@@ -62,8 +62,8 @@ std::vector<CovariateEffect> EffectsOf(const Dataset& data,
 double ChanceOfGain(double gain, int variances);
 
 /// A larger set of terms is weighed where its gain is less likely than that
-/// without its terms.
-constexpr double kEvidenceLevel = 0.01;
+/// without its terms; the folds have the last word.
+constexpr double kEvidenceLevel = 0.05;
 
 /// Fits of several sets of terms to the same rows, which are linear about one
 /// estimate of geometry and terms.
