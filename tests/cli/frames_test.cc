@@ -109,6 +109,19 @@ void ExpectDeviations(const FrameRow& row, const Eigen::VectorXd& expected) {
   }
 }
 
+// "Before" has the frames fitted as well: no comparison says anything.
+TEST_F(FramesTest, FramesAloneAreNotComparedWithThemselves) {
+  const std::string out = directory_ / "touched";
+  const auto run = Alidade("calibrate " + kSource +
+                           "/configs/jobs/tool_touched.yaml --out=" + out);
+  ASSERT_EQ(run.status, 0) << run.err;
+  const std::string report = ReadWhole(out + "/report.txt");
+  EXPECT_NE(report.find("With the frames that were found the mean position "
+                        "error at 6"),
+            std::string::npos);
+  EXPECT_EQ(report.find("hardly better"), std::string::npos);
+}
+
 TEST_F(FramesTest, ToolOfATouchedPinIsThatOfLinearLeastSquares) {
   const Touches touches = Touched(
       "tool_touched.csv", LoadArm(kSource + "/configs/robots/irb120.yaml"));
