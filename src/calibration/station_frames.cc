@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "alidade/error.h"
 #include "alidade/rotation.h"
 #include "src/initialization/initial_frames.h"
 #include "src/kernel/holdout.h"
@@ -141,6 +142,27 @@ Eigen::Isometry3d MotionOf(const Motion& effect) {
   return Eigen::Translation3d(effect.head<3>()) * turn(0) * turn(1) * turn(2);
 }
 
+// Effects on the base are added up (error_terms.h), which motions as large as
+// these cannot be.
+void RefuseMovedBases(const Dataset& data,
+                      const std::vector<CovariateUse>& uses) {
+  for (const std::string& name : data.covariate_names) {
+    const auto use =
+        std::find_if(uses.begin(), uses.end(),
+                     [&name](const auto& one) { return one.name == name; });
+    // One of which nothing is said moves the base.
+    if (use != uses.end() && (use->is_station || use->is_approach ||
+                              use->is_payload || !use->moves_base)) {
+      continue;
+    }
+    throw InputError({}, "`" + name +
+                             "` moves the base, and stations are more than 20 "
+                             "mm or 20 mrad apart, which cannot be described "
+                             "together: give the data of each station a job of "
+                             "its own, or `effects` on something else");
+  }
+}
+
 }  // namespace
 
 std::vector<MovedStation> AlignStations(CalibrationTask* task) {
@@ -183,6 +205,7 @@ std::vector<MovedStation> AlignStations(CalibrationTask* task) {
     moved.push_back({training.covariate_names[stations[k].row], motion});
   }
   if (moved.empty()) return {};
+  RefuseMovedBases(training, options.errors.uses);
   MovePoses(motions, stations, &training);
   if (std::optional<Dataset>& validation = task->data.validation) {
     MovePoses(motions, ListStations(*validation, options.errors.uses),

@@ -39,6 +39,27 @@ std::string Statement(const ArmExport& exported) {
                    mm(exported.cost.max) + " mm at most.");
 }
 
+// The flange in the last joint's frame: the target of the arm that --nominal
+// names, or of the one that the result was calibrated from, where that is
+// turned alone, as the arms of `alidade robots` have it. The last joint's frame
+// elsewhere: a target that is moved is a guess of the tool.
+Eigen::Isometry3d FlangeOf(const CommandLine& line) {
+  const std::string& path = line.files[0];
+  if (!line.nominal.empty()) {
+    return LoadArmOrResult(line.nominal).last_from_target();
+  }
+  if (!IsResult(path)) return Eigen::Isometry3d::Identity();
+  const Arm nominal = LoadArmSource(path, "").nominal;
+  const Eigen::Isometry3d flange = nominal.last_from_target();
+  if (nominal.num_targets() == 1 && flange.translation().isZero(0.0)) {
+    return flange;
+  }
+  std::cerr << "note: tools are in the frame of the last joint, as the nominal "
+               "arm's tool may be a guess: where the flange is turned or moved "
+               "from it, name an arm whose tool is the flange by --nominal\n";
+  return Eigen::Isometry3d::Identity();
+}
+
 ExitStatus ExportFrames(const CommandLine& line) {
   const std::string& path = line.files[0];
   PoseFormat format;
@@ -51,7 +72,8 @@ ExitStatus ExportFrames(const CommandLine& line) {
   const Arm arm = calibrated ? calibrated->arm : LoadArmOrResult(path);
   WriteTable(
       line,
-      FormatFrames(arm, calibrated ? &calibrated->covariance : nullptr, format),
+      FormatFrames(arm, FlangeOf(line),
+                   calibrated ? &calibrated->covariance : nullptr, format),
       {path});
   return kExitDone;
 }

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <csignal>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <new>
 #include <sstream>
@@ -387,6 +388,9 @@ ExitStatus Run(const std::vector<std::string>& arguments) {
     return status;
   } catch (const InputError& error) {
     PrintError(error.what());
+    return kExitBadInput;
+  } catch (const std::filesystem::filesystem_error& error) {
+    PrintError(error.path1().string() + ": " + error.code().message());
     return kExitBadInput;
   } catch (const std::bad_alloc&) {
     PrintError("out of memory");

@@ -39,6 +39,15 @@ std::string PosesFile(const CommandLine& line) {
   return "results/" + result.stem().string() + "_check.csv";
 }
 
+// Their columns are not read here.
+void RefuseCovariates(const Arm& arm) {
+  for (const CovariateEffect& effect : arm.errors.covariates) {
+    throw InputError({}, "--check: the arm has an effect of `" + effect.name +
+                             "`, which a check does not take into account; "
+                             "`alidade validate RESULT JOB.yaml` does");
+  }
+}
+
 }  // namespace
 
 ExitStatus RunCheckPlan(const CommandLine& line) {
@@ -55,6 +64,7 @@ ExitStatus RunCheckPlan(const CommandLine& line) {
                              std::to_string(kMostPoses));
   }
   const ArmSource source = LoadArmSource(line.files[0], line.nominal);
+  RefuseCovariates(source.real);
   const VerificationPlan plan = PlanVerification(
       source, line.poses, line.seed.value_or(kDefaultSeed), OptionsOf(line));
   const fs::path folder = fs::path(out).parent_path();
@@ -70,6 +80,7 @@ ExitStatus RunArmCheck(const CommandLine& line) {
     throw InputError({}, "validate --check: expected RESULT DATA.csv");
   }
   const ArmSource source = LoadArmSource(line.files[0], line.nominal);
+  RefuseCovariates(source.real);
   const ArmCheckResult check =
       VerifyArm(source, line.files[1], OptionsOf(line));
   std::cout << FormatArmCheck(source.real, check);

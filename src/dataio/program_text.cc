@@ -166,7 +166,23 @@ void ProgramReader::ListOtherMoves(
   }
 }
 
+std::vector<int> ProgramReader::UsesOf(const ProgramTarget& target) const {
+  std::vector<int> lines;
+  if (target.name.empty() || !IsWordCharacter(target.name.back())) {
+    return {target.line};
+  }
+  for (std::size_t at = text_.FindWord(target.name, 0); at != std::string::npos;
+       at = text_.FindWord(target.name, at + 1)) {
+    const int line = text_.LineOf(at);
+    if (line > target.line) lines.push_back(line);
+  }
+  return lines.empty() ? std::vector<int>{target.line} : lines;
+}
+
 void ProgramReader::SortTargets() {
+  for (ProgramTarget& target : program_->targets) {
+    target.uses = UsesOf(target);
+  }
   std::stable_sort(program_->targets.begin(), program_->targets.end(),
                    [](const ProgramTarget& a, const ProgramTarget& b) {
                      return a.numbers.front().begin < b.numbers.front().begin;

@@ -72,8 +72,11 @@ class ProgramReader {
   /// name that is not `is_known`: not stated in numbers in this file.
   void ListOtherMoves(const std::function<bool(const std::string&)>& is_motion,
                       const std::function<bool(const std::string&)>& is_known);
-  /// Targets in the order of the text.
+  /// Targets in the order of the text, with the lines that use them.
   void SortTargets();
+
+  /// Lines behind the target's own that name it; its own where there are none.
+  std::vector<int> UsesOf(const ProgramTarget& target) const;
 
   const ProgramText text_;
   RobotProgram* const program_;

@@ -28,6 +28,8 @@ struct ProgramTarget {
   bool is_joints = false;
   int line = 0;
   std::string name;  ///< of the variable; may be empty
+  /// Lines that name it besides; the order of a program's motions.
+  std::vector<int> uses;
   /// Joint values, or x, y, z and the orientation as the language writes it.
   std::vector<NumberSpan> numbers;
   /// Names among RobotProgram::frames; empty: the arm's own tool, its base.

@@ -62,15 +62,20 @@ Vector6d Deviations(const ParameterCovariance* covariance, int first,
 }
 
 std::vector<Frame> FramesOf(const Arm& arm,
+                            const Eigen::Isometry3d& last_from_flange,
                             const ParameterCovariance* covariance) {
   const ParameterLayout layout(arm);
   std::vector<Frame> frames;
+  const Eigen::Isometry3d flange_from_last = last_from_flange.inverse();
+  Matrix6d to_flange = Matrix6d::Zero();
+  to_flange.topLeftCorner<3, 3>() = flange_from_last.linear();
+  to_flange.bottomRightCorner<3, 3>() = flange_from_last.linear();
   for (int target = 0; target < arm.num_targets(); ++target) {
     const int first = layout.Column(ParameterKind::kToolTranslation, 0, target);
     const std::string& name = arm.targets[target].name;
     frames.push_back({name.empty() ? "tool" : name,
-                      arm.last_from_target(target),
-                      Deviations(covariance, first, Matrix6d::Identity())});
+                      flange_from_last * arm.last_from_target(target),
+                      Deviations(covariance, first, to_flange)});
   }
   const Eigen::Isometry3d& base = arm.instrument_from_base;
   const int first = layout.Column(ParameterKind::kBaseTranslation, 0);
@@ -104,9 +109,11 @@ std::vector<AddedColumn> DeviationColumns(const std::vector<Frame>& frames) {
 
 }  // namespace
 
-std::string FormatFrames(const Arm& arm, const ParameterCovariance* covariance,
+std::string FormatFrames(const Arm& arm,
+                         const Eigen::Isometry3d& last_from_flange,
+                         const ParameterCovariance* covariance,
                          const PoseFormat& format) {
-  const std::vector<Frame> frames = FramesOf(arm, covariance);
+  const std::vector<Frame> frames = FramesOf(arm, last_from_flange, covariance);
   std::vector<Eigen::Isometry3d> poses;
   for (const Frame& frame : frames) poses.push_back(frame.pose);
   std::vector<AddedColumn> columns = PoseColumns("", poses, format);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "alidade/error.h"
 #include "src/common/format.h"
@@ -54,18 +55,18 @@ Arm WithBounds(const Arm& arm, const Eigen::MatrixXd& bounds) {
   return narrow;
 }
 
-void Append(const Correction& one, Eigen::Index i, Correction* all) {
-  all->targets.push_back(one.targets[0]);
+void Put(const Correction& one, Eigen::Index i, Correction* all) {
+  all->targets[i] = one.targets[0];
   all->asked_motors.col(i) = one.asked_motors;
-  all->asked_status.push_back(one.asked_status[0]);
+  all->asked_status[i] = one.asked_status[0];
   all->motors.col(i) = one.motors;
-  all->poses.push_back(one.poses[0]);
+  all->poses[i] = one.poses[0];
   PoseSolutions& solutions = all->solutions;
   solutions.joint_values.col(i) = one.solutions.joint_values;
-  solutions.status.push_back(one.solutions.status[0]);
+  solutions.status[i] = one.solutions.status[0];
   solutions.position_error[i] = one.solutions.position_error[0];
   solutions.rotation_error[i] = one.solutions.rotation_error[0];
-  solutions.iterations.push_back(one.solutions.iterations[0]);
+  solutions.iterations[i] = one.solutions.iterations[0];
   all->shift[i] = one.shift[0];
   all->turn[i] = one.turn[0];
 }
@@ -100,18 +101,22 @@ class ProgramCorrector {
     all.solutions.rotation_error.resize(count);
     all.shift.resize(count);
     all.turn.resize(count);
-    before_ = MotorsFromJoints(arms_.nominal, MiddleOfLimits(arms_.nominal));
-    std::vector<ProgramValues> values;
+    all.targets.resize(static_cast<std::size_t>(count));
+    all.poses.resize(static_cast<std::size_t>(count));
+    all.asked_status.resize(static_cast<std::size_t>(count));
+    all.solutions.status.resize(static_cast<std::size_t>(count));
+    all.solutions.iterations.resize(static_cast<std::size_t>(count));
+    std::vector<ProgramValues> values(static_cast<std::size_t>(count));
     std::vector<ProgramNote> failed;
+    for (const Eigen::Index i : InOrderOfMotion()) {
+      values[i] = CorrectOne(program_.targets[i], i);
+      is_solved_[i] = all.IsReached(i);
+    }
     for (Eigen::Index i = 0; i < count; ++i) {
       const ProgramTarget& target = program_.targets[i];
-      values.push_back(CorrectOne(target, i));
       result_.names.push_back("line " + std::to_string(target.line) +
                               (target.name.empty() ? "" : ", ") + target.name);
-      if (all.IsReached(i)) {
-        before_ = all.asked_motors.col(i);
-        continue;
-      }
+      if (is_solved_[i]) continue;
       failed.push_back({target.line, StatusOf(all, i) + Posture(target)});
     }
     if (!failed.empty()) Refuse(program_, failed);
@@ -120,6 +125,39 @@ class ProgramCorrector {
   }
 
  private:
+  // By the first lines that move to them; in the order of the text in a line.
+  std::vector<Eigen::Index> InOrderOfMotion() {
+    std::vector<Eigen::Index> order(program_.targets.size());
+    std::iota(order.begin(), order.end(), Eigen::Index{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [this](Eigen::Index a, Eigen::Index b) {
+                       return program_.targets[a].uses.front() <
+                              program_.targets[b].uses.front();
+                     });
+    is_solved_.assign(order.size(), false);
+    return order;
+  }
+
+  // Where the program is before it first moves to target i: at the position
+  // that the nearest line above moves to, or the one before in the same line.
+  Eigen::VectorXd MotorsBefore(Eigen::Index i) const {
+    const int first = program_.targets[i].uses.front();
+    Eigen::Index nearest = -1;
+    int nearest_line = -1;
+    for (Eigen::Index k = 0;
+         k < static_cast<Eigen::Index>(program_.targets.size()); ++k) {
+      if (!is_solved_[k] || k == i) continue;
+      for (const int line : program_.targets[k].uses) {
+        if (line > first || (line == first && k > i)) break;
+        if (line < nearest_line) continue;
+        nearest = k;
+        nearest_line = line;
+      }
+    }
+    if (nearest >= 0) return result_.correction.asked_motors.col(nearest);
+    return MotorsFromJoints(arms_.nominal, MiddleOfLimits(arms_.nominal));
+  }
+
   static std::string Posture(const ProgramTarget& target) {
     return target.posture.empty() ? "" : ", in the posture that is stated";
   }
@@ -137,7 +175,7 @@ class ProgramCorrector {
     if (target.is_joints) {
       const Eigen::VectorXd motors = MotorsOf(language, target, arms.nominal);
       const Correction one = CorrectJoints(arms, motors, options_);
-      Append(one, i, &result_.correction);
+      Put(one, i, &result_.correction);
       values.numbers =
           NumbersOfMotors(language, arms.nominal, one.motors.col(0));
       return values;
@@ -148,7 +186,7 @@ class ProgramCorrector {
         WithBounds(arms.nominal,
                    PostureBounds(language, target, arms.nominal.num_joints()));
     const PoseSolutions start =
-        FindPoses(narrow, {pose}, JointsFromMotors(narrow, before_),
+        FindPoses(narrow, {pose}, JointsFromMotors(narrow, MotorsBefore(i)),
                   options_.num_trials, options_.seed, options_.solver);
     Correction one = CorrectPoses(
         arms, {pose}, MotorsFromJoints(narrow, start.joint_values), options_);
@@ -156,7 +194,7 @@ class ProgramCorrector {
     if (start.status[0] != PoseStatus::kReached) {
       one.asked_status[0] = start.status[0];
     }
-    Append(one, i, &result_.correction);
+    Put(one, i, &result_.correction);
     values.numbers =
         NumbersOfPose(language, target, frame.inverse() * one.poses[0]);
     values.posture = PostureOf(language, target, one.motors.col(0));
@@ -166,7 +204,7 @@ class ProgramCorrector {
   const RobotProgram& program_;
   const CorrectionArms& arms_;
   const CorrectionOptions& options_;
-  Eigen::VectorXd before_;
+  std::vector<bool> is_solved_;
   ProgramCorrection result_;
 };
 

@@ -1,9 +1,11 @@
 #include "src/serialization/covariate_columns.h"
 
 #include <algorithm>
+#include <string_view>
 #include <tuple>
 #include <utility>
 
+#include "alidade/error.h"
 #include "src/common/names.h"
 
 namespace alidade::internal {
@@ -115,9 +117,41 @@ void AddPayload(double mass, LoadedData* loaded) {
   loaded->uses.push_back(std::move(use));
 }
 
-void AddStations(const std::vector<std::string>& stations, LoadedData* loaded) {
+namespace {
+
+// The one whose base is the arm's: of an arm that has been calibrated with
+// stations, the one that it has no effect for; else the first.
+std::string FirstStation(const std::vector<std::string>& stations,
+                         const Arm& arm) {
+  constexpr std::string_view kPrefix = "station ";
+  std::vector<std::string> others;
+  for (const CovariateEffect& effect : arm.errors.covariates) {
+    if (effect.name.rfind(kPrefix, 0) == 0) {
+      others.push_back(effect.name.substr(kPrefix.size()));
+    }
+  }
+  if (others.empty()) return stations.front();
+  std::string first;
+  for (const std::string& station : stations) {
+    if (std::find(others.begin(), others.end(), station) != others.end()) {
+      continue;
+    }
+    if (!first.empty() && station != first) {
+      throw InputError({}, "the arm knows one station besides " +
+                               JoinNames(others) + ", the data name " + first +
+                               " and " + station);
+    }
+    first = station;
+  }
+  return first;
+}
+
+}  // namespace
+
+void AddStations(const std::vector<std::string>& stations, const Arm& arm,
+                 LoadedData* loaded) {
   Dataset* const data = &loaded->data;
-  std::vector<std::string> names;
+  std::vector<std::string> names = {FirstStation(stations, arm)};
   for (const std::string& station : stations) {
     if (std::find(names.begin(), names.end(), station) == names.end()) {
       names.push_back(station);

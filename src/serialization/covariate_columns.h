@@ -68,7 +68,8 @@ inline constexpr char kPayloadName[] = "payload";
 /// A mass at the target that is the same at all poses.
 void AddPayload(double mass, LoadedData* loaded);
 /// A covariate of each station but the first, 1 there and 0 elsewhere.
-void AddStations(const std::vector<std::string>& stations, LoadedData* loaded);
+void AddStations(const std::vector<std::string>& stations, const Arm& arm,
+                 LoadedData* loaded);
 /// Data that are joined have the same covariates. @throws InputError.
 void RequireSameCovariates(const std::vector<LoadedData>& parts);
 

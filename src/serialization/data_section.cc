@@ -235,10 +235,10 @@ void VisitData(Visitor& v, const Arm& arm, DataFormat* format,
 }
 
 // All parts as one. A pose of a part without sets is in the set "".
-LoadedData Merge(std::vector<LoadedData> parts, int num_joints) {
+LoadedData Merge(std::vector<LoadedData> parts, const Arm& arm) {
   LoadedData all;
   if (parts.empty()) {
-    all.data.joint_values = Eigen::MatrixXd(num_joints, 0);
+    all.data.joint_values = Eigen::MatrixXd(arm.num_joints(), 0);
     return all;
   }
   RequireSameCovariates(parts);
@@ -274,7 +274,7 @@ LoadedData Merge(std::vector<LoadedData> parts, int num_joints) {
   for (const Dataset& part : data) num_poses += part.num_poses();
   RequireFewRows(data.back().name, num_poses);
   all.data = MergeDatasets(std::move(data));
-  if (has_stations) AddStations(all.stations, &all);
+  if (has_stations) AddStations(all.stations, arm, &all);
   return all;
 }
 
@@ -420,7 +420,7 @@ LoadedData ReadData(const YamlValue& value, const MeasurementSigmas& sigmas,
   for (const YamlValue& entry : entries) {
     ReadEntry(entry, defaults, context, job, &assignment, &parts);
   }
-  LoadedData all = Merge(std::move(parts), job->arm.num_joints());
+  LoadedData all = Merge(std::move(parts), job->arm);
   if (job->communicator->Sum(all.data.covariate_names.empty() ? 0 : 1) > 0 &&
       is_partitioned) {
     value.Fail(

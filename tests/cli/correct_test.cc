@@ -268,5 +268,52 @@ TEST(CorrectErrorsTest, AreNamed) {
   EXPECT_THAT(alone.err, HasSubstr("--nominal"));
 }
 
+// The posture of a pose is that of the position which the program moves to
+// before, wherever that is stated.
+TEST(CorrectProgramTest, PostureIsThatOfThePositionMovedToBefore) {
+  const TemporaryDirectory scratch;
+  std::string arm = ReadWhole(kRobots + "ur10.yaml");
+  const std::string length = "a: -572.3";
+  ASSERT_NE(arm.find(length), std::string::npos);
+  arm.replace(arm.find(length), length.size(), "a: -574.3");
+  WriteWhole(scratch / "real.yaml", arm);
+  const std::string list = "[0.1, -0.4, -1.6, 0.2, -1.5708, 0.3]";
+  const std::string away = "  movej([0.1, -1.9, 1.57, -1.74, 1.5708, 0.0])\n";
+  const auto corrected = [&](const std::string& name,
+                             const std::string& moves) {
+    // Where the list puts the nominal arm, by `fk`.
+    WriteWhole(scratch / "q.csv",
+               "q1_rad,q2_rad,q3_rad,q4_rad,q5_rad,q6_rad\n"
+               "0.1,-0.4,-1.6,0.2,-1.5708,0.3\n");
+    const auto pose = Columns(
+        Alidade("fk " + kRobots + "ur10.yaml " + (scratch / "q.csv")).out);
+    std::string text = "p[";
+    for (const char* key : {"x_mm", "y_mm", "z_mm"}) {
+      text += std::to_string(1e-3 * std::stod(pose.at(key)[0])) + ", ";
+    }
+    for (const char* key : {"wx_deg", "wy_deg", "wz_deg"}) {
+      text += std::to_string(std::stod(pose.at(key)[0]) * kDegree) +
+              (key[1] == 'z' ? "]" : ", ");
+    }
+    const std::string file = scratch / name;
+    WriteWhole(file, "def main():\n" + moves + "  movel(" + text + ")\nend\n");
+    const auto run = Alidade("correct " + (scratch / "real.yaml") + " " + file +
+                             " --nominal=" + kRobots +
+                             "ur10.yaml --out=" + (scratch / ("out_" + name)));
+    EXPECT_EQ(run.status, 0) << run.err;
+    const std::string out = ReadWhole(scratch / ("out_" + name));
+    const std::size_t at = out.find("movel");
+    return at == std::string::npos ? "" : out.substr(at);
+  };
+  const std::string inline_list =
+      corrected("inline.script", away + "  movej(" + list + ")\n");
+  EXPECT_EQ(corrected("declared.script",
+                      "  jB = " + list + "\n" + away + "  movej(jB)\n"),
+            inline_list);
+  // In another posture the same pose is corrected otherwise.
+  EXPECT_NE(corrected("other.script", "  movej(" + list + ")\n" + away),
+            inline_list);
+}
+
 }  // namespace
 }  // namespace alidade::internal

@@ -109,6 +109,25 @@ void ExpectDeviations(const FrameRow& row, const Eigen::VectorXd& expected) {
   }
 }
 
+// Controllers have tools in the flange, which robots with alpha1 = 180 deg have
+// turned in the last joint's frame.
+TEST_F(FramesTest, ToolsAreInTheFlangeOfTheNominalArm) {
+  const std::string flange = kSource + "/configs/robots/kr6_r900_2.yaml";
+  std::string arm = ReadWhole(flange);
+  const std::string tool = "tool: {rx: 180}";
+  ASSERT_NE(arm.find(tool), std::string::npos);
+  arm.replace(arm.find(tool), tool.size(),
+              "tool: {x: 12.5, y: 21.25, z: -151.75, rx: 180}");
+  WriteWhole(directory_ / "arm.yaml", arm);
+  const auto run =
+      Alidade("export " + (directory_ / "arm.yaml") +
+              " --as=frames --rotation=intrinsic_zyx --nominal=" + flange);
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("\ntool,12.500000000,-21.250000000,"
+                                 "151.750000000,0.0000000000,0.0000000000,"
+                                 "0.0000000000"));
+}
+
 // "Before" has the frames fitted as well: no comparison says anything.
 TEST_F(FramesTest, FramesAloneAreNotComparedWithThemselves) {
   const std::string out = directory_ / "touched";
