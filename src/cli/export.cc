@@ -50,7 +50,7 @@ Eigen::Isometry3d FlangeOf(const CommandLine& line) {
   }
   if (!IsResult(path)) return Eigen::Isometry3d::Identity();
   const Arm nominal = LoadArmSource(path, "").nominal;
-  const Eigen::Isometry3d flange = nominal.last_from_target();
+  Eigen::Isometry3d flange = nominal.last_from_target();
   if (nominal.num_targets() == 1 && flange.translation().isZero(0.0)) {
     return flange;
   }

@@ -79,8 +79,8 @@ bool HasCurrentDirectory(const fs::path& place) {
 std::string MakeStaged(const std::string& begin) {
   static std::atomic<unsigned> counter{0};
   while (true) {
-    const std::string path = begin + std::to_string(getpid()) + "-" +
-                             std::to_string(counter.fetch_add(1));
+    std::string path = begin + std::to_string(getpid()) + "-" +
+                       std::to_string(counter.fetch_add(1));
     if (mkdir(path.c_str(), 0777) == 0) return path;
     if (errno != EEXIST) return "";
   }
