@@ -1,6 +1,27 @@
 #include "src/calibration/improvement.h"
 
+#include <algorithm>
+#include <array>
+#include <string_view>
+
 namespace alidade::internal {
+namespace {
+
+bool FindsFramesAlone(const CalibrationResult& result) {
+  constexpr std::array<std::string_view, 5> kJoints = {"beta", "alpha", "d",
+                                                       "theta", "r"};
+  const auto is_of_joint = [&](const ParameterResult& parameter) {
+    return parameter.decision.state == ParameterState::kFree &&
+           std::find(kJoints.begin(), kJoints.end(), parameter.kind) !=
+               kJoints.end();
+  };
+  return !result.before_note.empty() &&
+         std::none_of(result.parameters.begin(), result.parameters.end(),
+                      is_of_joint);
+}
+
+}  // namespace
+
 namespace {
 
 // What the uncertainty of the parameters lets errors grow by where the arm was
@@ -45,6 +66,7 @@ Improvement::Improvement(const CalibrationResult& result) {
   before = is_length ? errors.before : errors.rotation_before;
   after = is_length ? errors.after : errors.rotation_after;
   is_worse = is_length ? IsWorse(errors, result) : ratio() > 1.0;
+  is_of_frames = FindsFramesAlone(result);
 }
 
 }  // namespace alidade::internal

@@ -30,6 +30,8 @@ struct Improvement {
   Accuracy before;
   Accuracy after;
   bool is_worse = false;
+  /// Frames alone are identified, which "before" has fitted as well.
+  bool is_of_frames = false;
   std::int64_t num_rejected = 0;
 };
 

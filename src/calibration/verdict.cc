@@ -1,13 +1,11 @@
 #include "src/calibration/verdict.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <set>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -82,20 +80,6 @@ std::string PlacesOf(const std::vector<Outlier>& outliers) {
   const std::size_t more = outliers.size() - places.size();
   return " (" + Join(places, ", ") +
          (more > 0 ? " and " + std::to_string(more) + " more" : "") + ")";
-}
-
-// Where frames alone are found, they are those of "before" as well.
-bool FindsFramesAlone(const CalibrationResult& result) {
-  constexpr std::array<std::string_view, 5> kJoints = {"beta", "alpha", "d",
-                                                       "theta", "r"};
-  const auto is_of_joint = [&](const ParameterResult& parameter) {
-    return parameter.decision.state == ParameterState::kFree &&
-           std::find(kJoints.begin(), kJoints.end(), parameter.kind) !=
-               kJoints.end();
-  };
-  return !result.before_note.empty() &&
-         std::none_of(result.parameters.begin(), result.parameters.end(),
-                      is_of_joint);
 }
 
 class Judge {
@@ -188,7 +172,7 @@ class Judge {
     const bool is_worse = by.is_worse;
     const std::string what =
         by.dimension == Dimension::kLength ? "position" : "orientation";
-    if (FindsFramesAlone(result_)) {
+    if (by.is_of_frames) {
       verdict_.sentence = "With the frames that were found the mean " + what +
                           " error at " + Count(by.after.n, Poses()) +
                           WithoutRejected(by.num_rejected) + " is " +
@@ -467,7 +451,7 @@ class Judge {
     std::string title = result_.acceptance.empty() ? "Usable" : "Accepted";
     if (verdict_.level == FindingLevel::kPassed) return title;
     const bool is_hardly_better =
-        improvement_.ratio() > kHardlyBetter && !FindsFramesAlone(result_);
+        improvement_.ratio() > kHardlyBetter && !improvement_.is_of_frames;
     return title + (is_hardly_better ? ", hardly better than before"
                                      : ", with warnings");
   }

@@ -33,9 +33,28 @@ class FanucReader : ProgramReader {
           std::min(text_.text().find('}', open), text_.size());
       ReadPosition(at, open, close);
     }
+    for (ProgramTarget& target : program_->targets) {
+      target.uses = UsesAbove(positions, target);
+    }
   }
 
  private:
+  // Positions stand behind the motions that name them, "P[1]" or "P[1:home]".
+  std::vector<int> UsesAbove(std::size_t end,
+                             const ProgramTarget& target) const {
+    const std::string start =
+        target.name.substr(0, target.name.find_first_of(":]"));
+    std::vector<int> lines;
+    for (std::size_t at = 0; (at = text_.text().find(start, at)) < end; ++at) {
+      const char next = text_.at(at + start.size());
+      const bool begins = at == 0 || !IsWordCharacter(text_.at(at - 1));
+      if (begins && (next == ':' || next == ']')) {
+        lines.push_back(text_.LineOf(at));
+      }
+    }
+    return lines.empty() ? std::vector<int>{target.line} : lines;
+  }
+
   // Motions that move by what registers hold.
   void ListComputed(std::size_t end) {
     for (const auto& [word, why] :

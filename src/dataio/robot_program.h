@@ -28,7 +28,8 @@ struct ProgramTarget {
   bool is_joints = false;
   int line = 0;
   std::string name;  ///< of the variable; may be empty
-  /// Lines that name it besides; the order of a program's motions.
+  /// Lines that move to it, ascending, or its own where none names it; the
+  /// order of a program's motions. Never empty.
   std::vector<int> uses;
   /// Joint values, or x, y, z and the orientation as the language writes it.
   std::vector<NumberSpan> numbers;

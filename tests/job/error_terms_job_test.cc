@@ -115,7 +115,7 @@ TEST_F(ErrorTermsJobTest, CovariatesAndStationsOfACsvMoveWhatTheyShould) {
   AddEffect("temperature", 20.0).joints =
       Eigen::VectorXd::Unit(5, 1) * 3e-5;  // rad per K
   AddEffect("tilt", 0.0).base << 0.0, 0.0, 1e-4, 0.0, 0.0, 0.0;
-  AddEffect("shelf", 0.0).base << 2.0, -1.0, 0.5, 0.0, 0.0, 1.0;
+  AddEffect("shelf", 0.0).base << 4e-3, -2e-3, 1e-3, 0.0, 0.0, 1e-3;
   Random random(7);
   Eigen::MatrixXd covariates(3, kPoses);
   std::vector<std::string> cells;
@@ -143,13 +143,17 @@ TEST_F(ErrorTermsJobTest, CovariatesAndStationsOfACsvMoveWhatTheyShould) {
   EXPECT_TRUE(effects[0].base.isZero(0.0));
   EXPECT_NEAR(effects[1].base.head<3>().norm(), 1e-4, 2e-5);
   EXPECT_EQ(effects[1].joints.cwiseAbs().sum(), 0.0);
-  EXPECT_NEAR(effects[2].base.head<3>().norm(), std::sqrt(5.25), 0.01);
+  EXPECT_NEAR(effects[2].base.head<3>().norm(), std::sqrt(21.0) * 1e-3, 2e-4);
   EXPECT_LT(result.validation->after.rms, 1.3 * std::sqrt(3.0) * kSigma);
   // And by its evidence.
   const CalibrationResult automatic = alidade::RunJob(
       JobWith(columns, "validation: {fraction: 0.3}\n"), "test");
   EXPECT_LT(automatic.validation->after.rms, 1.3 * std::sqrt(3.0) * kSigma);
   EXPECT_NEAR(automatic.arm.errors.covariates[0].joints[1], 3e-5, 5e-6);
+  // Effects on the base are sums, which motions of metres are not.
+  real_.errors.covariates[2].base << 2.0, -1.0, 0.5, 0.0, 0.0, 1.0;
+  WriteData("temperature,tilt,place", cells, covariates);
+  EXPECT_THROW(alidade::RunJob(JobWith(columns, ""), "test"), InputError);
 }
 
 TEST_F(ErrorTermsJobTest, PayloadAndApproachHaveColumns) {
