@@ -1,6 +1,7 @@
 #include "src/cli/validation_data.h"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -73,6 +74,40 @@ Refit ReadRefit(const std::string& text) {
   return refit;
 }
 
+namespace {
+
+constexpr char kStation[] = "station ";
+
+bool HasEffect(const Arm& arm, const std::string& name) {
+  const std::vector<CovariateEffect>& effects = arm.errors.covariates;
+  return std::any_of(
+      effects.begin(), effects.end(),
+      [&name](const CovariateEffect& effect) { return effect.name == name; });
+}
+
+// Stations of the data are told apart by the arm that the job names.
+void RequireKnownStations(const std::string& path, const Arm& arm,
+                          const JobConfig& job) {
+  bool has_stations = false;
+  for (const CovariateEffect& effect : arm.errors.covariates) {
+    if (effect.name.rfind(kStation, 0) != 0) continue;
+    has_stations = true;
+    if (HasEffect(job.arm, effect.name)) continue;
+    throw InputError({path, 0, 0, ""},
+                     "the arm was calibrated with stations, which the job's "
+                     "`arm` does not know: name the calibrated arm.yaml there");
+  }
+  if (!has_stations) return;
+  for (const std::string& name : job.data.training.covariate_names) {
+    if (name.rfind(kStation, 0) != 0 || HasEffect(arm, name)) continue;
+    throw InputError({path, 0, 0, ""},
+                     "the arm was not calibrated with " + name +
+                         ", so that its base there is not known");
+  }
+}
+
+}  // namespace
+
 CalibrationData LoadValidationData(const std::string& path, const Arm& arm,
                                    double default_sigma, int num_threads) {
   CalibrationData data;
@@ -85,6 +120,7 @@ CalibrationData LoadValidationData(const std::string& path, const Arm& arm,
   }
   JobConfig job = LoadJob(path, num_threads);
   RequireSameShape(path, arm, job.arm);
+  RequireKnownStations(path, arm, job);
   data = std::move(job.data);
   data.validation.reset();
   return data;

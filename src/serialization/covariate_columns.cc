@@ -131,19 +131,11 @@ std::string FirstStation(const std::vector<std::string>& stations,
     }
   }
   if (others.empty()) return stations.front();
-  std::string first;
-  for (const std::string& station : stations) {
-    if (std::find(others.begin(), others.end(), station) != others.end()) {
-      continue;
-    }
-    if (!first.empty() && station != first) {
-      throw InputError({}, "the arm knows one station besides " +
-                               JoinNames(others) + ", the data name " + first +
-                               " and " + station);
-    }
-    first = station;
-  }
-  return first;
+  const auto first = std::find_if(
+      stations.begin(), stations.end(), [&others](const std::string& station) {
+        return std::find(others.begin(), others.end(), station) == others.end();
+      });
+  return first == stations.end() ? "" : *first;
 }
 
 }  // namespace
