@@ -1,6 +1,7 @@
 #include "src/dataio/csv_dialect.h"
 
 #include <algorithm>
+#include <cstddef>
 
 #include "src/common/numbers.h"
 
@@ -75,9 +76,10 @@ struct Groups {
 
   bool HasThousands(std::size_t num_marks) const {
     if (digits.front() < 1 || digits.front() > 3) return false;
-    return std::all_of(digits.begin() + 1,
-                       digits.begin() + 1 + static_cast<long>(num_marks),
-                       [](std::size_t count) { return count == 3; });
+    return std::all_of(
+        digits.begin() + 1,
+        digits.begin() + 1 + static_cast<std::ptrdiff_t>(num_marks),
+        [](std::size_t count) { return count == 3; });
   }
 };
 
@@ -109,9 +111,10 @@ NumberMarks MarkAlone(std::string_view cell, const Groups& groups) {
     if (!may_be_thousands) return {};
     return {NumberShape::kThousands, '\0', mark};
   }
-  if (may_be_thousands)
+  if (may_be_thousands) {
     return {NumberShape::kAmbiguous, '\0', '\0', mark,
             static_cast<int>(groups.digits.front())};
+  }
   return {NumberShape::kDecimal, mark};
 }
 

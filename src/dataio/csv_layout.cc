@@ -34,7 +34,7 @@ struct Candidate {
   std::size_t num_cells = 0;  // of rows
   std::size_t width = 0;      // without cells at the end that are always empty
   std::size_t first_row = 0;  // among the lines
-  long score = 0;             // numbers less texts, in rows
+  double score = 0.0;         // numbers less texts, in rows
 };
 
 std::size_t WidthOf(const Cells& cells) {
@@ -169,8 +169,8 @@ class LayoutFinder {
     for (std::size_t i = 0; i < lines_.size(); ++i) {
       if (num_cells[i] != found.num_cells) continue;
       found.width = std::max(found.width, widths[i]);
-      found.score += static_cast<long>(counts[i].numbers) -
-                     static_cast<long>(counts[i].texts);
+      found.score += static_cast<double>(counts[i].numbers) -
+                     static_cast<double>(counts[i].texts);
     }
     return found;
   }

@@ -110,7 +110,7 @@ std::string TableHeader::DescribeDefaultUnits() const {
       names.push_back(column.name);
       unit = spec.default_unit;
     }
-    if (names.empty()) continue;
+    if (unit == nullptr) continue;
     text +=
         (text.empty() ? "" : ", ") + JoinNames(names) + " are in " + unit->name;
   }

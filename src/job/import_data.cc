@@ -124,9 +124,9 @@ class Importer {
   }
 
   // Those that a table may have without saying so.
-  std::vector<const Unit*> Candidates(const std::vector<int>& columns,
-                                      const Unit* stated,
-                                      std::vector<const char*> names) const {
+  std::vector<const Unit*> Candidates(
+      const std::vector<int>& columns, const Unit* stated,
+      const std::vector<const char*>& names) const {
     if (stated != nullptr) return {stated};
     if (!NeedsUnit(columns)) return {nullptr};
     std::vector<const Unit*> units;
@@ -289,8 +289,9 @@ class Importer {
 // As YAML reads it.
 std::string Quoted(const std::string& text) {
   std::string quoted = "'";
-  for (const char c : OneLine(text))
+  for (const char c : OneLine(text)) {
     quoted += c == '\'' ? "''" : std::string(1, c);
+  }
   return quoted + "'";
 }
 

@@ -193,8 +193,9 @@ HWY_INLINE Frame WalkChain(const Constants& constants, const Columns& columns,
     }
     frame.origin = AddScaled(length, frame.z, frame.origin);
   }
-  if (motions != nullptr)
+  if (motions != nullptr) {
     MoveFrame(motions + std::ptrdiff_t{6} * kTile, &frame);
+  }
   return frame;
 }
 

@@ -113,7 +113,8 @@ HWY_INLINE void WriteOrientation(const Job& job, const Frame& last, int t,
   }
   TakeLogarithms(hn::Lanes(kTag), &turns);
   for (int k = 0; k < 3; ++k) {
-    writer->log_by_turn[k] = Load3(turns.derivative[3 * k], kMostLanes);
+    writer->log_by_turn[k] =
+        Load3(turns.derivative[std::ptrdiff_t{3} * k], kMostLanes);
   }
   writer->turn_weights = Load3(job.tile.inverse_sigmas + kTurnRows + t, kTile);
   const V3 log = Load3(turns.log[0], kMostLanes);

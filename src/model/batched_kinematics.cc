@@ -223,7 +223,7 @@ Eigen::MatrixXd BatchedParameterJacobians(const Arm& arm,
         for (Eigen::Index i = begin; i < end; ++i) {
           internal::ComputeChainAxes(seen, joints.col(i).data(), &axes);
           for (int c = 0; c < layout.size(); ++c) {
-            jacobians.block<6, 1>(6 * c, i) =
+            jacobians.block<6, 1>(Eigen::Index{6} * c, i) =
                 TwistOf(layout.parameter(c), arm, axes, target);
           }
         }

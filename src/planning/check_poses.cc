@@ -68,7 +68,8 @@ DesignProblem MakeProblem(const MeasurementModel& model,
     const double of_fit = predicted[k].position.trace() / 3.0;
     const double variance =
         options.noise * options.noise + (std::isfinite(of_fit) ? of_fit : 0.0);
-    problem.candidates.transposed.middleCols(3 * k, 3) /= std::sqrt(variance);
+    problem.candidates.transposed.middleCols(Eigen::Index{3} * k, 3) /=
+        std::sqrt(variance);
   }
   const auto p = static_cast<Eigen::Index>(columns.size());
   problem.known = Eigen::MatrixXd::Zero(p, p);

@@ -100,7 +100,7 @@ std::vector<FieldRecord> FieldsAt(const std::string& path) {
       throw InputError(
           {}, UnknownName(begin == 0 ? "format" : "section", name, names));
     }
-    const std::vector<FieldRecord> fields = std::move(found->fields);
+    std::vector<FieldRecord> fields = std::move(found->fields);
     if (dot == std::string::npos) return fields;
     level.clear();
     for (const FieldRecord& field : fields) {

@@ -150,8 +150,9 @@ std::vector<std::string> ParameterLists::Read(
     }
     const bool is_repeated = meant.size() == 1 && sizes->count(meant[0]) > 0 &&
                              sizes->at(meant[0]) == 1;
-    if (is_repeated)
+    if (is_repeated) {
       item.Fail(Quote(entry) + " is repeated, expected each parameter once");
+    }
     for (const std::string& name : meant) {
       const auto [at, is_new] = sizes->emplace(name, meant.size());
       if (is_new) names.push_back(name);
