@@ -6,6 +6,7 @@
 #include <iostream>
 #include <limits>
 
+#include "src/common/utf8.h"
 #include "src/dataio/dataset_npy.h"
 
 namespace alidade::internal {
@@ -237,6 +238,12 @@ std::vector<Command> ResultCommands() {
            "all jobs."},
           {"out", "list", "dry-run", "keep-going", "fail-fast", "outputs"}, 0,
           kAnyNumber, RunBatchCommand, true),
+      Command({"completion", "bash | zsh | fish",
+               "what a shell needs to complete commands and flags",
+               "Prints a script. Packages install it; without one, "
+               "'source <(alidade completion bash)' in ~/.bashrc, or what the "
+               "shell's manual says."},
+              {}, 1, 1, RunCompletion),
   };
 }
 
@@ -267,7 +274,7 @@ std::string OutputDirectory(const CommandLine& line) {
 }
 
 void PrintError(const std::string& message) {
-  std::cerr << "alidade: " << message << std::endl;
+  std::cerr << "alidade: " << OnOneLine(message) << std::endl;
 }
 
 bool IsDataFile(const std::string& path) {

@@ -102,6 +102,7 @@ ExitStatus RunExport(const CommandLine& line);
 ExitStatus RunCorrect(const CommandLine& line);
 ExitStatus RunReport(const CommandLine& line);
 ExitStatus RunBatchCommand(const CommandLine& line);
+ExitStatus RunCompletion(const CommandLine& line);
 
 /// Prints what has been written, a path a line.
 void PrintResults(const std::vector<std::string>& paths);

@@ -4,47 +4,12 @@
 
 #include <algorithm>
 
+#include "src/common/utf8.h"
+
 namespace alidade::internal {
 namespace {
 
 constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD
-
-bool IsContinuation(char byte) {
-  return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U;
-}
-
-int SequenceLength(unsigned char lead) {
-  if (lead < 0x80U) return 1;
-  if (lead >= 0xC2U && lead < 0xE0U) return 2;
-  if (lead >= 0xE0U && lead < 0xF0U) return 3;
-  if (lead >= 0xF0U && lead < 0xF5U) return 4;
-  return 0;
-}
-
-// Overlong forms, surrogates, and what lies above U+10FFFF show in the second
-// byte. U+FFFE and U+FFFF are no characters of XML.
-bool IsForbidden(std::string_view sequence) {
-  if (sequence.size() < 3) return false;
-  const auto lead = static_cast<unsigned char>(sequence[0]);
-  const auto second = static_cast<unsigned char>(sequence[1]);
-  if (lead == 0xE0U && second < 0xA0U) return true;
-  if (lead == 0xEDU && second >= 0xA0U) return true;
-  if (lead == 0xF0U && second < 0x90U) return true;
-  if (lead == 0xF4U && second >= 0x90U) return true;
-  return sequence == "\xEF\xBF\xBE" || sequence == "\xEF\xBF\xBF";
-}
-
-// Length of the valid character that `text` begins with, or 0.
-std::size_t ValidPrefix(std::string_view text) {
-  const auto length = static_cast<std::size_t>(
-      SequenceLength(static_cast<unsigned char>(text[0])));
-  if (length == 0 || length > text.size()) return 0;
-  const std::string_view sequence = text.substr(0, length);
-  if (!std::all_of(sequence.begin() + 1, sequence.end(), IsContinuation)) {
-    return 0;
-  }
-  return IsForbidden(sequence) ? 0 : length;
-}
 
 bool IsControl(char c) {
   return static_cast<unsigned char>(c) < 0x20U || c == 0x7F;
@@ -55,13 +20,13 @@ bool IsControl(char c) {
 int Utf8Length(std::string_view text) {
   return static_cast<int>(text.size() -
                           static_cast<std::size_t>(std::count_if(
-                              text.begin(), text.end(), IsContinuation)));
+                              text.begin(), text.end(), IsUtf8Continuation)));
 }
 
 std::string CleanUtf8(std::string_view text) {
   std::string clean;
   while (!text.empty()) {
-    const std::size_t length = ValidPrefix(text);
+    const std::size_t length = ValidUtf8Prefix(text);
     if (length == 0) {
       clean += kReplacement;
     } else if (IsControl(text[0])) {

@@ -244,7 +244,9 @@ double NoncentralFisherSurvival(double f, double dof1, double dof2,
   // A Poisson mixture of central ones.
   double sum = 0.0;
   const double first = std::max(0.0, std::floor(mean - spread));
-  for (double j = first; j <= mean + spread; ++j) {
+  const auto terms = static_cast<int>(mean + spread - first) + 1;
+  for (int term = 0; term < terms; ++term) {
+    const double j = first + term;
     const double log_weight =
         (mean > 0.0 ? j * std::log(mean) : (j > 0.0 ? -kInfinity : 0.0)) -
         mean - std::lgamma(j + 1.0);

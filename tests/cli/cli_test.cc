@@ -64,7 +64,9 @@ TEST(CliTest, HelpNamesEveryCommandOnStandardOutput) {
 TEST(CliTest, VersionIsPrinted) {
   const ProcessResult result = Alidade("--version");
   EXPECT_EQ(result.status, 0);
-  EXPECT_TRUE(std::regex_match(result.out, std::regex("alidade [0-9.]+\n")));
+  EXPECT_TRUE(std::regex_match(
+      result.out,
+      std::regex("alidade [0-9.]+\n(commit .*\n)?build .*\n(.*\n)?")));
 }
 
 struct BadUsage {

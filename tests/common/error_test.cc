@@ -44,6 +44,12 @@ TEST(InputErrorTest, NamesOfAnyCharactersStayOnOneLine) {
   EXPECT_STREQ(error.what(), "a.npy: q1\\n\\x09deg: is unknown");
 }
 
+TEST(InputErrorTest, TextsAndFilesToo) {
+  const InputError error({"a\nb.yaml", 0, 0, ""}, "\"x\x1b[2J\" is unknown");
+  EXPECT_STREQ(error.what(), "a\\nb.yaml: \"x\\x1b[2J\" is unknown");
+  EXPECT_EQ(error.message(), "\"x\\x1b[2J\" is unknown");
+}
+
 TEST(InputErrorTest, IsARuntimeError) {
   try {
     throw InputError({"arm.yaml", 1, 1, ""}, "is empty");
