@@ -183,8 +183,10 @@ void CheckLine(const Command& command, const CommandLine& line) {
     ThrowUsage(command, std::string("expected ") + command.arguments);
   }
   if (count > command.max_files) {
-    ThrowUsage(command,
-               "too many files, expected " + std::string(command.arguments));
+    ThrowUsage(command, command.max_files == 0
+                            ? "takes no files"
+                            : "too many files, expected " +
+                                  std::string(command.arguments));
   }
   if (FLAGS_threads < 1 || FLAGS_threads > 1024) {
     ThrowUsage(command, "--threads = " + std::to_string(FLAGS_threads) +

@@ -84,6 +84,29 @@ TextSource InOnePiece(const std::string& content) {
   return [&content](const TextSink& sink) { sink(content); };
 }
 
+// What may never end, and files that are almost nothing but holes: reading all
+// of their zeros takes as long as their size says, which costs nothing to
+// write.
+void RefuseStatus(const std::string& path, const struct stat& status) {
+  constexpr off_t kLeastSize = 1 << 24;
+  constexpr off_t kBlock = 512;
+  constexpr off_t kMostHoles = 64;  // times what is there
+  if (S_ISREG(status.st_mode)) {
+    if (status.st_size > kLeastSize &&
+        status.st_size / kMostHoles > status.st_blocks * kBlock) {
+      throw InputError(
+          {path, 0, 0, ""},
+          "says that it is " + std::to_string(status.st_size) +
+              " bytes long and holds almost none of them, expected "
+              "a file without holes");
+    }
+  } else if (!S_ISDIR(status.st_mode)) {
+    throw InputError({path, 0, 0, ""},
+                     "is a pipe or a device, which may never end, expected a "
+                     "file: write what it holds to one");
+  }
+}
+
 // "a/link/../b" is not "a/b" where link is a symbolic link.
 bool LeavesSymbolicLink(const fs::path& path) {
   fs::path walked;
@@ -102,12 +125,7 @@ void ReadPieces(const std::string& path, const Take& take) {
   const FileDescriptor file(path, O_RDONLY | O_NONBLOCK);
   if (file.get() < 0) Fail(path, "cannot be read", errno);
   struct stat status = {};
-  if (fstat(file.get(), &status) == 0 && !S_ISREG(status.st_mode) &&
-      !S_ISDIR(status.st_mode)) {
-    throw InputError({path, 0, 0, ""},
-                     "is a pipe or a device, which may never end, expected a "
-                     "file: write what it holds to one");
-  }
+  if (fstat(file.get(), &status) == 0) RefuseStatus(path, status);
   std::vector<char> buffer(std::size_t{1} << 18);
   while (true) {
     const ssize_t count = read(file.get(), buffer.data(), buffer.size());
@@ -118,6 +136,11 @@ void ReadPieces(const std::string& path, const Take& take) {
 }
 
 }  // namespace
+
+void RefuseEndless(const std::string& path) {
+  struct stat status = {};
+  if (stat(path.c_str(), &status) == 0) RefuseStatus(path, status);
+}
 
 std::string ReadFile(const std::string& path) {
   constexpr std::size_t kMostBytes = std::size_t{1} << 30;

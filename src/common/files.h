@@ -9,8 +9,12 @@
 
 namespace alidade::internal {
 
-/// The whole file, of at most 1 GiB. Pipes and devices, which may never end,
-/// are refused at once, here and below. @throws InputError naming the path and
+/// Refuses pipes and devices, which may never end, and files that are hardly
+/// more than holes; what is not there passes. @throws InputError.
+void RefuseEndless(const std::string& path);
+
+/// The whole file, of at most 1 GiB. What is endless is refused at once, here
+/// and below. @throws InputError naming the path and
 /// the cause.
 std::string ReadFile(const std::string& path);
 

@@ -12,12 +12,6 @@
 namespace alidade::internal {
 namespace {
 
-// What is none, ReadFile refuses.
-bool IsRegular(const char* path) {
-  struct stat status = {};
-  return stat(path, &status) == 0 && S_ISREG(status.st_mode);
-}
-
 // Null where the file cannot be mapped; an empty one cannot.
 const char* Map(const char* path, std::size_t* size) {
   const int fd = open(path, O_RDONLY | O_CLOEXEC);
@@ -38,7 +32,8 @@ const char* Map(const char* path, std::size_t* size) {
 }  // namespace
 
 MappedFile::MappedFile(const std::string& path) : path_(path) {
-  if (IsRegular(path.c_str())) data_ = Map(path.c_str(), &size_);
+  RefuseEndless(path);
+  data_ = Map(path.c_str(), &size_);
   if (data_ == nullptr) text_ = ReadFile(path);
 }
 

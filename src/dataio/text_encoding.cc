@@ -120,8 +120,11 @@ std::pair<std::string, std::string> Convert(const std::string& path,
   const std::string_view start = text.substr(0, kFirstBytes);
   if (mark == "\xff\xfe") return {"UTF-16", FromUtf16(text.substr(2), false)};
   if (mark == "\xfe\xff") return {"UTF-16", FromUtf16(text.substr(2), true)};
-  if (HasZerosAt(start, 1)) return {"UTF-16", FromUtf16(text, false)};
-  if (HasZerosAt(start, 0)) return {"UTF-16", FromUtf16(text, true)};
+  const bool low_first = HasZerosAt(start, 1);
+  // Nothing but zeros is no text.
+  if (low_first != HasZerosAt(start, 0)) {
+    return {"UTF-16", FromUtf16(text, !low_first)};
+  }
   if (text.find('\0') != std::string_view::npos) {
     Fail(path, "not a text file, expected comma-separated values");
   }

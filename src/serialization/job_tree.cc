@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <string>
 #include <system_error>
 #include <utility>
 
@@ -35,6 +36,9 @@ void CheckUnits(const YamlDocument& document, const YamlDocument& base) {
   }
 }
 
+// Of files that extend each other: more are no arrangement that anyone reads.
+constexpr std::size_t kMostFiles = 32;
+
 class TreeReader {
  public:
   YamlDocument Read(const std::string& path) {
@@ -46,6 +50,10 @@ class TreeReader {
     NamedFiles files(path);
     const std::string base_path = files.Resolve(*extends);
     RefuseCircle(*extends, base_path);
+    if (chain_.size() >= kMostFiles) {
+      extends->Fail("more than " + std::to_string(kMostFiles) +
+                    " files extend each other, expected fewer");
+    }
     YamlDocument base = files.Read(
         *extends, [this](const std::string& named) { return Read(named); });
     CheckUnits(document, base);

@@ -15,7 +15,8 @@ namespace alidade::internal {
 ///
 /// A file that states other `units` than its base is refused: they would change
 /// what the base's numbers mean.
-/// @throws InputError, also where files extend each other in a circle.
+/// @throws InputError, also where files extend each other in a circle or are
+/// more than 32.
 YamlDocument ReadJobTree(const std::string& path);
 
 /// Lays `over` on `*under`, which becomes both: maps are merged key by key, to

@@ -12,6 +12,7 @@
 
 #include "src/common/files.h"
 #include "src/common/names.h"
+#include "src/common/utf8.h"
 
 namespace alidade::internal {
 namespace {
@@ -87,6 +88,12 @@ std::string WithEndMark(const std::string& text) {
   return text.substr(0, last + 1) + "#";
 }
 
+// A character that no text has, of those that a byte tells.
+bool IsControl(char c) {
+  const unsigned char byte = static_cast<unsigned char>(c);
+  return (byte < 0x20 && c != '\n' && c != '\r' && c != '\t') || byte == 0x7f;
+}
+
 // Builds the tree. A value is built in its parent's place, so pointers in
 // `open_` stay valid: only the innermost open node grows.
 class TreeBuilder : public YAML::EventHandler {
@@ -121,6 +128,7 @@ class TreeBuilder : public YAML::EventHandler {
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
                 const std::string& value) override {
     RefuseTag(mark, tag);
+    RefuseControls(mark, value);
     if (ExpectsKey()) {
       AddKey(mark, value);
       return;
@@ -150,6 +158,14 @@ class TreeBuilder : public YAML::EventHandler {
   [[noreturn]] void Fail(const YAML::Mark& mark,
                          const std::string& message) const {
     throw InputError(LocationOf(document_.files.front(), mark), message);
+  }
+
+  // Escapes of YAML can say what its bytes may not.
+  void RefuseControls(const YAML::Mark& mark, const std::string& text) const {
+    const auto found = std::find_if(text.begin(), text.end(), IsControl);
+    if (found == text.end()) return;
+    Fail(mark, "found a control character (" + std::to_string(*found) +
+                   ") in " + Quote(text) + ", expected text");
   }
 
   void RefuseTag(const YAML::Mark& mark, const std::string& tag) const {
@@ -209,19 +225,25 @@ class TreeBuilder : public YAML::EventHandler {
   std::vector<std::unordered_map<std::string, int>> lines_of_keys_;
 };
 
-// yaml-cpp ends a file silently at a byte 4 and reads other control characters
-// as text.
+// yaml-cpp ends a file silently at a byte 4, and reads other control characters
+// and what is no UTF-8 as text.
 void RefuseBinary(const std::string& text, const std::string& file) {
-  const auto found = std::find_if(text.begin(), text.end(), [](char c) {
-    const unsigned char byte = static_cast<unsigned char>(c);
-    return (byte < 0x20 && c != '\n' && c != '\r' && c != '\t') || byte == 0x7f;
-  });
-  if (found == text.end()) return;
-  throw InputError(
-      LocationOfByte(file, text,
-                     static_cast<std::size_t>(found - text.begin())),
-      "not a text file: found a byte of value " + std::to_string(*found) +
-          ", expected YAML in UTF-8");
+  std::string_view rest = text;
+  while (!rest.empty()) {
+    const std::size_t length = ValidUtf8Prefix(rest);
+    if (length == 0 || IsControl(rest[0])) {
+      const int byte = static_cast<unsigned char>(rest[0]);
+      throw InputError(
+          LocationOfByte(file, text, text.size() - rest.size()),
+          (length == 0 ? "not UTF-8: found a byte of value "
+                       : "not a text file: found a byte of value ") +
+              std::to_string(byte) +
+              (length == 0 ? ", as other encodings have it for a letter; "
+                             "expected YAML, save it as UTF-8"
+                           : ", expected YAML in UTF-8"));
+    }
+    rest.remove_prefix(length);
+  }
 }
 
 void BuildTree(const std::string& text, YamlDocument* document) {

@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <string>
 #include <thread>
 #include <utility>
 
+#include "src/common/files.h"
 #include "tests/support/io_test_util.h"
 
 namespace alidade::internal {
@@ -46,6 +48,18 @@ TEST(MappedFileTest, PipesAndDevicesAreRefusedAtOnce) {
     ExpectInputError([&] { MappedFile{endless}; },
                      {0, 0, "", "is a pipe or a device"});
   }
+}
+
+// 20 GB of zeros that take no room.
+TEST(MappedFileTest, FilesOfHolesAreRefusedAtOnce) {
+  const TestDirectory directory;
+  const std::string path = directory.Write("holes.csv", "q1,x_mm\n");
+  ASSERT_EQ(truncate(path.c_str(), off_t{20000000000}), 0);
+  ExpectInputError([&] { MappedFile{path}; }, {0, 0, "", "holds almost none"});
+  ExpectInputError([&] { ReadFile(path); }, {0, 0, "", "holds almost none"});
+  // Small ones may have some.
+  ASSERT_EQ(truncate(path.c_str(), 100000), 0);
+  EXPECT_EQ(MappedFile(path).text().size(), 100000U);
 }
 
 TEST(MappedFileTest, SaysWhyAFileCannotBeRead) {

@@ -57,6 +57,16 @@ TEST_F(ExtendsTest, InheritsWhatIsNotSaidAnew) {
   EXPECT_EQ(job.data.training.positions(), base.data.training.positions());
 }
 
+TEST_F(ExtendsTest, AChainOfManyFilesIsRefused) {
+  for (int k = 1; k <= 40; ++k) {
+    directory_.Write("link" + std::to_string(k) + ".yaml",
+                     std::string(kFormat) + "extends: link" +
+                         std::to_string(k + 1) + ".yaml\n");
+  }
+  ExpectInputError([&] { LoadJob(Write("extends: link1.yaml\n")); },
+                   {0, 0, "", "more than 32 files extend each other"});
+}
+
 TEST_F(ExtendsTest, EveryFileIsAnInput) {
   const JobConfig job = LoadJob(Write("extends: job.yaml\n"));
   const std::vector<std::string> first = {Path("child.yaml"), Path("job.yaml"),
