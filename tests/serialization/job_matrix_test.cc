@@ -59,9 +59,9 @@ TEST_F(ExtendsTest, InheritsWhatIsNotSaidAnew) {
 
 TEST_F(ExtendsTest, AChainOfManyFilesIsRefused) {
   for (int k = 1; k <= 40; ++k) {
-    directory_.Write("link" + std::to_string(k) + ".yaml",
-                     std::string(kFormat) + "extends: link" +
-                         std::to_string(k + 1) + ".yaml\n");
+    files_.directory().Write("link" + std::to_string(k) + ".yaml",
+                             std::string(kFormat) + "extends: link" +
+                                 std::to_string(k + 1) + ".yaml\n");
   }
   ExpectInputError([&] { LoadJob(Write("extends: link1.yaml\n")); },
                    {0, 0, "", "more than 32 files extend each other"});
