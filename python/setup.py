@@ -1,9 +1,9 @@
 """Builds the package by the project's own CMake.
 
-    pip install --no-build-isolation ./python
+    pip install --no-build-isolation --no-index ./python
 
 takes the libraries of the distribution (scripts/setup python) and needs no
-network. ALIDADE_BUILD=DIR uses a build folder that is there already, such as
+network; pip is that of a virtual environment of the distribution's Python. ALIDADE_BUILD=DIR uses a build folder that is there already, such as
 build/release configured with -D ALIDADE_BUILD_PYTHON=ON; otherwise the library
 is compiled below build/python.
 """
