@@ -184,6 +184,47 @@ class Dataset(Measuring):
         data._core.name = "frame"
         return data
 
+    def __add__(self, other: Any) -> Dataset:
+        """Both as one data set, the poses of `other` after one's own. Points and
+        planes of one name are the same."""
+        if not isinstance(other, Dataset):
+            return NotImplemented
+        one, more = self._core, other._core
+        if other.joint_values.shape[1] != self.joint_values.shape[1]:
+            raise wrong("other", f"has {other.joint_values.shape[1]} joint "
+                        "values per pose, expected "
+                        f"{self.joint_values.shape[1]}")
+        if (one.covariate_names() != more.covariate_names()
+                or one.uses() != more.uses()):
+            raise wrong("other", "has other covariates, expected the same in "
+                        "both")
+        core = _core.Measurements(np.vstack([self.joint_values,
+                                             other.joint_values]))
+        core.name = one.name
+        core.sigmas_are_stated = one.sigmas_are_stated or more.sigmas_are_stated
+        if one.sets or more.sets:
+            core.sets = [*(one.sets or [""] * len(self)),
+                         *(more.sets or [""] * len(other))]
+        core.rejected = [*one.rejected, *more.rejected]
+        if one.covariate_names():
+            core.set_covariates(one.covariate_names(), np.vstack(
+                [one.covariates(), more.covariates()]))
+        core.set_uses(one.uses())
+        names = {kind: [entry[1] for entry in one.references()
+                        if entry[0] == kind] for kind in ("point", "plane")}
+        added = [entry for entry in more.references()
+                 if entry[1] not in names[entry[0]]]
+        _copy_references([*one.references(), *added], core)
+        for entry in added:
+            names[entry[0]].append(entry[1])
+        core.target_names = list(dict.fromkeys(
+            [*one.target_names, *more.target_names]))
+        for block in one.blocks():
+            _add_after(block, 0, names, one, core)
+        for block in more.blocks():
+            _add_after(block, len(self), names, more, core)
+        return self._of(core)
+
     @classmethod
     def _of(cls, core: _core.Measurements) -> Dataset:
         data = cls.__new__(cls)
@@ -231,7 +272,7 @@ class Dataset(Measuring):
         points = [block["measured"][:, :3] for block in self._core.blocks()
                   if block["kind"] in ("position", "pose")]
         if len(points) == 1:
-            return points[0]
+            return np.asarray(points[0])
         return np.vstack(points) if points else np.empty((0, 3))
 
     @property
@@ -337,7 +378,7 @@ class Dataset(Measuring):
 
     def _repr_html_(self) -> str:
         frame = self.to_pandas()
-        return f"<b>{self!r}</b>" + frame.head()._repr_html_()
+        return f"<b>{self!r}</b>{frame.head()._repr_html_()}"
 
     def __getstate__(self) -> dict[str, Any]:
         core = self._core
@@ -402,6 +443,28 @@ def _add_part(block: Any, place: Any, core: _core.Measurements) -> None:
         [block["references"][k] for k in kept] if block["references"] else [],
         seconds[kept].tolist() if len(seconds) else [],
         [block["whiteners"][k] for k in kept] if block["whiteners"] else [])
+
+
+def _add_after(block: Any, first: int, names: dict[str, list[str]],
+               other: _core.Measurements, core: _core.Measurements) -> None:
+    """A block of measurements whose poses begin at `first` now."""
+    kind = block["kind"]
+    sort = "plane" if kind == "plane" else "point"
+    place = [names[sort].index(entry[1]) for entry in other.references()
+             if entry[0] == sort]
+    known = core.target_names
+    block["targets"] = [
+        number if number < _core.NAMED_TARGETS else _core.NAMED_TARGETS
+        + known.index(other.target_names[number - _core.NAMED_TARGETS])
+        for number in block["targets"]]
+    block["references"] = [place[number] for number in block["references"]]
+    if kind == "point distance":
+        block["seconds"] = [place[number] for number in block["seconds"]]
+    else:
+        block["poses"] = [first + pose for pose in block["poses"] or range(
+            len(block["measured"]))]
+        block["seconds"] = [first + pose for pose in block["seconds"]]
+    core.add_block(**block)
 
 
 def dataset_of(value: Any, arm: Arm, argument: str, threads: int) -> Dataset:

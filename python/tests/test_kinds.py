@@ -349,3 +349,67 @@ def test_all_keys_of_data_have_a_test():
       for field in option['fields']:
         if field['name'] not in of_columns:
           assert field['name'] + ':' in tried, field['name']
+
+
+def test_two_data_sets_as_one(kind):
+  """Both halves, apart and joined, are the whole."""
+  name, _, make = kind
+  data = make()
+  half = data[:N // 2]
+  joined = half + data[N // 2:]
+  assert len(joined) == N and joined.points.keys() == data.points.keys()
+  np.testing.assert_array_equal(joined.joint_values, data.joint_values)
+  if name in ('differences', 'a distance of two points'):
+    return  # Across both halves there is none, and this one is in both.
+  assert joined.num_equations == data.num_equations
+  options = dict(parameters=['joints', 'base', 'tool'], errors='none',
+                 check=False)
+  one = alidade.calibrate(ARM, data, **options)
+  other = alidade.calibrate(ARM, joined, **options)
+  # One socket determines little: rounding grows there.
+  tolerance = 1e-4 if name == 'a socket' else 1e-9
+  for key, value in one.arm.parameters.items():
+    assert abs(other.arm.parameters[key] - value) < tolerance, key
+
+
+def test_joined_data_sets_know_their_names():
+  one = Dataset(Q[:3]).with_distances('A', np.ones(3), 1e-4, target='ball')
+  two = (Dataset(Q[3:6]).with_point('B').with_point('A')
+         .with_distances(['A', 'B', 'A'], np.ones(3), 1e-4, target='probe')
+         .with_point_distances('B', 'A', 0.5, 1e-4)
+         .with_differences(np.ones((1, 3)), [0], [2], 1e-4, target='ball'))
+  both = one + two
+  assert list(both.points) == ['A', 'B']
+  blocks = both._named(ARM, 'data').blocks()
+  assert [block['references'] for block in blocks] == [
+      [0, 0, 0], [0, 1, 0], [1], []]
+  assert [block['poses'] for block in blocks[:2]] == [[0, 1, 2], [3, 4, 5]]
+  assert blocks[0]['targets'] == [1, 1, 1] and blocks[1]['targets'] == []
+  assert blocks[2]['seconds'] == [0]
+  assert (blocks[3]['poses'], blocks[3]['seconds']) == ([3], [5])
+  for wrong in (Dataset(np.ones((2, 5))), Dataset(Q).with_payload(1.0)):
+    with pytest.raises(alidade.InputError, match='other'):
+      one + wrong
+  with pytest.raises(TypeError):
+    one + 3
+
+
+def test_frames_with_units_in_their_headers():
+  import pandas
+  frame = pandas.DataFrame(np.degrees(Q),
+                           columns=[f'q{j + 1}_deg' for j in range(6)])
+  frame[['x_mm', 'y_mm', 'z_mm']] = 1e3 * PROBE
+  data = Dataset.from_pandas(frame, ARM, target='probe', sigma=2e-5)
+  np.testing.assert_allclose(data.joint_values, Q, rtol=1e-15)
+  np.testing.assert_allclose(data.positions, PROBE, rtol=1e-15)
+  own = frame.set_axis([*'abcdef', 'X', 'Y', 'Z'], axis=1)
+  own['comment'] = 'of the day'
+  same = Dataset.from_pandas(
+      own, ARM, target='probe', sigma=2e-5,
+      columns={'joints': list('abcdef'), 'position': ['X', 'Y', 'Z'],
+               'unit': ['mm', 'deg']})
+  np.testing.assert_array_equal(same.positions, data.positions)
+  with pytest.raises(alidade.InputError, match='q1') as caught:
+    Dataset.from_pandas(frame.rename(columns={'q1_deg': 'q1'}), ARM,
+                        target='probe')
+  assert 'q1_deg' in str(caught.value)
