@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "alidade/interruption.h"
 #include "alidade/inverse_kinematics.h"
 #include "src/common/parallel.h"
 #include "src/common/random.h"
@@ -87,7 +86,6 @@ PoseSolutions FindPoses(const Arm& arm,
   PoseSolutions solutions = MakeSolutions(arm, targets.size());
   Eigen::VectorXd from = start;
   for (std::size_t i = 0; i < targets.size(); ++i) {
-    CheckInterruption();
     internal::Random random(seed, i);
     Eigen::VectorXd best = from;
     internal::PoseSolution answer = solver.Solve(targets[i], &best);
