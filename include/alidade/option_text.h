@@ -6,6 +6,7 @@
 
 #include "alidade/arm.h"
 #include "alidade/calibration_options.h"
+#include "alidade/dataset.h"
 #include "alidade/monte_carlo.h"
 #include "alidade/plan.h"
 #include "alidade/references.h"
@@ -59,6 +60,25 @@ std::vector<OptionDescription> OptionsOfPlan();
 void ReadOptions(const std::string& text, const Arm& arm,
                  const References& references, PlanOptions* options,
                  CalibrationOptions* calibration);
+
+/// Measurements as a job's `data` names them.
+struct LoadedMeasurements {
+  Dataset data;
+  References references;           ///< stated ones, then those that files name
+  std::vector<CovariateUse> uses;  ///< of the data's covariates
+  std::vector<std::string> sets;   ///< of each pose, where a column says it
+  std::vector<RejectedRow> rejected;
+  /// Not all sigmas are a first guess of `measurement: {sigma: estimate}`.
+  bool are_sigmas_stated = true;
+};
+
+/// What a map of `data` may say of a file.
+std::vector<OptionDescription> OptionsOfData();
+/// Reads files by a text of `units`, `measurement`, `references` (which may be
+/// left out) and `data`, as in a job. Paths are relative to the current
+/// directory.
+LoadedMeasurements LoadMeasurements(const std::string& text, const Arm& arm,
+                                    int num_threads = 1);
 
 }  // namespace alidade
 

@@ -189,7 +189,7 @@ class Arm:
     @property
     def tool(self) -> Array:
         """4 x 4: the first target in the last joint's frame."""
-        return self._core.target_frames()[0]
+        return np.asarray(self._core.target_frames()[0])
 
     @property
     def targets(self) -> dict[str, Array]:
@@ -249,7 +249,7 @@ class Arm:
         joints, is_one = self._joints(joint_values)
         poses = self._core.transforms(joints, self._target(target),
                                       threads_of(threads))
-        return poses[0] if is_one else poses
+        return np.asarray(poses[0]) if is_one else poses
 
     def positions(self, joint_values: Any, *, target: int = 0,
                   threads: int = 1) -> Array:
@@ -257,7 +257,7 @@ class Arm:
         joints, is_one = self._joints(joint_values)
         points = self._core.positions(joints, self._target(target),
                                       threads_of(threads))
-        return points[0] if is_one else points
+        return np.asarray(points[0]) if is_one else points
 
     def jacobian(self, joint_values: Any, *, target: int = 0,
                  threads: int = 1) -> Array:
@@ -278,7 +278,7 @@ class Arm:
                                        self._target(target),
                                        threads_of(threads))
         jacobians = columns.transpose(0, 2, 1)
-        return jacobians[0] if is_one else jacobians
+        return np.asarray(jacobians[0]) if is_one else jacobians
 
     def ik(self, poses: Any, start: Any = None, *, task: str = "auto",
            target: int = 0, trials: int = 200, seed: int = 1,

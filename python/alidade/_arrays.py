@@ -95,8 +95,8 @@ def vector(value: Any, argument: str, count: int | None, what: str) -> Array:
     return finite(np.ascontiguousarray(array), argument)
 
 
-def transforms(value: Any, argument: str) -> Array:
-    """N x 4 x 4, each a rotation and a translation."""
+def transforms(value: Any, argument: str, tolerance: float = 1e-6) -> Array:
+    """N x 4 x 4, each a rotation, to within `tolerance`, and a translation."""
     expected = "an array of shape (N, 4, 4), homogeneous matrices"
     array = numbers(value, argument, expected)
     if array.ndim == 2 and array.shape == (4, 4):
@@ -109,47 +109,19 @@ def transforms(value: Any, argument: str) -> Array:
     if last > 1e-9:
         raise wrong(argument, "last rows are not 0 0 0 1, expected homogeneous "
                     "matrices (transposed?)")
-    check_rotations(array[:, :3, :3], argument)
+    check_rotations(array[:, :3, :3], argument, tolerance)
     return np.ascontiguousarray(array)
 
 
-def check_rotations(array: Array, argument: str) -> None:
+def check_rotations(array: Array, argument: str, tolerance: float) -> None:
     product = array @ array.transpose(0, 2, 1) - np.eye(3)
     error = np.abs(product).max(initial=0.0)
-    if error > 1e-6:
+    if error > tolerance:
         raise wrong(argument, f"rotations are off by {error:.2g} from "
                     "orthonormal ones, expected rotation matrices")
     if array.size and np.linalg.det(array).min() < 0.0:
         raise wrong(argument, "a rotation matrix has the determinant -1, "
                     "expected right-handed frames")
-
-
-def rotation_vectors(matrices: Array) -> Array:
-    """Logarithms (N x 3, rad) of rotation matrices, exact at half a turn."""
-    # Shepperd 1978: the quaternion from its largest component.
-    m = matrices
-    trace = np.trace(m, axis1=1, axis2=2)
-    quaternions = np.empty((len(m), 4))
-    choice = np.argmax(np.column_stack(
-        [np.einsum("nii->ni", m), trace]), axis=1)
-    for axis in range(3):
-        at = choice == axis
-        i, j, k = axis, (axis + 1) % 3, (axis + 2) % 3
-        quaternions[at, i] = 1 - trace[at] + 2 * m[at, i, i]
-        quaternions[at, j] = m[at, j, i] + m[at, i, j]
-        quaternions[at, k] = m[at, k, i] + m[at, i, k]
-        quaternions[at, 3] = m[at, k, j] - m[at, j, k]
-    at = choice == 3
-    quaternions[at, 0] = m[at, 2, 1] - m[at, 1, 2]
-    quaternions[at, 1] = m[at, 0, 2] - m[at, 2, 0]
-    quaternions[at, 2] = m[at, 1, 0] - m[at, 0, 1]
-    quaternions[at, 3] = 1 + trace[at]
-    quaternions /= np.linalg.norm(quaternions, axis=1, keepdims=True)
-    quaternions[quaternions[:, 3] < 0] *= -1
-    sine = np.linalg.norm(quaternions[:, :3], axis=1)
-    angle = 2 * np.arctan2(sine, quaternions[:, 3])
-    scale = np.where(sine > 1e-12, angle / np.maximum(sine, 1e-300), 2.0)
-    return quaternions[:, :3] * scale[:, np.newaxis]
 
 
 def text(value: Any, argument: str, what: str = "a text") -> str:

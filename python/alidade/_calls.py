@@ -15,7 +15,7 @@ from ._arrays import (Path, callable_or_none, integer, numbers, one_of,
 from ._dataset import Dataset, dataset_of
 from ._errors import CalibrationError, wrong
 from ._options import nested, reading, takes_options, text_of
-from ._record import Record, record
+from ._record import Record, record, records
 from ._results import Identification, MonteCarlo, Plan, Result
 
 
@@ -198,7 +198,7 @@ def identify(arm: Any, data: Any = None, *, threads: int = 0,
         nominal, measured, chosen = _prepare(arm, data, count, options)
     found = _core.identify(nominal._core, measured._core, chosen, count)
     result = record(json.loads(found["json"]))
-    result["decisions"] = record(found["decisions"])
+    result["decisions"] = records(found["decisions"])
     result["text"] = found["report"]
     return Identification(result)
 

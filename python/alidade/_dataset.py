@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import tempfile
 from typing import Any
 
@@ -10,18 +11,14 @@ import numpy as np
 
 from . import _core
 from ._arm import Arm, arm_of
-from ._arrays import (Array, Path, check_rotations, finite, integer, numbers,
-                      path, positive, rotation_vectors, rows, text, threads_of,
-                      transforms, vector)
+from ._arrays import Array, Path, numbers, path, positive, rows, text, threads_of
 from ._errors import InputError, wrong
-
-# A first guess of a sigma that is to be estimated (m), as in jobs; and what
-# goes with it of orientations: that of points 0.2 m apart.
-_FIRST_SIGMA = 1e-4
-_LEVER = 0.2
+from ._measuring import Measuring
+from ._options import document, flow, nested
+from ._record import Record
 
 
-class Dataset:
+class Dataset(Measuring):
     """Measurements of an arm at known joint values, in metres and radians.
 
         data = Dataset(joint_values, positions, sigma=2e-5)
@@ -31,8 +28,12 @@ class Dataset:
     positions
         (N, 3): where the target was, in the instrument's frame.
     rotations
-        beside positions, where orientations were measured: matrices (N, 3, 3)
-        or rotation vectors (N, 3).
+        beside positions, where orientations were measured: matrices (N, 3, 3),
+        rotation vectors (N, 3), SciPy's Rotation, or numbers that `convention`
+        names.
+    convention
+        of rotations: "quaternion" (w, x, y, z) or Euler angles,
+        "intrinsic_zyx" and the 23 others of job files.
     poses
         instead of both: homogeneous matrices (N, 4, 4).
     sigma
@@ -40,8 +41,16 @@ class Dataset:
         inf where a coordinate was not measured. None: not known; calibrations
         then estimate it from the residuals.
     sigma_rotation
-        of each component of the orientation (rad), likewise; by default
-        sigma / 0.2 m.
+        of small turns about the instrument's axes (rad), likewise; by default
+        sigma / 0.2 m. `sigma_angles`, in its place: of the Euler angles.
+    covariance
+        in place of sigma: (3, 3) or (N, 3, 3) of positions (m^2), or (6, 6) or
+        (N, 6, 6) of positions and small turns.
+    inverse
+        poses are those of a fixed target in the frame of a camera on the arm.
+    target
+        which target was measured: the number (from 0) or name of the arm's, or
+        one for each row.
 
     Methods that begin with ``with_`` return another data set that has further
     measurements: of other poses or targets, distances, contacts, differences.
@@ -49,12 +58,14 @@ class Dataset:
     them afterwards.
     """
 
-    __slots__ = ("_core",)
+    __slots__ = ()
 
     def __init__(self, joint_values: Any, positions: Any = None, *,
-                 rotations: Any = None, poses: Any = None, sigma: Any = None,
-                 sigma_rotation: Any = None, target: int = 0,
-                 name: str = "arrays") -> None:
+                 rotations: Any = None, convention: Any = None,
+                 poses: Any = None, sigma: Any = None,
+                 sigma_rotation: Any = None, sigma_angles: Any = None,
+                 covariance: Any = None, inverse: bool = False,
+                 target: Any = 0, name: str = "arrays") -> None:
         joints = numbers(joint_values, "joint_values",
                          "an array of shape (N, n), joint values (rad, m)")
         if joints.ndim != 2 or joints.shape[1] == 0:
@@ -67,43 +78,94 @@ class Dataset:
         self._core = _core.Measurements(joints)
         self._core.name = text(name, "name")
         self._core.sigmas_are_stated = False
+        stated = dict(sigma_rotation=sigma_rotation, covariance=covariance,
+                      inverse=inverse, target=target)
         if positions is None and poses is None:
-            for argument, value in (("rotations", rotations), ("sigma", sigma)):
+            for argument, value in dict(
+                    rotations=rotations, convention=convention, sigma=sigma,
+                    sigma_rotation=sigma_rotation, sigma_angles=sigma_angles,
+                    covariance=covariance, inverse=inverse or None).items():
                 if value is not None:
                     raise wrong(argument, "goes with positions, expected these "
                                 "too")
             return
-        if positions is not None and poses is not None:
-            raise wrong("poses", "found beside positions, expected one of both")
-        added = (self.with_positions(positions, sigma, rotations=rotations,
-                                     sigma_rotation=sigma_rotation,
-                                     target=target)
-                 if poses is None else
-                 self.with_poses(poses, sigma, sigma_rotation,
-                                 target=target))
+        if positions is not None:
+            if poses is not None:
+                raise wrong("poses", "found beside positions, expected one of "
+                            "both")
+            added = self.with_positions(
+                positions, sigma, rotations=rotations, convention=convention,
+                sigma_angles=sigma_angles, **stated)
+        else:
+            for argument, value in dict(
+                    rotations=rotations, convention=convention,
+                    sigma_angles=sigma_angles).items():
+                if value is not None:
+                    raise wrong(argument, "found beside poses, expected it "
+                                "with positions alone")
+            added = self.with_poses(poses, sigma, **stated)
         self._core = added._core
 
     @classmethod
-    def load(cls, file: Path, arm: Any, *, sigma: float | None = None,
-             threads: int = 1) -> Dataset:
-        """A data set's file, CSV or NPY (docs/files.md, "Data set"). `sigma`
-        (m) is that of lengths without one; None: these are estimated."""
-        guess = (_FIRST_SIGMA if sigma is None
-                 else positive(sigma, "sigma", "a length (m)"))
-        core = _core.Measurements.load(path(file, "file"),
-                                       arm_of(arm)._core, guess,
-                                       threads_of(threads))
-        if sigma is None:
-            core.sigmas_are_stated = not all(
-                _is_guess(block["sigmas"]) for block in core.blocks())
+    def load(cls, file: Any, arm: Any, *, sigma: float | None = None,
+             sigma_rotation: float | None = None, references: Any = None,
+             threads: int = 1, **keys: Any) -> Dataset:
+        """A data set's file, CSV or NPY (docs/files.md, "Data set"), or a list
+        of several.
+
+        sigma
+            standard deviation (m) of lengths where the file states none; None:
+            these are estimated.
+        sigma_rotation
+            likewise of orientations (rad); by default sigma / 0.2 m.
+        references
+            what is known of points and planes: {"points": [{"name": "post",
+            "position": [1.2, 0, 0.3], "known": True}], "planes": ...,
+            "distances": ...}, as in job files.
+
+        Every further keyword is a key of a job's `data`, or of its `columns`:
+
+        {options}
+
+        One data set of several files with keys of their own: a list of dicts,
+        [{"file": "tracker.csv", "target": "probe"}, "sockets.csv"].
+        """
+        nominal = arm_of(arm)
+        entries = file if isinstance(file, (list, tuple)) else [file]
+        if not entries:
+            raise wrong("file", "the list is empty, expected files")
+        named = []
+        for k, entry in enumerate(entries):
+            place = "file" if len(entries) == 1 else f"file[{k}]"
+            own = dict(entry) if isinstance(entry, dict) else {"file": entry}
+            name = path(own.pop("file", None), place)
+            named.append({"file": name, **nested("data", {**keys, **own})})
+        measurement: dict[str, Any] = {"sigma": "estimate"}
+        if sigma is not None:
+            measurement["sigma"] = positive(sigma, "sigma", "a length (m)")
+        if sigma_rotation is not None:
+            measurement["sigma_rotation"] = positive(
+                sigma_rotation, "sigma_rotation", "an angle (rad)")
+        whole: dict[str, Any] = {"units": {"length": "m", "angle": "rad"},
+                                 "measurement": measurement, "data": named}
+        if references is not None:
+            whole["references"] = references
+        try:
+            core = _core.Measurements.load(flow(whole, "data"), nominal._core,
+                                           threads_of(threads))
+        except InputError as error:
+            if error.file != "options":
+                raise
+            key = re.sub(r"^data(\[\d+\])?\.?", "", error.key) or "file"
+            raise InputError(error.message, key=key) from None
         return cls._of(core)
 
     @classmethod
-    def from_pandas(cls, frame: Any, arm: Any, *, sigma: float | None = None,
-                    threads: int = 1) -> Dataset:
+    def from_pandas(cls, frame: Any, arm: Any, **keywords: Any) -> Dataset:
         """A frame whose columns are named as those of data set files, with
         their units: q1_deg ... or q1_rad ..., x_mm, y_mm, z_mm or x_m ...,
-        target, point, plane (docs/files.md, "Data set")."""
+        target, point, plane (docs/files.md, "Data set"); or as `columns` says.
+        Keywords are those of `load`."""
         if not hasattr(frame, "to_csv"):
             raise wrong("frame", f"found {type(frame).__name__}, expected a "
                         "pandas DataFrame")
@@ -111,8 +173,10 @@ class Dataset:
             file = os.path.join(folder, "frame.csv")
             frame.to_csv(file, index=False)
             try:
-                data = cls.load(file, arm, sigma=sigma, threads=threads)
+                data = cls.load(file, arm, **keywords)
             except InputError as error:
+                if error.file != file:
+                    raise
                 # The header is line 1, the first row line 2.
                 row = f"row {error.line - 2}: " if error.line > 1 else ""
                 key = f"frame[{error.key!r}]" if error.key else "frame"
@@ -120,143 +184,78 @@ class Dataset:
         data._core.name = "frame"
         return data
 
+    def __add__(self, other: Any) -> Dataset:
+        """Both as one data set, the poses of `other` after one's own. Points and
+        planes of one name are the same."""
+        if not isinstance(other, Dataset):
+            return NotImplemented
+        one, more = self._core, other._core
+        if other.joint_values.shape[1] != self.joint_values.shape[1]:
+            raise wrong("other", f"has {other.joint_values.shape[1]} joint "
+                        "values per pose, expected "
+                        f"{self.joint_values.shape[1]}")
+        if (one.covariate_names() != more.covariate_names()
+                or one.uses() != more.uses()):
+            raise wrong("other", "has other covariates, expected the same in "
+                        "both")
+        core = _core.Measurements(np.vstack([self.joint_values,
+                                             other.joint_values]))
+        core.name = one.name
+        core.sigmas_are_stated = one.sigmas_are_stated or more.sigmas_are_stated
+        if one.sets or more.sets:
+            core.sets = [*(one.sets or [""] * len(self)),
+                         *(more.sets or [""] * len(other))]
+        core.rejected = [*one.rejected, *more.rejected]
+        if one.covariate_names():
+            core.set_covariates(one.covariate_names(), np.vstack(
+                [one.covariates(), more.covariates()]))
+        core.set_uses(one.uses())
+        names = {kind: [entry[1] for entry in one.references()
+                        if entry[0] == kind] for kind in ("point", "plane")}
+        added = [entry for entry in more.references()
+                 if entry[1] not in names[entry[0]]]
+        _copy_references([*one.references(), *added], core)
+        for entry in added:
+            names[entry[0]].append(entry[1])
+        core.target_names = list(dict.fromkeys(
+            [*one.target_names, *more.target_names]))
+        for block in one.blocks():
+            _add_after(block, 0, names, one, core)
+        for block in more.blocks():
+            _add_after(block, len(self), names, more, core)
+        return self._of(core)
+
     @classmethod
     def _of(cls, core: _core.Measurements) -> Dataset:
         data = cls.__new__(cls)
         data._core = core
         return data
 
-    def with_positions(self, positions: Any, sigma: Any = None, *,
-                       rotations: Any = None, sigma_rotation: Any = None,
-                       pose: Any = None, target: int = 0) -> Dataset:
-        """Positions (M, 3) of a target at poses number `pose` (M,), by default
-        one at each, with orientations beside them where these were measured."""
-        points = rows(positions, "positions", 3, "x, y, z in m")
-        at = self._poses(pose, len(points), "positions")
-        if rotations is None:
-            if sigma_rotation is not None:
-                raise wrong("sigma_rotation", "goes with rotations, expected "
-                            "these too")
-            return self._with("position", points,
-                              self._sigmas(sigma, "sigma", len(points), 3),
-                              sigma is not None, at, target)
-        turns = _rotation_vectors(rotations, len(points))
-        sigmas = self._sigmas(sigma, "sigma", len(points), 3)
-        turned = (sigmas / _LEVER if sigma_rotation is None else
-                  self._sigmas(sigma_rotation, "sigma_rotation", len(points),
-                               3))
-        if len(sigmas) != len(turned):
-            sigmas, turned = np.broadcast_arrays(sigmas, turned)
-        return self._with("pose", np.hstack([points, turns]),
-                          np.hstack([sigmas, turned]), sigma is not None, at,
-                          target)
-
-    def with_poses(self, poses: Any, sigma: Any = None,
-                   sigma_rotation: Any = None, *, pose: Any = None,
-                   target: int = 0) -> Dataset:
-        """The same of homogeneous matrices (M, 4, 4)."""
-        matrices = transforms(poses, "poses")
-        if len(matrices) != len(self) and pose is None:
-            raise wrong("poses", f"found {len(matrices)}, expected {len(self)},"
-                        " one for each row of joint_values")
-        return self.with_positions(
-            np.ascontiguousarray(matrices[:, :3, 3]), sigma,
-            rotations=matrices[:, :3, :3], sigma_rotation=sigma_rotation,
-            pose=pose, target=target)
-
-    def with_distances(self, point: str, lengths: Any, sigma: Any = None, *,
-                       pose: Any = None, target: int = 0,
-                       position: Any = None, known: bool = False) -> Dataset:
-        """Distances (M,) from a reference point: draw wires, ball bars.
-        `position` of the point (m) is a guess, or known."""
-        values = vector(lengths, "lengths", None, "distances (m)")
-        if len(values) and values.min() <= 0:
-            raise wrong("lengths", f"found {values.min()}, expected distances "
-                        "above 0")
-        data, number = self._with_point(point, position, known)
-        at = self._poses(pose, len(values), "lengths")
-        return data._with("distance", values[:, np.newaxis],
-                          self._sigmas(sigma, "sigma", len(values), 1),
-                          sigma is not None, at, target,
-                          [number] * len(values))
-
-    def with_point_contacts(self, point: str, sigma: Any = None, *,
-                            pose: Any = None, target: int = 0,
-                            position: Any = None,
-                            known: bool = False) -> Dataset:
-        """The target was in the same socket at poses number `pose`, by default
-        at all."""
-        data, number = self._with_point(point, position, known)
-        at = self._poses(pose, None, "pose")
-        return data._with("fixed point", np.zeros((len(at), 3)),
-                          self._sigmas(sigma, "sigma", len(at), 3),
-                          sigma is not None, at, target, [number] * len(at))
-
-    def with_plane_contacts(self, plane: str, sigma: Any = None, *,
-                            pose: Any = None, target: int = 0,
-                            normal: Any = (0.0, 0.0, 1.0), offset: float = 0.0,
-                            known: bool = False) -> Dataset:
-        """The target touched a plane, normal . p = offset, at poses number
-        `pose`. Normal and offset (m) are a guess, or known."""
-        name = text(plane, "plane", "the plane's name")
-        direction = vector(normal, "normal", 3, "a direction")
-        if not np.linalg.norm(direction) > 0:
-            raise wrong("normal", "is zero, expected a direction")
-        distance = numbers(offset, "offset", "a length (m)")
-        if distance.ndim:
-            raise wrong("offset", "expected one number (m)")
-        finite(distance, "offset")
-        data = self._of(self._core.copy())
-        names = [entry[1] for entry in data._core.references()
-                 if entry[0] == "plane"]
-        if name not in names:
-            data._core.add_plane(name, list(direction), float(distance),
-                                 bool(known))
-            names.append(name)
-        at = self._poses(pose, None, "pose")
-        return data._with("plane", np.zeros((len(at), 1)),
-                          self._sigmas(sigma, "sigma", len(at), 1),
-                          sigma is not None, at, target,
-                          [names.index(name)] * len(at))
-
-    def with_differences(self, differences: Any, pose: Any, second: Any,
-                         sigma: Any = None, *, target: int = 0) -> Dataset:
-        """Positions at poses number `pose` less those at `second`: (M, 3)."""
-        values = rows(differences, "differences", 3, "x, y, z in m")
-        at = self._poses(pose, len(values), "differences")
-        other = self._poses(second, len(values), "differences", "second")
-        same = next((i for i, j in zip(at, other) if i == j), None)
-        if same is not None:
-            raise wrong("second", f"pose {same} is both first and second, "
-                        "expected two different ones")
-        return self._with("difference", values,
-                          self._sigmas(sigma, "sigma", len(values), 3),
-                          sigma is not None, at, target, seconds=other)
-
-    def with_point_distances(self, first: str, second: str, length: float,
-                             sigma: float | None = None) -> Dataset:
-        """A known distance (m) of two reference points."""
-        value = positive(length, "length", "a distance (m)")
-        data, one = self._with_point(first, None, False)
-        data, other = data._with_point(second, None, False)
-        if one == other:
-            raise wrong("second", "expected another point than first")
-        # The number of a pose, which is not used.
-        return data._with("point distance", np.array([[value]]),
-                          self._sigmas(sigma, "sigma", 1, 1),
-                          sigma is not None, [0], 0, [one], [other])
-
-    def with_covariates(self, **columns: Any) -> Dataset:
-        """What else was recorded of each pose, by name: temperature, station;
-        (N,) each. `errors={"covariates": True}` estimates their effects."""
-        if not columns:
-            raise wrong("columns", "expected some, as temperature=...")
-        table = np.column_stack([
-            vector(value, name, len(self), "one per pose")
-            for name, value in columns.items()])
-        data = self._of(self._core.copy())
-        data._core.set_covariates(list(columns), table)
-        return data
+    def __getitem__(self, poses: Any) -> Dataset:
+        """The measurements of some poses: a slice, numbers, or truth values.
+        Differences stay where both of their poses do."""
+        numbers_ = np.arange(len(self))
+        if isinstance(poses, slice):
+            kept = numbers_[poses]
+        else:
+            kept = np.array(self._poses(poses, None, "pose"), dtype=int)
+        if len(kept) == 0 or len(set(kept)) < len(kept):
+            raise wrong("pose", "expected some poses, each once")
+        place = np.full(len(self), -1)
+        place[kept] = np.arange(len(kept))
+        old = self._core
+        core = _core.Measurements(np.ascontiguousarray(self.joint_values[kept]))
+        core.name, core.target_names = old.name, old.target_names
+        core.sigmas_are_stated = old.sigmas_are_stated
+        core.sets = [old.sets[k] for k in kept] if old.sets else []
+        _copy_references(old.references(), core)
+        if old.covariate_names():
+            core.set_covariates(old.covariate_names(),
+                                np.ascontiguousarray(old.covariates()[kept]))
+        core.set_uses(old.uses())
+        for block in old.blocks():
+            _add_part(block, place, core)
+        return self._of(core)
 
     @property
     def name(self) -> str:
@@ -273,7 +272,7 @@ class Dataset:
         points = [block["measured"][:, :3] for block in self._core.blocks()
                   if block["kind"] in ("position", "pose")]
         if len(points) == 1:
-            return points[0]
+            return np.asarray(points[0])
         return np.vstack(points) if points else np.empty((0, 3))
 
     @property
@@ -303,10 +302,45 @@ class Dataset:
         """Whether somebody has said how well was measured."""
         return self._core.sigmas_are_stated
 
+    @property
+    def points(self) -> dict[str, Record]:
+        """Reference points by name: position (m), known."""
+        return {name: Record(position=np.array(numbers_), known=known)
+                for kind, name, numbers_, _, known in self._core.references()
+                if kind == "point"}
+
+    @property
+    def planes(self) -> dict[str, Record]:
+        """Reference planes by name: normal, offset (m), known."""
+        return {name: Record(normal=np.array(numbers_), offset=offset,
+                             known=known)
+                for kind, name, numbers_, offset, known
+                in self._core.references() if kind == "plane"}
+
+    @property
+    def covariates(self) -> dict[str, Array]:
+        """What else was recorded of each pose, by name."""
+        values = self._core.covariates()
+        return {name: values[:, k] for k, name in
+                enumerate(self._core.covariate_names())}
+
+    @property
+    def sets(self) -> Any:
+        """The texts of a file's column `set`, one per pose: `data[data.sets ==
+        "a"]`. Empty without one."""
+        return np.array(self._core.sets, dtype=str)
+
+    @property
+    def rejected(self) -> list[Record]:
+        """Rows of files that hold no measurement: file, line, reason."""
+        return [Record(file=file, line=line, reason=reason)
+                for file, line, reason in self._core.rejected]
+
     def save(self, file: Path, arm: Any) -> None:
         """Positions and poses as CSV, or where the name ends in .npy as a
         NumPy array."""
-        self._core.save(arm_of(arm)._core, path(file, "file"))
+        nominal = arm_of(arm)
+        self._named(nominal, "target").save(nominal._core, path(file, "file"))
 
     def to_pandas(self) -> Any:
         """A row per pose: q1 ..., and where a position was measured at each x,
@@ -321,74 +355,17 @@ class Dataset:
             frame[["x", "y", "z"]] = points
         return frame
 
-    def _with_point(self, point: str, position: Any,
-                    known: bool) -> tuple[Dataset, int]:
-        name = text(point, "point", "the point's name")
-        if known and position is None:
-            raise wrong("position", "found None, expected the position (m) of "
-                        "a known point")
-        data = self._of(self._core.copy())
-        names = [entry[1] for entry in data._core.references()
-                 if entry[0] == "point"]
-        if name not in names:
-            guess = ([0.0, 0.0, 0.0] if position is None else
-                     list(vector(position, "position", 3, "x, y, z in m")))
-            data._core.add_point(name, guess, bool(known))
-            names.append(name)
-        return data, names.index(name)
-
-    def _with(self, kind: str, measured: Array, sigmas: Array, is_stated: bool,
-              poses: list[int], target: int, references: list[int] = [],
-              seconds: list[int] = []) -> Dataset:
-        data = self._of(self._core.copy())
-        number = integer(target, "target", 0, 63)
-        data._core.add_block(kind, measured, np.ascontiguousarray(sigmas),
-                             poses, [number] * len(measured) if number else [],
-                             references, seconds)
-        data._core.sigmas_are_stated = is_stated or self.sigma_is_stated
-        return data
-
-    def _poses(self, pose: Any, count: int | None, of: str,
-               argument: str = "pose") -> list[int]:
-        if pose is None:
-            if count not in (None, len(self)):
-                raise wrong(of, f"found {count}, expected {len(self)}, one for "
-                            "each row of joint_values (or `pose`, the number "
-                            "of the pose of each)")
-            return list(range(len(self))) if of == "pose" else []
-        values = np.asarray(pose)
-        if values.dtype.kind == "b" and values.shape == (len(self),):
-            values = np.flatnonzero(values)
-        if values.ndim != 1 or values.dtype.kind not in "iu":
-            raise wrong(argument, f"expected a list of numbers of poses, from "
-                        f"0 to {len(self) - 1}")
-        if count is not None and len(values) != count:
-            raise wrong(argument, f"found {len(values)}, expected {count}, one "
-                        "for each measurement")
-        if len(values) and not (0 <= values.min()
-                                and values.max() < len(self)):
-            raise wrong(argument, f"found {values.min()} to {values.max()}, "
-                        f"expected numbers of poses from 0 to {len(self) - 1}")
-        return [int(value) for value in values]
-
-    @staticmethod
-    def _sigmas(sigma: Any, argument: str, count: int, columns: int) -> Array:
-        """One row for all, or a row each."""
-        if sigma is None:
-            return np.full((1, columns), _FIRST_SIGMA)
-        expected = (f"a standard deviation, above 0, or an array of shape "
-                    f"({columns},) or ({count}, {columns})")
-        values = numbers(sigma, argument, expected)
-        if values.shape == (count,) and count != columns:
-            values = values[:, np.newaxis] * np.ones(columns)
-        if values.shape not in ((), (columns,), (count, columns)):
-            raise wrong(argument,
-                        f"found shape {values.shape}, expected {expected}")
-        if not (values > 0).all():
-            raise wrong(argument, f"found {np.min(values)}, expected {expected}"
-                        " (inf: not measured)")
-        return np.ascontiguousarray(np.broadcast_to(
-            values, (count if values.ndim == 2 else 1, columns)))
+    def _named(self, arm: Arm, argument: str) -> _core.Measurements:
+        """With targets by the arm's numbers."""
+        names = list(arm.targets)
+        for name in self._core.target_names:
+            if name not in names:
+                known = ", ".join(filter(None, names)) or "no names"
+                raise wrong(argument, f"measures target {name!r}, the arm "
+                            f"{arm.name!r} has {known}, expected one of these "
+                            "or a number from 0")
+        return self._core.name_targets(
+            [names.index(name) for name in self._core.target_names])
 
     def __len__(self) -> int:
         """Number of poses."""
@@ -401,15 +378,16 @@ class Dataset:
 
     def _repr_html_(self) -> str:
         frame = self.to_pandas()
-        return f"<b>{self!r}</b>" + frame.head()._repr_html_()
+        return f"<b>{self!r}</b>{frame.head()._repr_html_()}"
 
     def __getstate__(self) -> dict[str, Any]:
         core = self._core
         return {"joint_values": np.array(core.joint_values()),
-                "name": core.name, "stated": core.sigmas_are_stated,
+                "members": {name: getattr(core, name) for name in _MEMBERS},
                 "references": core.references(),
                 "covariates": (core.covariate_names(),
                                np.array(core.covariates())),
+                "uses": core.uses(), "origin": core.origin(),
                 "blocks": [{key: np.array(value)
                             if isinstance(value, np.ndarray) else value
                             for key, value in block.items()}
@@ -417,51 +395,92 @@ class Dataset:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         core = _core.Measurements(state["joint_values"])
-        core.name = state["name"]
-        core.sigmas_are_stated = state["stated"]
-        for kind, name, numbers_, offset, known in state["references"]:
-            if kind == "point":
-                core.add_point(name, list(numbers_), known)
-            else:
-                core.add_plane(name, list(numbers_), offset, known)
+        for name, value in state["members"].items():
+            setattr(core, name, value)
+        _copy_references(state["references"], core)
         if state["covariates"][0]:
             core.set_covariates(*state["covariates"])
+        core.set_uses(state["uses"])
+        core.set_origin(state["origin"])
         for block in state["blocks"]:
             core.add_block(**block)
         self._core = core
 
 
-def _is_guess(sigmas: Array) -> bool:
-    return bool((sigmas[:, 0] == _FIRST_SIGMA).all())
+getattr(Dataset.load, "__func__").__doc__ = str(Dataset.load.__doc__).replace(
+    "        {options}", document("data", "        "))
+
+_MEMBERS = ("name", "sigmas_are_stated", "sets", "target_names", "rejected")
+def _copy_references(references: Any, core: _core.Measurements) -> None:
+    for kind, name, numbers_, offset, known in references:
+        if kind == "point":
+            core.add_point(name, list(numbers_), known)
+        else:
+            core.add_plane(name, list(numbers_), offset, known)
 
 
-def _rotation_vectors(rotations: Any, count: int) -> Array:
-    expected = (f"rotation matrices ({count}, 3, 3) or rotation vectors "
-                f"({count}, 3)")
-    values = numbers(rotations, "rotations", expected)
-    finite(values, "rotations")
-    if values.shape == (count, 3, 3):
-        check_rotations(values, "rotations")
-        return rotation_vectors(values)
-    if values.shape != (count, 3):
-        raise wrong("rotations",
-                    f"found shape {values.shape}, expected {expected}")
-    return values
+def _add_part(block: Any, place: Any, core: _core.Measurements) -> None:
+    """What is measured at the poses whose `place` is not -1."""
+    size = len(block["measured"])
+    if block["kind"] == "point distance":
+        core.add_block(**block)
+        return
+    poses = place[np.array(block["poses"] or range(size), dtype=int)]
+    is_kept = poses >= 0
+    seconds = np.array(block["seconds"], dtype=int)
+    if block["kind"] == "difference":
+        seconds = place[seconds]
+        is_kept &= seconds >= 0
+    kept = np.flatnonzero(is_kept)
+    # In the order that the poses have now.
+    kept = kept[np.argsort(poses[kept], kind="stable")]
+    if len(kept) == 0:
+        return
+    core.add_block(
+        block["kind"], np.ascontiguousarray(block["measured"][kept]),
+        np.ascontiguousarray(block["sigmas"][kept]), poses[kept].tolist(),
+        [block["targets"][k] for k in kept] if block["targets"] else [],
+        [block["references"][k] for k in kept] if block["references"] else [],
+        seconds[kept].tolist() if len(seconds) else [],
+        [block["whiteners"][k] for k in kept] if block["whiteners"] else [])
+
+
+def _add_after(block: Any, first: int, names: dict[str, list[str]],
+               other: _core.Measurements, core: _core.Measurements) -> None:
+    """A block of measurements whose poses begin at `first` now."""
+    kind = block["kind"]
+    sort = "plane" if kind == "plane" else "point"
+    place = [names[sort].index(entry[1]) for entry in other.references()
+             if entry[0] == sort]
+    known = core.target_names
+    block["targets"] = [
+        number if number < _core.NAMED_TARGETS else _core.NAMED_TARGETS
+        + known.index(other.target_names[number - _core.NAMED_TARGETS])
+        for number in block["targets"]]
+    block["references"] = [place[number] for number in block["references"]]
+    if kind == "point distance":
+        block["seconds"] = [place[number] for number in block["seconds"]]
+    else:
+        block["poses"] = [first + pose for pose in block["poses"] or range(
+            len(block["measured"]))]
+        block["seconds"] = [first + pose for pose in block["seconds"]]
+    core.add_block(**block)
 
 
 def dataset_of(value: Any, arm: Arm, argument: str, threads: int) -> Dataset:
-    """A Dataset, or the file of one."""
+    """A Dataset for the arm, or the file of one."""
     if isinstance(value, Dataset):
         if value.joint_values.shape[1] != arm.num_joints:
             raise wrong(argument, f"has {value.joint_values.shape[1]} joint "
                         f"values per pose, the arm {arm.num_joints} joints, "
                         "expected as many")
+        named = Dataset._of(value._named(arm, argument))
         most = max((max(block["targets"], default=0)
-                    for block in value._core.blocks()), default=0)
+                    for block in named._core.blocks()), default=0)
         if most >= len(arm.targets):
             raise wrong(argument, f"names target {most}, the arm has "
                         f"{len(arm.targets)}, expected numbers from 0")
-        return value
+        return named
     if isinstance(value, str) or hasattr(value, "__fspath__"):
         return Dataset.load(value, arm, threads=threads)
     raise wrong(argument, f"found {type(value).__name__}, expected a Dataset "

@@ -156,11 +156,11 @@ def _line(option: Option, indent: str) -> list[str]:
     return lines
 
 
-def document(command: str) -> str:
+def document(command: str, indent: str = "    ") -> str:
     """All options of a command, for its docstring."""
     lines = []
     for option in options_of(command):
-        lines += _line(option, "    ")
+        lines += _line(option, indent)
     return "\n".join(lines)
 
 

@@ -32,13 +32,17 @@ def _brief(value: Any) -> str:
     return repr(value)
 
 
-def record(value: Any) -> Any:
+def records(value: Any) -> Any:
     """Maps as records, to any depth."""
     if isinstance(value, dict):
-        return Record((key, record(item)) for key, item in value.items())
+        return Record((key, records(item)) for key, item in value.items())
     if isinstance(value, list):
-        return [record(item) for item in value]
+        return [records(item) for item in value]
     return value
+
+
+def record(value: dict[str, Any]) -> Record:
+    return Record((key, records(item)) for key, item in value.items())
 
 
 class Svg:

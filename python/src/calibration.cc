@@ -295,6 +295,7 @@ void DefineCalibration(py::module_* m) {
            [](CalibrationOptions* options, const std::string& text,
               const Arm& arm, const Measurements& measured) {
              ReadOptions(text, arm, measured.references, options);
+             options->errors.uses = measured.uses;
            })
       .def("copy", [](const CalibrationOptions& options) { return options; })
       .def_readwrite("estimate_sigma", &CalibrationOptions::estimate_sigma)
@@ -315,12 +316,15 @@ void DefineCalibration(py::module_* m) {
       .def_readonly("input_files", &Job::input_files)
       .def("data",
            [](const Job& job) {
-             return Measurements{job.data.training, job.data.references,
-                                 job.options.sigmas_are_stated};
+             Measurements measured{job.data.training, job.data.references,
+                                   job.options.errors.uses};
+             measured.sigmas_are_stated = job.options.sigmas_are_stated;
+             return measured;
            })
       .def("validation", [](const Job& job) -> std::optional<Measurements> {
         if (!job.data.validation) return std::nullopt;
-        return Measurements{*job.data.validation, job.data.references};
+        return Measurements{*job.data.validation, job.data.references,
+                            job.options.errors.uses};
       });
   DefineResult(m);
   m->def("calibrate", CalibrateArm);

@@ -1,12 +1,14 @@
 #ifndef ALIDADE_PYTHON_SRC_CORE_H_
 #define ALIDADE_PYTHON_SRC_CORE_H_
 
+#include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
 #include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "alidade/arm.h"
@@ -23,10 +25,20 @@ namespace py = pybind11;
 /// last is contiguous. A row is a column of Eigen's.
 using Rows = py::array_t<double>;
 
+/// More targets than an arm has.
+inline constexpr int kNamedTargets = 64;
+
 /// What was measured, and against what.
 struct Measurements {
   Dataset data;
   References references;
+  std::vector<CovariateUse> uses = {};  ///< of the data's covariates
+  std::vector<std::string> sets = {};   ///< of each pose; empty: none
+  /// Names of targets that stand for numbers from kNamedTargets on: which of
+  /// the arm's they are is known once there is an arm.
+  std::vector<std::string> target_names = {};
+  /// Rows of files that hold no measurement: file, line, reason.
+  std::vector<std::tuple<std::string, int, std::string>> rejected = {};
   /// Somebody has stated sigmas, if only one for all.
   bool sigmas_are_stated = true;
 };

@@ -55,10 +55,11 @@ py::dict AsDict(const OptionDescription& option) {
 
 py::list OptionsOf(const std::string& command) {
   py::list options;
-  for (const OptionDescription& option : command == "plan" ? OptionsOfPlan()
-                                         : command == "montecarlo"
-                                             ? OptionsOfMonteCarlo()
-                                             : OptionsOfCalibration()) {
+  for (const OptionDescription& option :
+       command == "plan"         ? OptionsOfPlan()
+       : command == "montecarlo" ? OptionsOfMonteCarlo()
+       : command == "data"       ? OptionsOfData()
+                                 : OptionsOfCalibration()) {
     options.append(AsDict(option));
   }
   return options;

@@ -36,6 +36,7 @@ Plan PlanArm(const Arm& arm, const Measurements& measured,
   PlanOptions plan;
   CalibrationOptions calibration;
   ReadOptions(options, arm, measured.references, &plan, &calibration);
+  calibration.errors.uses = measured.uses;
   if (candidates) plan.given_candidates = AsMatrix(*candidates);
   calibration.num_threads = threads;
   plan.design.num_threads = threads;

@@ -76,25 +76,47 @@ def test_notebook(file, monkeypatch):
   assert number >= 4
 
 
-def test_the_guide(real):
-  """The first block of docs/python.md, and the options that it names."""
+def blocks_of(heading):
+  """Blocks of code below a heading of docs/python.md."""
   guide = (ROOT / 'docs/python.md').read_text()
-  block = guide.split('```python\n')[1].split('```')[0]
+  section = guide.split(f'\n## {heading}\n')[1].split('\n## ')[0]
+  return [block.split('```')[0] for block in section.split('```python\n')[1:]]
+
+
+def test_the_guide(real, tmp_path, monkeypatch):
+  """As a reader does it who copies one block after the other."""
+  monkeypatch.chdir(tmp_path)
   simulated = alidade.simulate(real, count=60, sigma=2e-5)
   names = {'base_guess': np.eye(4), 'joint_values': simulated.joint_values,
-           'positions': simulated.positions}
-  exec(compile(block, 'docs/python.md', 'exec'), names)
+           'positions': simulated.positions,
+           'measure': lambda q: alidade.simulate(real, q, sigma=2e-5,
+                                                 seed=5).positions}
+  first, second = blocks_of('An own arm from arrays')
+  exec(compile(first, 'docs/python.md', 'exec'), names)
   assert names['result'].validation.after.rms < 1e-4
-  plan = alidade.plan(names['arm'], poses=20, sigma=20e-6,
-                      measured=names['data'], curve=[],
-                      candidates={'count': 200}, parameters=['joints'])
-  assert plan.joint_values.shape == (20, 6)
+  std = names['result'].workspace.position_std.mean()
+  exec(compile(second, 'docs/python.md', 'exec'), names)
+  assert names['plan'].joint_values.shape == (20, 6)
+  assert names['result'].train.after.n == 80
+  assert names['result'].workspace.position_std.mean() < 0.9 * std
+  assert names['study'].estimates.shape[0] == 1000
+  assert names['spring'].to_dict() == names['result'].to_dict()
+  # The words that stand beside them.
   for options in ({'validation': {'folds': 5}}, {'max_iterations': 20},
                   {'policy': 'keep'}, {'fix': ['d2']},
                   {'bounds': {'d3': (-1e-3, 1e-3)}},
                   {'priors': {'theta': 2e-3}}):
     alidade.calibrate(names['arm'], names['data'], errors='none', check=False,
                       parameters=['joints', 'base', 'tool'], **options)
+  # And SciPy's least squares, which knows nothing of the library's solver.
+  names['scipy'] = pytest.importorskip('scipy')
+  pytest.importorskip('scipy.optimize')
+  _, usual, forward = blocks_of('Coming from scipy')
+  exec(compile(usual, 'docs/python.md', 'exec'), {**names, 'sigma': 2e-5})
+  exec(compile(forward, 'docs/python.md', 'exec'), names)
+  stds = [names['result'][name].std for name in names['free']]
+  off = np.abs(names['fit'].x - names['found']) / stds
+  assert off.max() < 0.01, dict(zip(names['free'], off))
 
 
 def test_there_are_three():

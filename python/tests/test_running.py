@@ -74,6 +74,42 @@ def test_ctrl_c_ends_a_calibration(arm, real):
                       folds=20, **OPTIONS)
 
 
+def long_calls(arm, real, data):
+  """What takes seconds or longer, by name."""
+  q = np.tile(arm.draw(100000, seed=1), (40, 1))
+  few = q[:200000]
+  poses = arm.fk(few, threads=2)
+  return {
+      'fk': lambda: arm.fk(q),
+      'positions': lambda: [arm.positions(q) for _ in range(5)],
+      'jacobian': lambda: arm.jacobian(q),
+      'parameter_jacobian': lambda: arm.parameter_jacobian(q[:800000]),
+      'ik of each': lambda: arm.ik(poses, few),
+      'ik': lambda: arm.ik(poses),
+      'correct': lambda: alidade.correct(arm, real, joint_values=few),
+      'simulate': lambda: alidade.simulate(real, q, sigma=1e-5),
+      'plan': lambda: alidade.plan(
+          arm, poses=150, sigma=2e-5, candidates={'count': 40000},
+          parameters=['joints', 'base', 'tool']),
+      'error terms': lambda: alidade.calibrate(
+          arm, data, parameters=['joints', 'base', 'tool'], folds=20),
+  }
+
+
+@pytest.mark.skipif(IS_QUICK, reason='minutes with sanitizers')
+def test_ctrl_c_ends_whatever_is_long(arm, real):
+  for name, call in long_calls(arm, real, many(real)).items():
+    timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
+    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+      timer.start()
+      call()
+      # On a fast machine it is done by now.
+      timer.join()
+      time.sleep(0.1)
+    assert time.monotonic() - begin < 20, name
+
+
 def test_progress_and_what_it_raises(arm, data):
   calls = []
   alidade.calibrate(arm, data, progress=lambda *state: calls.append(state),
@@ -102,7 +138,8 @@ def test_no_leak(arm):
   def call():
     arm.fk(q)
     arm.jacobian(q)
-    alidade.Dataset(q, poses=poses, sigma=1e-4).positions
+    alidade.Dataset(q, poses=poses, covariance=1e-8 * np.eye(6),
+                    target='a').with_point('A', [1, 2, 3])[::2].positions
     arm.ik(poses[:1], q[:1])
     try:
       arm.fk(q[:, :3])
@@ -112,7 +149,7 @@ def test_no_leak(arm):
   for _ in range(2000):
     call()
   before = resident()
-  for _ in range(20000):
+  for _ in range(100000 // 5):  # of five calls each
     call()
   assert resident() - before < 2e6
 

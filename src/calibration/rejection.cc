@@ -85,13 +85,18 @@ std::string ReasonToReject(const CalibrationSolution& fit, bool frames_fitted,
     }
   }
   if (IsUseless(fit, frames_fitted, result)) {
+    constexpr double kLargeRatio = 2.0;
+    const double ratio = ResidualRatio(fit, result);
+    // Sigmas that were estimated say so themselves.
+    const std::string beyond_sigma =
+        ratio > kLargeRatio
+            ? ", and the residuals are " + FormatSignificant(ratio, 3) +
+                  " times as large as the sigmas say"
+            : "";
     return "the data do not fit this arm: half of the errors that are left "
            "are more than " +
-           FormatLength(result.train.after.median, 3) +
-           ", and the residuals are " +
-           FormatSignificant(ResidualRatio(fit, result), 3) +
-           " times as large as the sigmas say: look for wrong units, columns, "
-           "limits, or a wrong arm";
+           FormatLength(result.train.after.median, 3) + beyond_sigma +
+           ": look for wrong units, columns, limits, or a wrong arm";
   }
   return "";
 }

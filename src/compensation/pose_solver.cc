@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "alidade/interruption.h"
 #include "alidade/rotation.h"
 
 namespace alidade::internal {
@@ -225,6 +226,7 @@ PoseStatus PoseSolver::StatusOf(double determinant_before) const {
 
 PoseSolution PoseSolver::Solve(const Eigen::Isometry3d& target,
                                Eigen::VectorXd* joint_values) {
+  CheckInterruption();
   start_ = *joint_values;
   current_.joint_values = start_;
   ClampToLimits(&current_.joint_values);

@@ -11,6 +11,9 @@
 namespace alidade::internal {
 namespace {
 
+// Of R^T R from 1, and of a quaternion's norm.
+constexpr double kRounding = 1e-3;
+
 constexpr char kVectorName[] = "rotation_vector";
 
 std::string NameOf(const RotationConvention& convention) {
@@ -131,6 +134,24 @@ Eigen::Matrix3d RotationOf(const RotationConvention& convention,
     rotation *= Eigen::AngleAxisd(numbers[number], axis).toRotationMatrix();
   }
   return rotation;
+}
+
+std::optional<Eigen::Matrix3d> RotationOfMatrix(const Eigen::Matrix3d& matrix) {
+  const Eigen::Matrix3d error =
+      matrix.transpose() * matrix - Eigen::Matrix3d::Identity();
+  if (!(error.cwiseAbs().maxCoeff() <= kRounding &&
+        matrix.determinant() > 0.0)) {
+    return std::nullopt;
+  }
+  return Eigen::Quaterniond(matrix).normalized().toRotationMatrix();
+}
+
+std::optional<Eigen::Matrix3d> RotationOfQuaternion(
+    const Eigen::Vector4d& numbers) {
+  const Eigen::Quaterniond quaternion(numbers[0], numbers[1], numbers[2],
+                                      numbers[3]);
+  if (!(std::abs(quaternion.norm() - 1.0) <= kRounding)) return std::nullopt;
+  return quaternion.normalized().toRotationMatrix();
 }
 
 Eigen::Vector3d NumbersOf(const RotationConvention& convention,

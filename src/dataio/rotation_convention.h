@@ -39,6 +39,15 @@ std::optional<RotationConvention> FindRotationConvention(std::string_view name);
 Eigen::Matrix3d RotationOf(const RotationConvention& convention,
                            const Eigen::Vector3d& numbers);
 
+/// The rotation nearest to a rounded one; nothing where it is none to within
+/// 0.001.
+std::optional<Eigen::Matrix3d> RotationOfMatrix(const Eigen::Matrix3d& matrix);
+
+/// R of a quaternion w, x, y, z; nothing where its norm is not 1 to within
+/// 0.001.
+std::optional<Eigen::Matrix3d> RotationOfQuaternion(
+    const Eigen::Vector4d& numbers);
+
 /// The numbers of R: of the many that state it, angles nearest to `near`; in
 /// gimbal lock the first angle is that of `near`. A rotation vector is the one
 /// of at most half a turn, or, where `near` is longer, with whole turns added.

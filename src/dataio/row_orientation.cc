@@ -1,6 +1,5 @@
 #include "src/dataio/row_orientation.h"
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <string>
 
@@ -11,25 +10,19 @@
 namespace alidade::internal {
 namespace {
 
-constexpr double kQuaternionNorm = 1e-3;  // of 1
-constexpr double kMatrixRounding = 1e-3;  // of R^T R = 1
-
-// The rotation nearest to it, which is a rounded one.
-Eigen::Matrix3d MatrixOf(const TableRow& row, int first) {
+Eigen::Matrix3d MatrixAt(const TableRow& row, int first) {
   Eigen::Matrix3d matrix;
   for (int i = 0; i < 9; ++i) {
     matrix(i / 3, i % 3) = row.Number(first + i);
   }
-  const Eigen::Matrix3d error =
-      matrix.transpose() * matrix - Eigen::Matrix3d::Identity();
-  if (!(error.cwiseAbs().maxCoeff() <= kMatrixRounding &&
-        matrix.determinant() > 0.0)) {
+  const std::optional<Eigen::Matrix3d> rotation = RotationOfMatrix(matrix);
+  if (!rotation) {
     row.Fail(first,
              "the nine numbers are no rotation matrix, expected rows of unit "
              "vectors at right angles, right-handed: are they its rows, first "
              "to third, and no scale is in them?");
   }
-  return Eigen::Quaterniond(matrix).normalized().toRotationMatrix();
+  return *rotation;
 }
 
 }  // namespace
@@ -73,18 +66,20 @@ Eigen::Matrix3d ReadRotation(
   if (groups.angles) {
     return RotationOf(*convention, VectorOf(row, columns.angles));
   }
-  if (groups.matrix) return MatrixOf(row, columns.matrix);
+  if (groups.matrix) return MatrixAt(row, columns.matrix);
   const int first = columns.quaternion;
-  const Eigen::Quaterniond quaternion(row.Number(first), row.Number(first + 1),
-                                      row.Number(first + 2),
-                                      row.Number(first + 3));
-  if (!(std::abs(quaternion.norm() - 1.0) <= kQuaternionNorm)) {
+  const Eigen::Vector4d quaternion(row.Number(first), row.Number(first + 1),
+                                   row.Number(first + 2),
+                                   row.Number(first + 3));
+  const std::optional<Eigen::Matrix3d> rotation =
+      RotationOfQuaternion(quaternion);
+  if (!rotation) {
     row.Fail(first, "the quaternion's norm is " +
                         ShortestNumber(quaternion.norm()) +
                         ", expected 1 to within 0.001: are its columns "
                         "w, x, y, z?");
   }
-  return quaternion.normalized().toRotationMatrix();
+  return *rotation;
 }
 
 }  // namespace alidade::internal

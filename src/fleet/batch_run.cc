@@ -1,5 +1,6 @@
 #include "alidade/batch_run.h"
 
+#include "alidade/error.h"
 #include "src/fleet/batch.h"
 #include "src/serialization/result_json.h"
 
@@ -7,6 +8,13 @@ namespace alidade {
 
 std::string RunBatchOfFiles(const std::vector<std::string>& paths,
                             const BatchRunOptions& options) {
+  if (paths.empty()) {
+    throw InputError({}, "no job files are named, expected some");
+  }
+  if (options.directory.empty()) {
+    throw InputError({"", 0, 0, "directory"},
+                     "is empty, expected where results go");
+  }
   internal::BatchOptions batch;
   batch.directory = options.directory;
   batch.num_threads = options.num_threads;

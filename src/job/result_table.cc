@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "alidade/arm_file.h"
+#include "alidade/error.h"
 #include "src/common/number_text.h"
 #include "src/dataio/csv_lines.h"
 
@@ -136,6 +137,34 @@ void ReadMap(const ResultTable& table, PredictedMap* map) {
   }
 }
 
+// That the table is the result's: who has changed it by hand is told so.
+void RequireTableOf(const EvaluatedSet& set, const std::string& path,
+                    const ResultTable& table) {
+  std::vector<std::string> needed = {"pose"};
+  if (table.Column("kind") >= 0) {
+    needed.insert(needed.end(), {"target", "where"});
+  }
+  for (const std::string& name : needed) {
+    if (table.Column(name) >= 0) continue;
+    throw InputError({path, 1, 0, name},
+                     "no such column, expected the table that Alidade wrote");
+  }
+  if (table.num_rows < static_cast<std::size_t>(set.after.n)) {
+    throw InputError({path, 0, 0, ""},
+                     std::to_string(table.num_rows) +
+                         " rows, expected one for each of the " +
+                         std::to_string(set.after.n) +
+                         " observations of result.json beside it");
+  }
+  // Differences alone have more poses than rows.
+  const double most = 2.0 * static_cast<double>(table.num_rows);
+  for (std::size_t row = 0; row < table.num_rows; ++row) {
+    if (!(table.Number(row, "pose") > most)) continue;
+    throw InputError({path, static_cast<int>(row) + 2, 0, "pose"},
+                     "no pose of this table has such a number");
+  }
+}
+
 void ReadInfluence(const ResultTable& table, std::vector<Influence>* poses) {
   for (std::size_t row = 0; row < table.num_rows; ++row) {
     poses->push_back({static_cast<int>(table.Number(row, "pose")) - 1, "",
@@ -226,33 +255,38 @@ void ReadResultTables(const std::string& directory, CalibrationResult* result) {
   const auto read = [&directory](const char* name, const auto& take) {
     const std::string path = (fs::path(directory) / name).string();
     if (!fs::exists(path)) return;
-    take(ReadResultTable(MappedFile(path), {"kind", "target", "where"}));
+    take(path, ReadResultTable(MappedFile(path), {"kind", "target", "where"}));
   };
-  read("residuals.csv", [&](const ResultTable& table) {
-    ReadObservations(table, &result->train);
-  });
+  const auto read_set = [&read](const char* name, EvaluatedSet* set) {
+    read(name, [&](const std::string& path, const ResultTable& table) {
+      RequireTableOf(*set, path, table);
+      ReadObservations(table, set);
+    });
+  };
+  read_set("residuals.csv", &result->train);
   if (result->validation) {
     // The second is the name that results of format 1 have.
     for (const char* name : {"validation.csv", "heldout.csv"}) {
-      read(name, [&](const ResultTable& table) {
-        ReadObservations(table, &*result->validation);
-      });
+      read_set(name, &*result->validation);
     }
   }
   if (result->uncertainty && result->uncertainty->workspace) {
-    read("predicted_map.csv", [&](const ResultTable& table) {
-      ReadMap(table, &*result->uncertainty->workspace);
-    });
+    read("predicted_map.csv",
+         [&](const std::string& /*path*/, const ResultTable& table) {
+           ReadMap(table, &*result->uncertainty->workspace);
+         });
   }
   if (result->uncertainty) {
-    read("influence.csv", [&](const ResultTable& table) {
-      ReadInfluence(table, &result->uncertainty->residuals.poses);
-    });
+    read("influence.csv",
+         [&](const std::string& /*path*/, const ResultTable& table) {
+           ReadInfluence(table, &result->uncertainty->residuals.poses);
+         });
   }
   if (result->error_terms) {
-    read("joint_residuals.csv", [&](const ResultTable& table) {
-      ReadJointResiduals(table, &result->error_terms->residuals);
-    });
+    read("joint_residuals.csv",
+         [&](const std::string& /*path*/, const ResultTable& table) {
+           ReadJointResiduals(table, &result->error_terms->residuals);
+         });
   }
   const std::string arm = (fs::path(directory) / "arm.yaml").string();
   if (fs::exists(arm)) result->arm = LoadArm(arm);

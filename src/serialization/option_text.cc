@@ -2,13 +2,22 @@
 
 #include <utility>
 
+#include "src/serialization/data_section.h"
 #include "src/serialization/job_options.h"
 #include "src/serialization/plan_file.h"
+#include "src/serialization/references_section.h"
 #include "src/serialization/yaml_reader.h"
 #include "src/simulation/monte_carlo_fields.h"
 #include "src/uncertainty/uncertainty_fields.h"
 
 namespace alidade {
+namespace {
+
+// The file that messages name.
+constexpr char kTextName[] = "options";
+
+}  // namespace
+
 namespace internal {
 namespace {
 
@@ -90,7 +99,7 @@ std::vector<OptionDescription> DescribeAll(
 // read(value, units) of the options of a text.
 template <typename Read>
 void ReadText(const std::string& text, const Read& read) {
-  const YamlMap root = ParseYaml(text, "options").Map({"units", "options"});
+  const YamlMap root = ParseYaml(text, kTextName).Map({"units", "options"});
   read(root.Required("options"), Units(root));
 }
 
@@ -146,6 +155,48 @@ void ReadOptions(const std::string& text, const Arm& arm,
   });
   *options = static_cast<PlanOptions&&>(plan);
   *calibration = std::move(plan.job.options);
+}
+
+std::vector<OptionDescription> OptionsOfData() {
+  return internal::DescribeAll(internal::DataFields());
+}
+
+LoadedMeasurements LoadMeasurements(const std::string& text, const Arm& arm,
+                                    int num_threads) {
+  using internal::Key;
+  internal::JobConfig job;
+  job.arm = arm;
+  const internal::YamlValue root = internal::ParseYaml(text, kTextName);
+  internal::JobContext context{
+      internal::Units(root.Map({"units", "measurement", "references", "data"})),
+      internal::NamedFiles(kTextName), num_threads};
+  internal::MeasurementSigmas sigmas;
+  internal::StatedReferences references;
+  LoadedMeasurements loaded;
+  internal::ReadFields(root, context.units, [&](auto& v) {
+    std::optional<internal::YamlValue> units;
+    v.Field(Key("units").Required(), units, "");
+    v.Section(Key("measurement").Required(), "", [&](auto& section) {
+      VisitMeasurement(section, &sigmas, &job.options.estimate_sigma);
+    });
+    v.Section(Key("references"), "",
+              [&](auto& section) { VisitReferences(section, &references); });
+    v.Custom(Key("data").Required(), "", [&](const auto& value) {
+      job.data.references = references.references;
+      internal::LoadedData data = ReadData(value, sigmas, &context, &job);
+      job.data.training = std::move(data.data);
+      loaded.uses = std::move(data.uses);
+      loaded.sets = std::move(data.sets);
+    });
+  });
+  loaded.are_sigmas_stated =
+      !job.options.estimate_sigma || AreStated(sigmas, job.data.training);
+  AppendDistances(references.distances,
+                  job.options.estimate_sigma ? 0.0 : sigmas.length, &job);
+  loaded.data = std::move(job.data.training);
+  loaded.references = std::move(job.data.references);
+  loaded.rejected = std::move(job.rejected);
+  return loaded;
 }
 
 }  // namespace alidade

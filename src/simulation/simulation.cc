@@ -7,6 +7,7 @@
 
 #include "alidade/error.h"
 #include "alidade/forward_kinematics.h"
+#include "alidade/interruption.h"
 #include "alidade/inverse_kinematics.h"
 #include "alidade/units.h"
 #include "src/common/random.h"
@@ -131,6 +132,7 @@ MatrixBuilder TruePositions(const SimulationConfig& config,
   MatrixBuilder positions(3, joint_values.cols());
   MatrixBuilder::Map columns = positions.map();
   for (Eigen::Index i = 0; i < joint_values.cols(); ++i) {
+    CheckInterruption();
     columns.col(i) =
         TargetPosition(config.arm, geometry, joint_values.col(i).data())
             .cast<double>();
@@ -140,6 +142,7 @@ MatrixBuilder TruePositions(const SimulationConfig& config,
 
 void AddNoise(const SimulationConfig& config, MatrixBuilder::Map positions) {
   for (Eigen::Index i = 0; i < positions.cols(); ++i) {
+    CheckInterruption();
     Random random(config.seed, kNoiseStreams + static_cast<std::uint64_t>(i));
     for (int axis = 0; axis < 3; ++axis) {
       positions(axis, i) += config.noise_sigma * random.Normal();
