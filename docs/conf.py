@@ -10,7 +10,6 @@ root_doc = "README"
 exclude_patterns = []
 # What a program prints is no language.
 suppress_warnings = ["misc.highlighting_failure"]
-pygments_style = "sphinx"
 html_theme = "furo"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
