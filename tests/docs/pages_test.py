@@ -17,6 +17,7 @@ Usage: pages_test.py [--update] ALIDADE [PAGE...]
 """
 
 import difflib
+import os
 import pathlib
 import re
 import shutil
@@ -44,7 +45,7 @@ class Shell:
         binaries = self.folder / "build/release/bin"
         binaries.mkdir(parents=True)
         (binaries / "alidade").symlink_to(alidade)
-        self.environment = {"PATH": f"{binaries}:/usr/bin:/bin",
+        self.environment = {**os.environ, "PATH": f"{binaries}:/usr/bin:/bin",
                             "HOME": str(folder), "LC_ALL": "C.UTF-8",
                             "ALIDADE_ROBOTS": f"{folder}/configs/robots"}
 
