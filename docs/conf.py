@@ -39,6 +39,8 @@ def prepare(app, name, source):
 
     text = re.sub(r"(?<!!)\[([^\]]*)\]\(([^)#\s]+[^)\s]*)\)", keep, source[0])
     if name == root_doc:
+        text = text.replace("`api/index.html`",
+                            '<a href="api/index.html">api/index.html</a>')
         text += "".join(contents(source[0]))
     source[0] = text
 
