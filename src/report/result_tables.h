@@ -20,9 +20,14 @@ std::string RejectedRowSection(const CalibrationResult& result);
 /// The tables of these, empty where a result has not what they show. Lengths
 /// and, in tables of their own, orientations.
 Table AccuracyTable(const CalibrationResult& result, Dimension dimension);
+/// After calibration, by kind and target; empty where there is only one.
+Table KindTable(const CalibrationResult& result);
 Table StagesTable(const CalibrationResult& result, Dimension dimension);
 Table OutlierTable(const CalibrationResult& result);
 Table RejectedRowTable(const CalibrationResult& result);
+
+/// What repeated configurations differ by, a sentence; empty without any.
+std::string RepeatSentence(const CalibrationResult& result);
 
 /// Ranks of all candidates and of the free parameters.
 Table RankTable(const IdentifiabilityResult& result);

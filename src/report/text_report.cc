@@ -1,3 +1,4 @@
+#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -5,8 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "src/calibration/improvement.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
+#include "src/report/answers.h"
 #include "src/report/error_term_tables.h"
 #include "src/report/markup.h"
 #include "src/report/report.h"
@@ -178,6 +181,7 @@ std::string FormatReport(const CalibrationResult& result,
     text += Paragraph((IsWarning(finding) ? "Warning: " : "Reason: ") +
                       WithNext(finding));
   }
+  text += "\n" + FormatAnswers(result);
   text += Section("Accuracy", AccuracySection(result));
   text += Section("Outliers", OutlierSection(result));
   text += Section("Rejected rows", RejectedRowSection(result));
@@ -205,9 +209,6 @@ void AddCells(const Accuracy& accuracy, Dimension dimension,
   for (const double value : {accuracy.mean, accuracy.rms, accuracy.stddev,
                              accuracy.median, accuracy.p95, accuracy.max}) {
     row->push_back(QuantityCell(value, dimension, 4));
-    // Half of a page has no room for more.
-    const double shown = value / UnitOf(dimension);
-    row->back().markup = Words(FormatSignificant(shown, shown < 1e-3 ? 2 : 3));
   }
 }
 
@@ -216,8 +217,8 @@ void AddColumns(const std::string& of, const std::string& unit,
                 std::vector<Table::Column>* columns) {
   columns->insert(
       columns->end(),
-      {">" + of + "mean", ">rms", Table::TextOnly(">std"),
-       Table::TextOnly(">median"), ">p95|95 of 100 are below", ">max" + unit});
+      {">" + of + "mean", ">rms", ">std|of the errors about their mean",
+       ">median", ">p95|95 of 100 are below", ">max" + unit});
 }
 
 void AddAccuracy(const std::string& poses, const std::string& when,
@@ -229,14 +230,22 @@ void AddAccuracy(const std::string& poses, const std::string& when,
   table->AddRow(std::move(row));
 }
 
-// `what` heads the text's first column, `caption` the page's table.
+// `what` heads the text's first column, `caption` the page's table, `rows` the
+// column that names the rows of one set of poses.
 Table MakeAccuracyTable(const std::string& id, const std::string& what,
-                        const std::string& caption = "") {
-  std::vector<Table::Column> columns = {
-      Table::TextOnly(what), Table::PageOnly("poses"), "calibration"};
+                        const std::string& caption,
+                        const std::string& rows = "calibration") {
+  std::vector<Table::Column> columns = {Table::TextOnly(what),
+                                        Table::PageOnly("poses"), rows};
   AddColumns("", "", &columns);
   columns.emplace_back(">n");
   return {id, caption, std::move(columns)};
+}
+
+std::string Capital(std::string text) {
+  text[0] =
+      static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
 }
 
 // Which kind and target the errors of a set belong to, where there are several.
@@ -258,15 +267,6 @@ void AddKinds(const std::string& poses, const EvaluatedSet& set, Table* table) {
   }
 }
 
-std::string KindTable(const CalibrationResult& result) {
-  Table table = MakeAccuracyTable("kinds", "of which, after [mm]");
-  AddKinds("training poses", result.train, &table);
-  if (result.validation) {
-    AddKinds("validation poses", *result.validation, &table);
-  }
-  return table.empty() ? "" : "\n" + table.ToText();
-}
-
 std::string StagesText(const CalibrationResult& result) {
   if (result.stages.empty()) return "";
   const Table rotations = StagesTable(result, Dimension::kAngle);
@@ -275,29 +275,19 @@ std::string StagesText(const CalibrationResult& result) {
          (rotations.empty() ? "" : "\n" + rotations.ToText());
 }
 
-// What repeats say of the instrument and the arm, whatever its geometry.
-std::string RepeatNote(const CalibrationResult& result) {
-  const RepeatSpread& repeats = result.repeats;
-  if (repeats.length_degrees_of_freedom == 0) return "";
-  std::string text = "Repeated configurations differ by " +
-                     FormatLength(repeats.length, 3) +
-                     " in a coordinate (standard deviation, " +
-                     std::to_string(repeats.length_degrees_of_freedom) +
-                     " degrees of freedom)";
-  if (repeats.rotation_degrees_of_freedom > 0) {
-    text += " and " + FormatSignificant(repeats.rotation / kDegree, 3) +
-            " deg in orientation";
-  }
-  return Paragraph(text + ": what no geometry can take away.");
+std::string KindText(const CalibrationResult& result) {
+  const Table table = KindTable(result);
+  return table.empty() ? "" : "\n" + table.ToText();
 }
 
 // Says what "before" is, and what else there is to know of these errors.
 std::string FitNotes(const CalibrationResult& result) {
   std::string text;
   if (!result.before_note.empty()) text += Paragraph(result.before_note + ".");
-  text += RepeatNote(result);
-  const std::string findings = FindingSentences(
-      result, {"acceptance", "sigma", "measurement_noise", "chi_square"});
+  const std::string repeats = RepeatSentence(result);
+  if (!repeats.empty()) text += Paragraph(repeats);
+  const std::string findings =
+      FindingSentences(result, {"acceptance", "sigma", "chi_square"});
   if (!findings.empty()) text += Paragraph(findings);
   return text.empty() ? "" : "\n" + text;
 }
@@ -322,10 +312,36 @@ std::string FirstRows(std::size_t count) {
 
 }  // namespace
 
+// What repeats say of the instrument and the arm, whatever its geometry.
+std::string RepeatSentence(const CalibrationResult& result) {
+  const RepeatSpread& repeats = result.repeats;
+  if (repeats.length_degrees_of_freedom == 0) return "";
+  std::string text = "Repeated configurations differ by " +
+                     FormatLength(repeats.length, 3) +
+                     " in a coordinate (standard deviation, " +
+                     std::to_string(repeats.length_degrees_of_freedom) +
+                     " degrees of freedom)";
+  if (repeats.rotation_degrees_of_freedom > 0) {
+    text += " and " + FormatSignificant(repeats.rotation / kDegree, 3) +
+            " deg in orientation";
+  }
+  return text + ": what no geometry can take away.";
+}
+
+Table KindTable(const CalibrationResult& result) {
+  Table table = MakeAccuracyTable("kinds", "of which, after [mm]",
+                                  "Of which, after [mm]", "kind and target");
+  AddKinds("training poses", result.train, &table);
+  if (result.validation) {
+    AddKinds("validation poses", *result.validation, &table);
+  }
+  return table;
+}
+
 Table AccuracyTable(const CalibrationResult& result, Dimension dimension) {
   const bool is_length = dimension == Dimension::kLength;
-  Table table = is_length ? MakeAccuracyTable("accuracy", "position error [mm]",
-                                              "Position error [mm]")
+  const std::string what = std::string(LengthErrorName(result)) + " [mm]";
+  Table table = is_length ? MakeAccuracyTable("accuracy", what, Capital(what))
                           : MakeAccuracyTable("rotation-accuracy",
                                               "orientation error [deg]",
                                               "Orientation error [deg]");
@@ -371,7 +387,8 @@ Table StagesTable(const CalibrationResult& result, Dimension dimension) {
              is_length ? " [mm]" : " [deg]", &columns);
   Table table(
       is_length ? "stages-table" : "rotation-stages",
-      std::string(is_length ? "Position" : "Orientation") + " error by stage",
+      Capital(is_length ? LengthErrorName(result) : "orientation error") +
+          " by stage",
       std::move(columns));
   for (const StageResult& stage : result.stages) {
     const Accuracy& position = validation ? stage.validation : stage.train;
@@ -450,7 +467,7 @@ std::string FormatAccuracyTable(const CalibrationResult& result) {
   const Table lengths = AccuracyTable(result, Dimension::kLength);
   const Table rotations = AccuracyTable(result, Dimension::kAngle);
   if (lengths.empty() && rotations.empty()) return "No pose was evaluated.\n";
-  return (lengths.empty() ? "" : lengths.ToText() + KindTable(result)) +
+  return (lengths.empty() ? "" : lengths.ToText() + KindText(result)) +
          (rotations.empty() ? "" : "\n" + rotations.ToText());
 }
 

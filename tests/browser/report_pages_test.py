@@ -15,6 +15,7 @@ import io
 import json
 import math
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -27,8 +28,12 @@ from selenium.webdriver.chrome.service import Service
 
 from made_results import HOSTILE, MAP_ROWS, add_uncertainty, free_parameters
 
-# The page shows three significant digits.
-SHOWN = 0.006
+# The page shows four significant digits.
+SHOWN = 0.0006
+# Of a result without sections of its own client.
+SECTIONS = ["Accuracy", "Outliers", "Workspace", "Residuals",
+            "Accuracy by stage", "Errors that are not rigid geometry",
+            "Parameters", "Identifiability", "Convergence", "Provenance"]
 
 
 def start_browser():
@@ -67,9 +72,15 @@ def shown_number(text):
     return float(text)
 
 
-def make_study(directory):
-    run_alidade("calibrate", "configs/jobs/rv2aj_study.yaml", "--report",
-                f"--out={directory}")
+def calibrate(job, directory):
+    """What the terminal shows of it."""
+    return run_alidade("calibrate", f"configs/jobs/{job}.yaml", "--report",
+                       f"--out={directory}")
+
+
+def typeset(text):
+    """A sentence of a result as the page prints it, as far as these go."""
+    return re.sub(r"(^|[ (\[])-(?=\d)", "\\1\u2212", text).replace("`", "")
 
 
 def copy_result(source, target, change):
@@ -89,7 +100,9 @@ class Pages(unittest.TestCase):
         shutil.rmtree(WORK, ignore_errors=True)
         WORK.mkdir(parents=True)
         cls.study = WORK / "study"
-        make_study(cls.study)
+        calibrate("rv2aj_study", cls.study)
+        cls.arm = WORK / "kr6"
+        cls.terminal = calibrate("kr6_tracker", cls.arm)
         cls.published = WORK / "published"
         run(STUDY, "configs/jobs/rv2aj_study.yaml", f"--out={cls.published}")
         cls.hostile = copy_result(cls.study, WORK / "hostile", add_uncertainty)
@@ -133,7 +146,7 @@ class Pages(unittest.TestCase):
     def table(self, name):
         """Rows of a table as lists of [text, exact value or None]."""
         return self.js("""[...document.querySelectorAll('#' + arguments[0] +
-            ' tbody tr')].map((row) => [...row.children].map((cell) =>
+            ' tbody tr:not(.group)')].map((row) => [...row.children].map((cell) =>
             [cell.textContent, cell.dataset.value === undefined ? null
               : Number(cell.dataset.value)]))""", name)
 
@@ -166,14 +179,12 @@ class Pages(unittest.TestCase):
             for state in ("before", "after"):
                 expected = result["accuracy"][key][state]
                 row = rows[name, state]
-                for column, quantity in enumerate(("mean", "rms", "p95", "max"),
-                                                  2):
+                for column, quantity in enumerate(
+                        ("mean", "rms", "stddev", "median", "p95", "max"), 2):
                     shown, exact = row[column]
                     self.assert_near(1e3 * expected[quantity], exact, 1e-12)
-                    # Two digits below a micrometre.
-                    self.assert_near(exact, shown_number(shown),
-                                     SHOWN if exact > 1e-3 else 0.06)
-                self.assertEqual(expected["n"], row[6][1])
+                    self.assert_near(exact, shown_number(shown), SHOWN)
+                self.assertEqual(expected["n"], row[8][1])
         before, after = result["verdict"]["sentence"].split("e-14")
         self.assertIn("from 3.08 mm to", before)
         self.assertEqual(before + "×10⁻¹⁴" + after, self.text(".verdict"))
@@ -183,7 +194,8 @@ class Pages(unittest.TestCase):
     def test_sections_of_a_client_come_first(self):
         study = load(self.published / "study.json")
         self.open(self.published / "report.html")
-        self.assertEqual("Published study", self.text("main > section h2"))
+        self.assertEqual("Published study", self.text(
+            "main > section:not(#summary) h2"))
         self.assertEqual("#study", self.js("document.querySelector('nav a')"
                                            ".getAttribute('href')"))
         for i in range(1, 6):
@@ -229,7 +241,8 @@ class Pages(unittest.TestCase):
         result = load(self.study / "result.json")
         self.open(self.study / "report.html", scripts=False)
         self.assertEqual({p["name"] for p in result["parameters"]},
-                         {row[0][0] for row in self.table("parameters-table")})
+                         {row[0][0] for row in self.table("parameters-table") +
+                          self.table("held-parameters")})
         self.assertEqual(0, self.js("document.querySelectorAll('button').length"))
         self.assertEqual(56, self.marks("#by-pose .stem"))
         self.assertIn("needs scripts", self.text("#arm"))
@@ -246,13 +259,17 @@ class Pages(unittest.TestCase):
         result = load(self.study / "result.json")
         self.open(self.study / "report.html")
         rows = {row[0][0]: row for row in self.table("parameters-table")}
-        self.assertEqual({p["name"] for p in result["parameters"]}, set(rows))
+        self.assertEqual({p["name"] for p in free_parameters(result)},
+                         set(rows))
         found = self.column("parameters-table", "found")
         for parameter in free_parameters(result):
             unit = 180 / math.pi if parameter["unit"] == "rad" else 1e3
             self.assertAlmostEqual(unit * parameter["value"],
                                    rows[parameter["name"]][found][1], delta=1e-9)
-        self.assertIn("fixed", rows["r3"][1][0])
+        held = {row[0][0]: row for row in self.table("held-parameters")}
+        self.assertEqual({p["name"] for p in result["parameters"]},
+                         set(rows) | set(held))
+        self.assertIn("fixed", held["r3"][1][0])
         self.assertEqual(
             160.1, rows["d4"][self.column("parameters-table", "published")][1])
         interval = self.column("parameters-table", "95\u00a0% interval")
@@ -378,8 +395,8 @@ class Pages(unittest.TestCase):
         self.assertIn("--c1, #0072b2", root[1].text)
 
     def test_phone_width_and_dark(self):
-        self.open(self.hostile / "report.html", width=400, scheme="dark")
-        self.assertLessEqual(self.js("document.documentElement.scrollWidth"), 400)
+        self.open(self.hostile / "report.html", width=390, scheme="dark")
+        self.assertLessEqual(self.js("document.documentElement.scrollWidth"), 390)
         self.assertEqual("rgb(20, 23, 27)",
                          self.js("getComputedStyle(document.body).backgroundColor"))
         # Letters of 13 pixels stay readable.
@@ -393,14 +410,169 @@ class Pages(unittest.TestCase):
                          self.js("getComputedStyle(document.body).backgroundColor"))
 
     def test_prints_on_a4(self):
-        self.open(self.study / "report.html", scheme="dark")
-        pdf = base64.b64decode(self.cdp("Page.printToPDF", printBackground=True,
-                                        preferCSSPageSize=True)["data"])
-        self.assertTrue(pdf.startswith(b"%PDF"))
-        pages = pdf.count(b"/Type /Page\n") + pdf.count(b"/Type /Page ")
-        self.assertGreaterEqual(pages, 4)
-        self.assertLessEqual(pages, 20)
-        self.assertIn(b"/MediaBox [0 0 594.", pdf.replace(b"595", b"594."))
+        for directory, fewest in ((self.study, 3), (self.arm, 5)):
+            self.open(directory / "report.html", scheme="dark")
+            pdf = base64.b64decode(self.cdp(
+                "Page.printToPDF", printBackground=True,
+                preferCSSPageSize=True)["data"])
+            self.assertTrue(pdf.startswith(b"%PDF"))
+            pages = pdf.count(b"/Type /Page\n") + pdf.count(b"/Type /Page ")
+            self.assertGreaterEqual(pages, fewest)
+            self.assertLessEqual(pages, 8)
+            self.assertIn(b"/MediaBox [0 0 594.", pdf.replace(b"595", b"594."))
+
+    def test_paper_has_no_controls_and_opens_what_is_folded(self):
+        self.open(self.arm / "report.html")
+        self.cdp("Emulation.setEmulatedMedia", media="print")
+        self.js("dispatchEvent(new Event('beforeprint'))")
+        self.assertTrue(self.js("document.getElementById('held-parameters')"
+                                ".checkVisibility()"))
+        shown = self.js("""[...document.querySelectorAll(arguments[0])].filter(
+            (e) => e.checkVisibility() && !e.matches('[type=radio]')).length""",
+            "nav, button.tool, .controls, .skip, .choice > label, input")
+        self.assertEqual(0, shown)
+        # Headers with boxes of their own are not repeated on the next page.
+        self.assertEqual({"contents"}, set(self.js(
+            "[...document.querySelectorAll('thead button')].map((button) =>"
+            " getComputedStyle(button).display)")))
+        self.js("dispatchEvent(new Event('afterprint'))")
+        self.assertEqual(0, self.js(
+            "document.querySelectorAll('details[open]').length"))
+        self.cdp("Emulation.setEmulatedMedia", media="")
+
+    def test_first_screen_answers_and_sections_follow_in_order(self):
+        result = load(self.arm / "result.json")
+        self.open(self.arm / "report.html")
+        self.assertEqual(SECTIONS, self.js(
+            "[...document.querySelectorAll('main > section[aria-labelledby]"
+            " > h2')].map((h) => h.textContent)"))
+        self.assertEqual(SECTIONS, self.js(
+            "[...document.querySelectorAll('nav a')].map((a) =>"
+            " a.textContent)"))
+        self.assertEqual(
+            ["May I use this arm?", "How accurate is it?", "Where is it worst?",
+             "What should I measure next?"],
+            self.js("[...document.querySelectorAll('#answers dt')].map((dt) =>"
+                    " dt.textContent)"))
+        answers = self.text("#answers")
+        findings = result["verdict"]["findings"]
+        for key in ("accuracy", "worst_place", "next_measurement"):
+            found = [f for f in findings if f["key"] == key]
+            self.assertTrue(found, key)
+            for finding in found:
+                self.assertIn(typeset(finding["sentence"]), answers)
+                self.assertIn(typeset(finding["next"]), answers)
+        self.assertIn("2 of 31 validation observations were rejected", answers)
+        self.assertTrue(result["verdict"]["title"].startswith("Accepted"))
+        self.assertIn(result["verdict"]["title"], self.text(".decision"))
+
+    def test_terminal_files_and_page_say_the_same(self):
+        result = load(self.arm / "result.json")
+        self.open(self.arm / "report.html")
+        terminal = " ".join(self.terminal.split())
+        report = " ".join((self.arm / "report.txt").read_text(
+            encoding="utf-8").split())
+        for text in (terminal, report):
+            self.assertIn(result["verdict"]["sentence"], text)
+            for key in ("accuracy", "worst_place", "next_measurement"):
+                for finding in result["verdict"]["findings"]:
+                    if finding["key"] == key:
+                        self.assertIn(finding["sentence"], text)
+            for row in self.table("accuracy"):
+                self.assertIn(" ".join(cell[0] for cell in row), text)
+        run_ = result["runs"][0]
+        count = run_["accepted_steps"] + run_["rejected_steps"]
+        self.assertEqual(count, run_["history"][-1]["iteration"])
+        said = f"after {count} iterations"
+        self.assertIn(said, self.text("#solver > p"))
+        self.assertIn(said, self.text("#convergence figcaption"))
+        rows = {row[0][0]: row[1][0] for row in self.table("solvers")}
+        self.assertEqual(str(count), rows["iterations"])
+        self.assertIn(f"iterations {count}", report)
+
+    def test_parameters_stand_by_joint_and_others_are_folded(self):
+        result = load(self.arm / "result.json")
+        self.open(self.arm / "report.html")
+        groups = self.js("""[...document.querySelectorAll(
+            '#parameters-table tbody')].map((body) => [...body.rows].map(
+            (row) => row.cells[0].textContent))""")
+        self.assertEqual([f"joint {k}" for k in range(2, 7)] + ["base", "tool"],
+                         [group[0] for group in groups])
+        for title, *names in groups:
+            self.assertTrue(names)
+            for name in names:
+                self.assertTrue(name.endswith(title[-1]) or
+                                name.startswith(title + "_"), (title, name))
+        fixed = [p for p in result["parameters"] if p["state"] != "free"]
+        self.assertEqual({p["name"] for p in fixed},
+                         {row[0][0] for row in self.table("held-parameters")})
+        self.assertFalse(self.js("document.getElementById('held-parameters')"
+                                 ".checkVisibility()"))
+        self.assertIn(f"{len(fixed)} parameters are not estimated",
+                      self.text("#parameters summary"))
+        self.js("document.querySelector('#parameters summary').click()")
+        self.assertTrue(self.js("document.getElementById('held-parameters')"
+                                ".checkVisibility()"))
+
+    def test_signs_are_typeset_and_no_column_is_empty(self):
+        for directory in (self.arm, self.study, self.hostile):
+            self.open(directory / "report.html")
+            texts = self.js("""[...document.querySelectorAll(
+                'main *:not(code):not(script)')].flatMap((e) =>
+                [...e.childNodes].filter((n) => n.nodeType === 3 &&
+                !e.closest('code')).map((n) => n.data))""")
+            self.assertGreater(len(texts), 100)
+            for text in texts:
+                self.assertNotRegex(text, r"(^|[ (\[])-\d| \* |\d - ")
+            empty = self.js("""[...document.querySelectorAll('main table')]
+                .flatMap((table) => [...table.querySelectorAll('thead th')].map(
+                (th, k) => [table.id, th.textContent,
+                [...table.querySelectorAll('tbody tr:not(.group)')].every(
+                (row) => ['', '-', '–'].includes(row.cells[k].textContent))]))
+                .filter(([id, title, none]) => none)""")
+            self.assertEqual([], empty)
+
+    def test_nothing_is_cut_on_a_phone(self):
+        for directory in (self.arm, self.study, self.hostile):
+            for scheme in ("light", "dark"):
+                self.open(directory / "report.html", width=390, scheme=scheme)
+                self.assertLessEqual(
+                    self.js("document.documentElement.scrollWidth"), 390)
+                cut = self.js("""[...document.querySelectorAll(
+                    'h1, h2, h3, p, li, dt, dd, figcaption, summary, label')]
+                    .filter((e) => e.checkVisibility() &&
+                    (e.scrollWidth > e.clientWidth + 1 && e.clientWidth > 0 ||
+                    e.getBoundingClientRect().right > 391) &&
+                    !e.closest('.scroll')).map((e) => e.textContent)""")
+                self.assertEqual([], cut)
+        # Tables scroll in their boxes, and say so.
+        cues = self.js("""[...document.querySelectorAll('.scroll')].filter(
+            (e) => e.checkVisibility() && e.scrollWidth > e.clientWidth + 1)
+            .map((e) => e.parentElement.classList.contains('wider') &&
+            getComputedStyle(e, '::before').content)""")
+        self.assertGreater(len(cues), 2)
+        self.assertEqual({'"more to the right: scroll"'}, set(cues))
+
+    def test_headings_landmarks_and_names_for_screen_readers(self):
+        for directory in (self.arm, self.study):
+            self.open(directory / "report.html")
+            levels = self.js("[...document.querySelectorAll('h1, h2, h3, h4')]"
+                             ".map((h) => Number(h.tagName[1]))")
+            self.assertEqual(1, levels[0])
+            self.assertEqual(1, levels.count(1))
+            for before, after in zip(levels, levels[1:]):
+                self.assertLessEqual(after, before + 1)
+            for landmark in ("main", "nav[aria-label]", "header", "footer"):
+                self.assertEqual(1, self.js(
+                    "document.querySelectorAll(arguments[0]).length", landmark))
+            unnamed = self.js("""[...document.querySelectorAll('main section')]
+                .filter((e) => !e.ariaLabel && !document.getElementById(
+                e.getAttribute('aria-labelledby'))).length""")
+            self.assertEqual(0, unnamed)
+            # The visible words are in the name, for those who speak to it.
+            self.assertEqual([], self.js("""[...document.querySelectorAll(
+                'button[aria-label]')].filter((b) => !b.ariaLabel.includes(
+                b.textContent)).map((b) => b.ariaLabel)"""))
 
     def fleet(self):
         """Seven arms like the study's, one of which has a bent link."""
