@@ -74,6 +74,12 @@ std::string ObservationName(const EvaluatedSet& set, const char* poses) {
   return std::string(poses) + (is_one_each ? " pose" : " observation");
 }
 
+std::string ObservationName(const CalibrationResult& result) {
+  const EvaluatedSet& set = JudgedSet(result);
+  return ObservationName(set,
+                         &set == &result.train ? "training" : "validation");
+}
+
 bool IsWorse(const KeptErrors& judged, const CalibrationResult& result) {
   return judged.after.mean > judged.before.mean &&
          !(judged.change_t <= kBeyondChance) &&

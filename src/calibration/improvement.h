@@ -23,6 +23,8 @@ const char* LengthErrorName(const CalibrationResult& result);
 /// "validation pose"; "validation observation" where poses have several.
 /// `poses` is "training" or "validation".
 std::string ObservationName(const EvaluatedSet& set, const char* poses);
+/// Of the set that it is judged by.
+std::string ObservationName(const CalibrationResult& result);
 
 /// Whether errors grew by more than chance (where it is known what chance would
 /// do) and by more than the uncertainty of

@@ -177,19 +177,20 @@ class Judge {
                                  : "orientation error";
     if (by.is_of_frames) {
       verdict_.sentence = "With the frames that were found the mean " + what +
-                          " at " + Count(by.after.n, Poses()) +
+                          " at " + Count(by.after.n, ObservationName(result_)) +
                           WithoutRejected(by.num_rejected) + " is " +
                           FormatQuantity(by.after.mean, by.dimension) + ".";
       Add("improvement", by.ratio(), 1.0, verdict_.sentence,
           FindingLevel::kPassed);
       return;
     }
-    std::string text =
-        "The mean " + what + " at " + Count(by.after.n, Poses()) +
-        WithoutRejected(by.num_rejected) + (by.num_rejected > 0 ? "," : "") +
-        (by.ratio() > 1.0 ? " grows" : " falls") + " from " +
-        FormatQuantity(by.before.mean, by.dimension) + " to " +
-        FormatQuantity(by.after.mean, by.dimension);
+    std::string text = "The mean " + what + " at " +
+                       Count(by.after.n, ObservationName(result_)) +
+                       WithoutRejected(by.num_rejected) +
+                       (by.num_rejected > 0 ? "," : "") +
+                       (by.ratio() > 1.0 ? " grows" : " falls") + " from " +
+                       FormatQuantity(by.before.mean, by.dimension) + " to " +
+                       FormatQuantity(by.after.mean, by.dimension);
     const double floor = result_.runs.front().summary.precision_limit;
     if (by.after.max < kRoundingErrors * floor) {
       text += ", the numerical precision limit";
@@ -200,12 +201,6 @@ class Judge {
         is_worse                     ? FindingLevel::kFailed
         : by.ratio() > kHardlyBetter ? FindingLevel::kAttention
                                      : FindingLevel::kPassed);
-  }
-
-  std::string Poses() const {
-    const EvaluatedSet& set = JudgedSet(result_);
-    return ObservationName(set,
-                           &set == &result_.train ? "training" : "validation");
   }
 
   void JudgeAcceptance() {

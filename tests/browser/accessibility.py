@@ -9,19 +9,9 @@ Usage: accessibility.py AXE.min.js PAGE.html...
 import pathlib
 import sys
 
-from selenium import webdriver
-from selenium.webdriver.chrome.options import Options
-from selenium.webdriver.chrome.service import Service
+from pages import start_browser
 
 GRAVE = ("serious", "critical")
-
-
-def start_browser():
-    options = Options()
-    for flag in ("--headless=new", "--no-sandbox", "--disable-gpu"):
-        options.add_argument(flag)
-    return webdriver.Chrome(options=options,
-                            service=Service("/usr/bin/chromedriver"))
 
 
 def faults(browser, axe, page, scheme, width):

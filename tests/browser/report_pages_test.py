@@ -9,166 +9,34 @@ phone, follow the reader's choice of light and dark, and print.
 Usage: report_pages_test.py ALIDADE RV2AJ_STUDY SOURCE_DIR WORK_DIR
 """
 
-import base64
 import csv
 import io
 import json
 import math
-import pathlib
-import re
 import shutil
-import subprocess
-import sys
-import unittest
 import xml.etree.ElementTree
 
-from selenium import webdriver
-from selenium.webdriver.chrome.options import Options
-from selenium.webdriver.chrome.service import Service
-
 from made_results import HOSTILE, MAP_ROWS, add_uncertainty, free_parameters
+from pages import (ENVIRONMENT, PageTest, calibrate, copy_result, load, main,
+                   page_count, run, run_alidade, shown_number)
 
 # The page shows four significant digits.
 SHOWN = 0.0006
-# Of a result without sections of its own client.
-SECTIONS = ["Accuracy", "Outliers", "Workspace", "Residuals",
-            "Accuracy by stage", "Errors that are not rigid geometry",
-            "Parameters", "Identifiability", "Convergence", "Provenance"]
 
 
-def start_browser():
-    options = Options()
-    for flag in ("--headless=new", "--no-sandbox", "--disable-gpu"):
-        options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs",
-                           {"browser": "ALL", "performance": "ALL"})
-    return webdriver.Chrome(options=options,
-                            service=Service("/usr/bin/chromedriver"))
-
-
-def run(*arguments):
-    done = subprocess.run([*map(str, arguments)], cwd=SOURCE,
-                          capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise RuntimeError(f"{arguments}: {done.stderr}")
-    return done.stdout
-
-
-def run_alidade(*arguments):
-    return run(ALIDADE, *arguments)
-
-
-def load(path):
-    return json.loads(path.read_text(encoding="utf-8"))
-
-
-def shown_number(text):
-    """The number that a cell such as "−6.2×10⁻¹⁴" shows."""
-    digits = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
-    text = text.replace("\u2212", "-").replace("\u202f", "")
-    if "×10" in text:
-        mantissa, exponent = text.split("×10")
-        return float(mantissa) * 10.0 ** int(exponent.translate(digits))
-    return float(text)
-
-
-def calibrate(job, directory):
-    """What the terminal shows of it."""
-    return run_alidade("calibrate", f"configs/jobs/{job}.yaml", "--report",
-                       f"--out={directory}")
-
-
-def typeset(text):
-    """A sentence of a result as the page prints it, as far as these go."""
-    return re.sub(r"(^|[ (\[])-(?=\d)", "\\1\u2212", text).replace("`", "")
-
-
-def copy_result(source, target, change):
-    """A copy of a result directory whose result.json `change` has edited."""
-    shutil.copytree(source, target)
-    result = load(target / "result.json")
-    change(result)
-    # As of an earlier version: judged when it is read.
-    del result["verdict"]
-    (target / "result.json").write_text(json.dumps(result), encoding="utf-8")
-    return target
-
-
-class Pages(unittest.TestCase):
+class Pages(PageTest):
     @classmethod
-    def setUpClass(cls):
-        shutil.rmtree(WORK, ignore_errors=True)
-        WORK.mkdir(parents=True)
-        cls.study = WORK / "study"
+    def make_results(cls):
+        cls.study = cls.work / "study"
         calibrate("rv2aj_study", cls.study)
-        cls.arm = WORK / "kr6"
-        cls.terminal = calibrate("kr6_tracker", cls.arm)
-        cls.published = WORK / "published"
-        run(STUDY, "configs/jobs/rv2aj_study.yaml", f"--out={cls.published}")
-        cls.hostile = copy_result(cls.study, WORK / "hostile", add_uncertainty)
+        cls.published = cls.work / "published"
+        run(ENVIRONMENT.study, "configs/jobs/rv2aj_study.yaml", f"--out={cls.published}")
+        cls.hostile = copy_result(cls.study, cls.work / "hostile", add_uncertainty)
         (cls.hostile / "predicted_map.csv").write_text("\n".join(MAP_ROWS) + "\n")
         (cls.hostile / "influence.csv").write_text(
             "pose,leverage,cooks_distance,standardised_residual\n"
             "3,0.1,0.01,1\n7,0.5,0.3,2\n")
         run_alidade("report", cls.hostile)
-        cls.browser = start_browser()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.browser.quit()
-
-    def cdp(self, command, **parameters):
-        return self.browser.execute_cdp_cmd(command, parameters)
-
-    def js(self, script, *arguments):
-        return self.browser.execute_script("return " + script, *arguments)
-
-    def open(self, path, width=1280, scheme="light", scripts=True):
-        self.cdp("Emulation.setDeviceMetricsOverride", width=width, height=900,
-                 deviceScaleFactor=1, mobile=width < 600)
-        self.cdp("Emulation.setEmulatedMedia", features=[
-            {"name": "prefers-color-scheme", "value": scheme}])
-        self.cdp("Emulation.setScriptExecutionDisabled", value=not scripts)
-        self.browser.get(path.resolve().as_uri())
-        self.assertEqual("true" if scripts else None,
-                         self.js("document.documentElement.dataset.ready"))
-        self.assertEqual([], self.browser.get_log("browser"))
-        self.assertEqual({path.resolve().as_uri()}, self.requests())
-
-    def requests(self):
-        """What the page has asked for, be it served or not."""
-        messages = [json.loads(entry["message"])["message"]
-                    for entry in self.browser.get_log("performance")]
-        urls = [m["params"]["request"]["url"] for m in messages
-                if m["method"] == "Network.requestWillBeSent"]
-        return {url for url in urls if not url.startswith(("data:", "chrome"))}
-
-    def table(self, name):
-        """Rows of a table as lists of [text, exact value or None]."""
-        return self.js("""[...document.querySelectorAll('#' + arguments[0] +
-            ' tbody tr:not(.group)')].map((row) => [...row.children].map((cell) =>
-            [cell.textContent, cell.dataset.value === undefined ? null
-              : Number(cell.dataset.value)]))""", name)
-
-    def column(self, name, title):
-        """Where a table has the column of a title, from 0."""
-        return self.js("""[...document.querySelectorAll('#' + arguments[0] +
-            ' thead th')].findIndex((h) => h.textContent === arguments[1])""",
-            name, title)
-
-    def text(self, selector):
-        """Of the first such element that is shown."""
-        return self.js("""[...document.querySelectorAll(arguments[0])].find(
-            (element) => element.checkVisibility()).textContent""", selector)
-
-    def marks(self, selector):
-        """How many marks or lines such paths draw."""
-        return self.js("""[...document.querySelectorAll(arguments[0])].map(
-            (path) => path.getAttribute('d')).join()""", selector).count("M")
-
-    def assert_near(self, expected, obtained, relative):
-        self.assertLessEqual(abs(obtained - expected), relative * abs(expected),
-                             f"{obtained} for {expected}")
 
     def test_study_shows_the_numbers_of_its_result(self):
         result = load(self.study / "result.json")
@@ -286,7 +154,7 @@ class Pages(unittest.TestCase):
         self.assertEqual(2, arms)  # the floor and the arm
 
     def test_uncertainty_appears_where_it_is_there(self):
-        older = copy_result(self.study, WORK / "older",
+        older = copy_result(self.study, self.work / "older",
                             lambda result: result.pop("uncertainty"))
         (older / "predicted_map.csv").unlink()
         (older / "influence.csv").unlink()
@@ -320,8 +188,8 @@ class Pages(unittest.TestCase):
                 validation = result["accuracy"]["validation"]
                 validation["before"]["mean"] = before
                 validation["after"]["mean"] = validation["after"]["max"] = after
-            run_alidade("report", copy_result(self.study, WORK / name, change))
-            self.open(WORK / name / "report.html")
+            run_alidade("report", copy_result(self.study, self.work / name, change))
+            self.open(self.work / name / "report.html")
             return self.text("#summary")
         # Noise of 0.02 mm in three coordinates is sqrt(8 / pi) times as long.
         noise = "would show a mean error of 0.0319 mm"
@@ -410,169 +278,11 @@ class Pages(unittest.TestCase):
                          self.js("getComputedStyle(document.body).backgroundColor"))
 
     def test_prints_on_a4(self):
-        for directory, fewest in ((self.study, 3), (self.arm, 5)):
-            self.open(directory / "report.html", scheme="dark")
-            pdf = base64.b64decode(self.cdp(
-                "Page.printToPDF", printBackground=True,
-                preferCSSPageSize=True)["data"])
-            self.assertTrue(pdf.startswith(b"%PDF"))
-            pages = pdf.count(b"/Type /Page\n") + pdf.count(b"/Type /Page ")
-            self.assertGreaterEqual(pages, fewest)
-            self.assertLessEqual(pages, 8)
-            self.assertIn(b"/MediaBox [0 0 594.", pdf.replace(b"595", b"594."))
-
-    def test_paper_has_no_controls_and_opens_what_is_folded(self):
-        self.open(self.arm / "report.html")
-        self.cdp("Emulation.setEmulatedMedia", media="print")
-        self.js("dispatchEvent(new Event('beforeprint'))")
-        self.assertTrue(self.js("document.getElementById('held-parameters')"
-                                ".checkVisibility()"))
-        shown = self.js("""[...document.querySelectorAll(arguments[0])].filter(
-            (e) => e.checkVisibility() && !e.matches('[type=radio]')).length""",
-            "nav, button.tool, .controls, .skip, .choice > label, input")
-        self.assertEqual(0, shown)
-        # Headers with boxes of their own are not repeated on the next page.
-        self.assertEqual({"contents"}, set(self.js(
-            "[...document.querySelectorAll('thead button')].map((button) =>"
-            " getComputedStyle(button).display)")))
-        self.js("dispatchEvent(new Event('afterprint'))")
-        self.assertEqual(0, self.js(
-            "document.querySelectorAll('details[open]').length"))
-        self.cdp("Emulation.setEmulatedMedia", media="")
-
-    def test_first_screen_answers_and_sections_follow_in_order(self):
-        result = load(self.arm / "result.json")
-        self.open(self.arm / "report.html")
-        self.assertEqual(SECTIONS, self.js(
-            "[...document.querySelectorAll('main > section[aria-labelledby]"
-            " > h2')].map((h) => h.textContent)"))
-        self.assertEqual(SECTIONS, self.js(
-            "[...document.querySelectorAll('nav a')].map((a) =>"
-            " a.textContent)"))
-        self.assertEqual(
-            ["May I use this arm?", "How accurate is it?", "Where is it worst?",
-             "What should I measure next?"],
-            self.js("[...document.querySelectorAll('#answers dt')].map((dt) =>"
-                    " dt.textContent)"))
-        answers = self.text("#answers")
-        findings = result["verdict"]["findings"]
-        for key in ("accuracy", "worst_place", "next_measurement"):
-            found = [f for f in findings if f["key"] == key]
-            self.assertTrue(found, key)
-            for finding in found:
-                self.assertIn(typeset(finding["sentence"]), answers)
-                self.assertIn(typeset(finding["next"]), answers)
-        self.assertIn("2 of 31 validation observations were rejected", answers)
-        self.assertTrue(result["verdict"]["title"].startswith("Accepted"))
-        self.assertIn(result["verdict"]["title"], self.text(".decision"))
-
-    def test_terminal_files_and_page_say_the_same(self):
-        result = load(self.arm / "result.json")
-        self.open(self.arm / "report.html")
-        terminal = " ".join(self.terminal.split())
-        report = " ".join((self.arm / "report.txt").read_text(
-            encoding="utf-8").split())
-        for text in (terminal, report):
-            self.assertIn(result["verdict"]["sentence"], text)
-            for key in ("accuracy", "worst_place", "next_measurement"):
-                for finding in result["verdict"]["findings"]:
-                    if finding["key"] == key:
-                        self.assertIn(finding["sentence"], text)
-            for row in self.table("accuracy"):
-                self.assertIn(" ".join(cell[0] for cell in row), text)
-        run_ = result["runs"][0]
-        count = run_["accepted_steps"] + run_["rejected_steps"]
-        self.assertEqual(count, run_["history"][-1]["iteration"])
-        said = f"after {count} iterations"
-        self.assertIn(said, self.text("#solver > p"))
-        self.assertIn(said, self.text("#convergence figcaption"))
-        rows = {row[0][0]: row[1][0] for row in self.table("solvers")}
-        self.assertEqual(str(count), rows["iterations"])
-        self.assertIn(f"iterations {count}", report)
-
-    def test_parameters_stand_by_joint_and_others_are_folded(self):
-        result = load(self.arm / "result.json")
-        self.open(self.arm / "report.html")
-        groups = self.js("""[...document.querySelectorAll(
-            '#parameters-table tbody')].map((body) => [...body.rows].map(
-            (row) => row.cells[0].textContent))""")
-        self.assertEqual([f"joint {k}" for k in range(2, 7)] + ["base", "tool"],
-                         [group[0] for group in groups])
-        for title, *names in groups:
-            self.assertTrue(names)
-            for name in names:
-                self.assertTrue(name.endswith(title[-1]) or
-                                name.startswith(title + "_"), (title, name))
-        fixed = [p for p in result["parameters"] if p["state"] != "free"]
-        self.assertEqual({p["name"] for p in fixed},
-                         {row[0][0] for row in self.table("held-parameters")})
-        self.assertFalse(self.js("document.getElementById('held-parameters')"
-                                 ".checkVisibility()"))
-        self.assertIn(f"{len(fixed)} parameters are not estimated",
-                      self.text("#parameters summary"))
-        self.js("document.querySelector('#parameters summary').click()")
-        self.assertTrue(self.js("document.getElementById('held-parameters')"
-                                ".checkVisibility()"))
-
-    def test_signs_are_typeset_and_no_column_is_empty(self):
-        for directory in (self.arm, self.study, self.hostile):
-            self.open(directory / "report.html")
-            texts = self.js("""[...document.querySelectorAll(
-                'main *:not(code):not(script)')].flatMap((e) =>
-                [...e.childNodes].filter((n) => n.nodeType === 3 &&
-                !e.closest('code')).map((n) => n.data))""")
-            self.assertGreater(len(texts), 100)
-            for text in texts:
-                self.assertNotRegex(text, r"(^|[ (\[])-\d| \* |\d - ")
-            empty = self.js("""[...document.querySelectorAll('main table')]
-                .flatMap((table) => [...table.querySelectorAll('thead th')].map(
-                (th, k) => [table.id, th.textContent,
-                [...table.querySelectorAll('tbody tr:not(.group)')].every(
-                (row) => ['', '-', '–'].includes(row.cells[k].textContent))]))
-                .filter(([id, title, none]) => none)""")
-            self.assertEqual([], empty)
-
-    def test_nothing_is_cut_on_a_phone(self):
-        for directory in (self.arm, self.study, self.hostile):
-            for scheme in ("light", "dark"):
-                self.open(directory / "report.html", width=390, scheme=scheme)
-                self.assertLessEqual(
-                    self.js("document.documentElement.scrollWidth"), 390)
-                cut = self.js("""[...document.querySelectorAll(
-                    'h1, h2, h3, p, li, dt, dd, figcaption, summary, label')]
-                    .filter((e) => e.checkVisibility() &&
-                    (e.scrollWidth > e.clientWidth + 1 && e.clientWidth > 0 ||
-                    e.getBoundingClientRect().right > 391) &&
-                    !e.closest('.scroll')).map((e) => e.textContent)""")
-                self.assertEqual([], cut)
-        # Tables scroll in their boxes, and say so.
-        cues = self.js("""[...document.querySelectorAll('.scroll')].filter(
-            (e) => e.checkVisibility() && e.scrollWidth > e.clientWidth + 1)
-            .map((e) => e.parentElement.classList.contains('wider') &&
-            getComputedStyle(e, '::before').content)""")
-        self.assertGreater(len(cues), 2)
-        self.assertEqual({'"more to the right: scroll"'}, set(cues))
-
-    def test_headings_landmarks_and_names_for_screen_readers(self):
-        for directory in (self.arm, self.study):
-            self.open(directory / "report.html")
-            levels = self.js("[...document.querySelectorAll('h1, h2, h3, h4')]"
-                             ".map((h) => Number(h.tagName[1]))")
-            self.assertEqual(1, levels[0])
-            self.assertEqual(1, levels.count(1))
-            for before, after in zip(levels, levels[1:]):
-                self.assertLessEqual(after, before + 1)
-            for landmark in ("main", "nav[aria-label]", "header", "footer"):
-                self.assertEqual(1, self.js(
-                    "document.querySelectorAll(arguments[0]).length", landmark))
-            unnamed = self.js("""[...document.querySelectorAll('main section')]
-                .filter((e) => !e.ariaLabel && !document.getElementById(
-                e.getAttribute('aria-labelledby'))).length""")
-            self.assertEqual(0, unnamed)
-            # The visible words are in the name, for those who speak to it.
-            self.assertEqual([], self.js("""[...document.querySelectorAll(
-                'button[aria-label]')].filter((b) => !b.ariaLabel.includes(
-                b.textContent)).map((b) => b.ariaLabel)"""))
+        self.open(self.study / "report.html", scheme="dark")
+        pdf = self.printed()
+        self.assertGreaterEqual(page_count(pdf), 3)
+        self.assertLessEqual(page_count(pdf), 8)
+        self.assertIn(b"/MediaBox [0 0 594.", pdf.replace(b"595", b"594."))
 
     def fleet(self):
         """Seven arms like the study's, one of which has a bent link."""
@@ -597,14 +307,14 @@ class Pages(unittest.TestCase):
             return change
         paths = []
         for number in range(7):
-            path = WORK / "fleet" / f"arm_{number}"
+            path = self.work / "fleet" / f"arm_{number}"
             if not path.exists():
                 copy_result(self.study, path, arm(number))
             paths.append(path)
         return paths
 
     def test_fleet_page_names_the_outlier(self):
-        page = WORK / "fleet" / "comparison.html"
+        page = self.work / "fleet" / "comparison.html"
         paths = self.fleet()
         run_alidade("report", *paths, f"--out={page}")
         self.open(page)
@@ -620,7 +330,7 @@ class Pages(unittest.TestCase):
             "document.querySelector('#fleet a').getAttribute('href')"))
 
     def test_arm_over_time_shows_what_changed(self):
-        page = WORK / "fleet" / "time.html"
+        page = self.work / "fleet" / "time.html"
         paths = self.fleet()
         run_alidade("report", paths[3], paths[4], "--read-as=time", f"--out={page}")
         self.open(page, width=400)
@@ -632,8 +342,8 @@ class Pages(unittest.TestCase):
         self.assertIn("d3 by", self.text(".verdict"))
 
     def test_same_data_are_methods(self):
-        page = WORK / "methods.html"
-        other = copy_result(self.study, WORK / "other",
+        page = self.work / "methods.html"
+        other = copy_result(self.study, self.work / "other",
                             lambda result: result["inputs"][0].update(sha256="0"))
         run_alidade("report", self.study, other, f"--out={page}")
         self.open(page, scheme="dark")
@@ -647,8 +357,4 @@ class Pages(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    ALIDADE = str(pathlib.Path(sys.argv[1]).resolve())
-    STUDY = str(pathlib.Path(sys.argv[2]).resolve())
-    SOURCE = pathlib.Path(sys.argv[3]).resolve()
-    WORK = pathlib.Path(sys.argv[4]).resolve()
-    unittest.main(argv=sys.argv[:1])
+    main()
