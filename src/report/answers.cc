@@ -91,7 +91,7 @@ std::vector<Answer> AnswersOf(const CalibrationResult& result) {
     return answers;
   }
   for (Answer& answer : std::vector<Answer>{
-           FromFindings(result, "How accurate is it?",
+           FromFindings(result, kHowAccurate,
                         {"accuracy", "measurement_noise"}),
            FromFindings(result, "Where is it worst?", {"worst_place"}),
            FromFindings(result, "What should I measure next?",

@@ -14,6 +14,8 @@ struct Answer {
   std::vector<std::string> sentences;
 };
 
+inline constexpr char kHowAccurate[] = "How accurate is it?";
+
 /// What terminal, report.txt and page say first: may the arm be used, how
 /// accurate is it, where is it worst, what is to be measured next. Questions
 /// that a result has no answer to are left out.

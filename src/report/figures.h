@@ -66,10 +66,14 @@ struct ArmOutline {
   Eigen::Isometry3d base_from_instrument = Eigen::Isometry3d::Identity();
   Eigen::Matrix3Xd corners;  ///< from the base to the target (m); may be empty
 
-  /// Columns of three coordinates.
+  /// Columns of three coordinates, to the nanometre, so that a page is the same
+  /// whether the base was computed or read.
   Eigen::Matrix3Xd InBase(
       const Eigen::Ref<const Eigen::MatrixXd>& positions) const {
-    return base_from_instrument * positions.topRows<3>();
+    constexpr double kNanometres = 1e9;
+    const Eigen::Matrix3Xd places =
+        base_from_instrument * positions.topRows<3>();
+    return (kNanometres * places).array().round() / kNanometres;
   }
 };
 

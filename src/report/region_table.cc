@@ -99,8 +99,9 @@ Table RegionTable(const CalibrationResult& result) {
     const int distance = distances.Of(place[0]);
     const int height = heights.Of(place[1]);
     if (distance < 0 || height < 0 || !std::isfinite(value)) return;
+    // To the picometre: the same whether it was computed or read.
     (*regions)[static_cast<std::size_t>(kBands * distance + height)].push_back(
-        value);
+        std::round(1e12 * value) / 1e12);
   };
   for (Eigen::Index i = 0; i < places.cols(); ++i) {
     add(places.col(i), map.position_std[i], &predicted);

@@ -104,7 +104,7 @@ PageSection StagesSection(const CalibrationResult& result) {
       result.error_terms && !result.error_terms->rungs.empty();
   if (has_rungs) {
     return {"stages", "Accuracy by stage",
-            ErrorStagesPart(result) +
+            HtmlNote(StagesNote(result)) + ErrorStagesPart(result) +
                 StagesTable(result, Dimension::kLength).ToHtml() +
                 StagesTable(result, Dimension::kAngle).ToHtml()};
   }
@@ -130,7 +130,7 @@ PageSection StagesSection(const CalibrationResult& result) {
     }
   }
   return {"stages", "Accuracy by stage",
-          HtmlFigure("stages-figure", chart) +
+          HtmlNote(StagesNote(result)) + HtmlFigure("stages-figure", chart) +
               StagesTable(result, Dimension::kLength).ToHtml() +
               StagesTable(result, Dimension::kAngle).ToHtml()};
 }

@@ -26,6 +26,10 @@ Table StagesTable(const CalibrationResult& result, Dimension dimension);
 Table OutlierTable(const CalibrationResult& result);
 Table RejectedRowTable(const CalibrationResult& result);
 
+/// What accuracy by stage is of where some observations were rejected, a
+/// sentence; else empty.
+std::string StagesNote(const CalibrationResult& result);
+
 /// What repeated configurations differ by, a sentence; empty without any.
 std::string RepeatSentence(const CalibrationResult& result);
 

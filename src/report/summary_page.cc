@@ -10,6 +10,7 @@
 #include "src/report/report.h"
 #include "src/report/result_page.h"
 #include "src/report/table.h"
+#include "src/report/uncertainty_report.h"
 
 namespace alidade::internal {
 namespace {
@@ -59,6 +60,17 @@ std::string Headline(const CalibrationResult& result) {
              : Element("div", {{"class", "numbers"}, {"id", "headline"}}, html);
 }
 
+// Where to look for one's own place; empty where there is no map.
+std::string WhereYouWork(const CalibrationResult& result) {
+  if (RegionTable(result).empty()) return "";
+  return Element(
+      "dd", {},
+      "Where you work: " +
+          Element("a", {{"href", "#regions"}}, "accuracy by region") +
+          ", and the " +
+          Element("a", {{"href", "#workspace"}}, "map of the workspace") + ".");
+}
+
 std::string Answers(const CalibrationResult& result) {
   std::string list;
   for (const Answer& answer : AnswersOf(result)) {
@@ -66,6 +78,7 @@ std::string Answers(const CalibrationResult& result) {
     for (const std::string& sentence : answer.sentences) {
       list += Element("dd", {}, Sentences(sentence)) + "\n";
     }
+    if (answer.question == kHowAccurate) list += WhereYouWork(result);
   }
   return Element("dl", {{"id", "answers"}}, list);
 }

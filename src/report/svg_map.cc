@@ -360,6 +360,16 @@ void DrawOutline(SvgWriter* svg, const MapChart& chart, const PlotArea& plot) {
   svg->Text({base.x + 11.0, base.y + 4.0}, "base", "small halo");
 }
 
+void DrawMarked(SvgWriter* svg, const MapChart& chart, const PlotArea& plot) {
+  if (chart.marked_name.empty()) return;
+  const SvgPoint at = plot.At(chart.marked.first, chart.marked.second);
+  const std::string ring = "M" + SvgNumber(at.x - 7.0) + " " + SvgNumber(at.y) +
+                           "a7 7 0 1 0 14 0a7 7 0 1 0-14 0z";
+  svg->Path(ring, "halo", 5.0);
+  svg->Path(ring, "mark s7", 2.0);
+  svg->Text({at.x + 11.0, at.y + 4.0}, chart.marked_name, "small halo");
+}
+
 double BarRoom(const AxisScale& colour) {
   return kBarGap + kBarWidth + 2.0 * kTickGap + TickLabelWidth(colour) +
          1.6 * kLabelSize;
@@ -415,6 +425,7 @@ void DrawMap(SvgWriter* svg, const MapChart& chart,
   DrawAxes(svg, plot);
   DrawCells(svg, CellsOf(chart, points, plot), colour);
   DrawOutline(svg, chart, plot);
+  DrawMarked(svg, chart, plot);
   if (chart.tip) {
     std::vector<PointWithTip> tips;
     for (const MapPoint& point : points) {

@@ -270,7 +270,9 @@ void AddKinds(const std::string& poses, const EvaluatedSet& set, Table* table) {
 std::string StagesText(const CalibrationResult& result) {
   if (result.stages.empty()) return "";
   const Table rotations = StagesTable(result, Dimension::kAngle);
-  return "\n" + Paragraph("Accuracy by stage:") +
+  const std::string note = StagesNote(result);
+  return "\n" +
+         Paragraph("Accuracy by stage:" + (note.empty() ? "" : " " + note)) +
          StagesTable(result, Dimension::kLength).ToText() +
          (rotations.empty() ? "" : "\n" + rotations.ToText());
 }
@@ -326,6 +328,14 @@ std::string RepeatSentence(const CalibrationResult& result) {
             " deg in orientation";
   }
   return text + ": what no geometry can take away.";
+}
+
+std::string StagesNote(const CalibrationResult& result) {
+  if (result.stages.empty() || JudgedSet(result).Judged().num_rejected == 0) {
+    return "";
+  }
+  return "These are the errors of all observations, those that were rejected "
+         "included.";
 }
 
 Table KindTable(const CalibrationResult& result) {

@@ -209,6 +209,12 @@ Figure PredictedMapFigure(const PredictedMap& map, const ArmOutline& arm) {
   chart.tip = [values = chart.value](std::size_t i) {
     return FormatSignificant(values[i], 3) + " mm";
   };
+  const auto worst = std::max_element(chart.value.begin(), chart.value.end());
+  if (worst != chart.value.end()) {
+    const auto k = static_cast<std::size_t>(worst - chart.value.begin());
+    chart.marked = {chart.px[k], chart.py[k]};
+    chart.marked_name = "worst";
+  }
   return chart;
 }
 

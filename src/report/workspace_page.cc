@@ -56,7 +56,7 @@ MapChart SliceChart(const PredictedMap& map, const ArmOutline& arm,
   }
   const auto axis = [](int k) { return std::string(1, "xyz"[k]); };
   MapChart chart{"Predicted standard deviation of the position",
-                 axis(slice.axis) + " from " +
+                 "slice at " + axis(slice.axis) + " from " +
                      FormatSignificant(slice.lower, 3) + " to " +
                      FormatSignificant(slice.upper, 3) + " mm",
                  {axis(across[0]) + " [mm]"},
