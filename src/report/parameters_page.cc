@@ -10,6 +10,7 @@
 #include "src/common/format.h"
 #include "src/common/text.h"
 #include "src/report/result_page.h"
+#include "src/report/result_tables.h"
 #include "src/report/table.h"
 #include "src/report/uncertainty_report.h"
 
@@ -51,25 +52,18 @@ std::optional<Knowledge> KnowledgeOf(const CalibrationResult& result,
   return Knowledge{or_infinite(parameter.decision.predicted_std), {}};
 }
 
-struct AssessmentLook {
-  FindingLevel level;
-  const char* words;
-};
-
-AssessmentLook LookOf(ParameterAssessment assessment) {
+FindingLevel LevelOf(ParameterAssessment assessment) {
   switch (assessment) {
     case ParameterAssessment::kEstimated:
-      return {FindingLevel::kPassed, "estimated"};
+      return FindingLevel::kPassed;
     case ParameterAssessment::kPriorDominated:
-      return {FindingLevel::kAttention, "prior-dominated"};
     case ParameterAssessment::kWeak:
-      return {FindingLevel::kAttention, "weakly identifiable"};
+      return FindingLevel::kAttention;
     case ParameterAssessment::kFixed:
-      return {FindingLevel::kNote, "fixed"};
     case ParameterAssessment::kKnown:
       break;
   }
-  return {FindingLevel::kNote, "known"};
+  return FindingLevel::kNote;
 }
 
 std::string Remarks(const ParameterResult& parameter,
@@ -94,9 +88,8 @@ bool IsEstimated(const ParameterResult& parameter) {
 }
 
 TableCell StateCell(const ParameterResult& parameter) {
-  const auto [level, words] = LookOf(parameter.assessment);
-  TableCell state(words);
-  state.markup = HtmlBadge(level, words);
+  TableCell state(AssessmentForPeople(parameter.assessment));
+  state.markup = HtmlBadge(LevelOf(parameter.assessment), state.text);
   return state;
 }
 
@@ -112,8 +105,8 @@ TableCell ShownValue(const std::optional<double>& value, Dimension dimension) {
 void AddEstimated(const CalibrationResult& result,
                   const ParameterResult& parameter, Table* table) {
   const Dimension dimension = parameter.dimension;
-  TableCell change = ShownValue(parameter.deviation(), dimension);
-  change.text = WithSign(change.text);
+  TableCell deviation = ShownValue(parameter.deviation(), dimension);
+  deviation.text = WithSign(deviation.text);
   TableCell std_cell("");
   TableCell in_std("");
   TableCell interval("");
@@ -131,7 +124,7 @@ void AddEstimated(const CalibrationResult& result,
       interval.text += " … " + ShownValue(range.upper, dimension).text;
     }
   }
-  table->AddRow({parameter.name, StateCell(parameter), change, std_cell,
+  table->AddRow({parameter.name, StateCell(parameter), deviation, std_cell,
                  UnitForPeople(dimension), in_std, interval,
                  ShownValue(parameter.nominal, dimension),
                  ShownValue(parameter.value, dimension),
@@ -203,16 +196,16 @@ Table EstimatedTable(const CalibrationResult& result) {
                            100.0) +
                 "\u00a0% interval"
           : "interval";
-  Table table("parameters-table", "Estimated parameters",
-              {"name", "state", ">change|found less nominal",
-               ">std|standard deviation of what was found", "unit",
-               ">change / std|change in units of its standard deviation",
-               ">" + confidence, ">nominal", ">found",
-               ">true|known, because the arm is simulated",
-               ">published|" + result.published_source,
-               "~identified combination|what of it is determined, with "
-               "parameters that are left out",
-               "~remarks"});
+  Table table(
+      "parameters-table", "Estimated parameters",
+      {"name", "state", ">deviation|identified less nominal",
+       ">std|standard deviation of what was identified", "unit",
+       ">deviation / std|in units of its standard deviation", ">" + confidence,
+       ">nominal", ">identified", ">true|known, because the arm is simulated",
+       ">published|" + result.published_source,
+       "~identified combination|what of it is determined, with "
+       "parameters that are left out",
+       "~remarks"});
   for (const auto& [title, parameters] : ParameterGroups(result, true)) {
     table.BeginGroup(title);
     for (const ParameterResult* parameter : parameters) {
@@ -325,11 +318,11 @@ std::string ChangeFigure(const CalibrationResult& result, Dimension dimension) {
   }
   if (chart.rows.empty()) return "";
   chart.title = std::string(is_length ? "Lengths" : "Angles") +
-                ": change against nominal";
-  chart.x.label = std::string("change [") + UnitForPeople(dimension) + "]";
+                ": deviation from nominal";
+  chart.x.label = std::string("deviation [") + UnitForPeople(dimension) + "]";
   chart.range = UsefulRange(chart.rows);
   chart.references = {0.0};
-  chart.looks = {Markers(has_truth ? "found" : "", MarkerStyle::kDot)};
+  chart.looks = {Markers(has_truth ? "identified" : "", MarkerStyle::kDot)};
   if (has_truth) {
     chart.looks.push_back(Markers("true", MarkerStyle::kSquare, "s7"));
   }
@@ -356,7 +349,8 @@ std::string CountAssessments(const CalibrationResult& result) {
                         return parameter.assessment == assessment;
                       });
     if (count == 0) continue;
-    parts.push_back(std::to_string(count) + " " + LookOf(assessment).words);
+    parts.push_back(std::to_string(count) + " " +
+                    AssessmentForPeople(assessment));
   }
   return "Of " +
          Count(static_cast<std::int64_t>(result.parameters.size()),

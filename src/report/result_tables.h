@@ -30,6 +30,11 @@ Table RejectedRowTable(const CalibrationResult& result);
 /// sentence; else empty.
 std::string StagesNote(const CalibrationResult& result);
 
+/// Words for people: "estimated", "fixed", "known" and, of the estimated ones,
+/// "prior-dominated" and "weakly identifiable".
+const char* StateForPeople(ParameterState state);
+const char* AssessmentForPeople(ParameterAssessment assessment);
+
 /// What repeated configurations differ by, a sentence; empty without any.
 std::string RepeatSentence(const CalibrationResult& result);
 

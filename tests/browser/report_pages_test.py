@@ -129,7 +129,7 @@ class Pages(PageTest):
         rows = {row[0][0]: row for row in self.table("parameters-table")}
         self.assertEqual({p["name"] for p in free_parameters(result)},
                          set(rows))
-        found = self.column("parameters-table", "found")
+        found = self.column("parameters-table", "identified")
         for parameter in free_parameters(result):
             unit = 180 / math.pi if parameter["unit"] == "rad" else 1e3
             self.assertAlmostEqual(unit * parameter["value"],
@@ -229,7 +229,7 @@ class Pages(PageTest):
         rows = list(csv.DictReader(io.StringIO(self.js("window.copied"))))
         d3 = next(row for row in rows if row["name"] == "d3")
         expected = next(p for p in result["parameters"] if p["name"] == "d3")
-        self.assertAlmostEqual(1e3 * expected["value"], float(d3["found"]),
+        self.assertAlmostEqual(1e3 * expected["value"], float(d3["identified"]),
                                delta=1e-9)
 
     def test_keyboard_reaches_tables_figures_and_buttons(self):
