@@ -50,6 +50,36 @@ const EvaluatedSet& JudgedSet(const CalibrationResult& result) {
              : result.train;
 }
 
+const char* LengthErrorName(const EvaluatedSet& set) {
+  constexpr std::array<std::string_view, 3> kLengths = {
+      "distance", "point distance", "plane"};
+  const auto is_length = [&](const ObservationLabel& label) {
+    return std::find(kLengths.begin(), kLengths.end(), label.kind) !=
+           kLengths.end();
+  };
+  return !set.labels.empty() &&
+                 std::all_of(set.labels.begin(), set.labels.end(), is_length)
+             ? "length error"
+             : "position error";
+}
+
+const char* LengthErrorName(const CalibrationResult& result) {
+  return LengthErrorName(JudgedSet(result));
+}
+
+std::string ObservationName(const EvaluatedSet& set, const char* poses) {
+  const bool is_one_each =
+      set.labels.empty() ||
+      static_cast<Eigen::Index>(set.labels.size()) == set.joint_values.cols();
+  return std::string(poses) + (is_one_each ? " pose" : " observation");
+}
+
+std::string ObservationName(const CalibrationResult& result) {
+  const EvaluatedSet& set = JudgedSet(result);
+  return ObservationName(set,
+                         &set == &result.train ? "training" : "validation");
+}
+
 bool IsWorse(const KeptErrors& judged, const CalibrationResult& result) {
   return judged.after.mean > judged.before.mean &&
          !(judged.change_t <= kBeyondChance) &&

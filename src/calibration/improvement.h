@@ -2,6 +2,7 @@
 #define ALIDADE_SRC_CALIBRATION_IMPROVEMENT_H_
 
 #include <cstdint>
+#include <string>
 
 #include "alidade/calibration_result.h"
 
@@ -13,6 +14,17 @@ inline constexpr double kBeyondChance = 3.0;
 /// The set that a result is judged by: the validation poses, where there are
 /// any, else those of the fit.
 const EvaluatedSet& JudgedSet(const CalibrationResult& result);
+
+/// "position error", or "length error" where lengths alone were measured, such
+/// as distances and contacts with planes.
+const char* LengthErrorName(const EvaluatedSet& set);
+const char* LengthErrorName(const CalibrationResult& result);
+
+/// "validation pose"; "validation observation" where poses have several.
+/// `poses` is "training" or "validation".
+std::string ObservationName(const EvaluatedSet& set, const char* poses);
+/// Of the set that it is judged by.
+std::string ObservationName(const CalibrationResult& result);
 
 /// Whether errors grew by more than chance (where it is known what chance would
 /// do) and by more than the uncertainty of

@@ -11,6 +11,7 @@
 
 #include "alidade/units.h"
 #include "src/calibration/advice.h"
+#include "src/calibration/guidance.h"
 #include "src/calibration/improvement.h"
 #include "src/calibration/parameter_assessment.h"
 #include "src/common/format.h"
@@ -54,12 +55,12 @@ std::string PValue(double p) {
 }
 
 // "largest orientation error at validation poses" of "validation_rotation_max".
-std::string QuantityTitle(const std::string& key) {
+std::string QuantityTitle(const std::string& key, const char* length_error) {
   const auto has = [&key](const char* part) {
     return key.find(part) != std::string::npos;
   };
   return std::string(has("_max") ? "largest " : "RMS ") +
-         (has("_rotation") ? "orientation" : "position") + " error at " +
+         (has("_rotation") ? "orientation error" : length_error) + " at " +
          (has("train") ? "training" : "validation") + " poses";
 }
 
@@ -103,6 +104,7 @@ class Judge {
     JudgeResiduals();
     JudgePrediction();
     JudgeCrossValidation();
+    for (Finding& finding : GuidanceOf(result_)) Add(std::move(finding));
     Sort();
     if (verdict_.level == FindingLevel::kNote) {
       verdict_.level = FindingLevel::kPassed;
@@ -170,23 +172,25 @@ class Judge {
     const Improvement& by = improvement_;
     if (by.after.n == 0) return;
     const bool is_worse = by.is_worse;
-    const std::string what =
-        by.dimension == Dimension::kLength ? "position" : "orientation";
+    const std::string what = by.dimension == Dimension::kLength
+                                 ? LengthErrorName(result_)
+                                 : "orientation error";
     if (by.is_of_frames) {
       verdict_.sentence = "With the frames that were found the mean " + what +
-                          " error at " + Count(by.after.n, Poses()) +
+                          " at " + Count(by.after.n, ObservationName(result_)) +
                           WithoutRejected(by.num_rejected) + " is " +
                           FormatQuantity(by.after.mean, by.dimension) + ".";
       Add("improvement", by.ratio(), 1.0, verdict_.sentence,
           FindingLevel::kPassed);
       return;
     }
-    std::string text =
-        "The mean " + what + " error at " + Count(by.after.n, Poses()) +
-        WithoutRejected(by.num_rejected) + (by.num_rejected > 0 ? "," : "") +
-        (by.ratio() > 1.0 ? " grows" : " falls") + " from " +
-        FormatQuantity(by.before.mean, by.dimension) + " to " +
-        FormatQuantity(by.after.mean, by.dimension);
+    std::string text = "The mean " + what + " at " +
+                       Count(by.after.n, ObservationName(result_)) +
+                       WithoutRejected(by.num_rejected) +
+                       (by.num_rejected > 0 ? "," : "") +
+                       (by.ratio() > 1.0 ? " grows" : " falls") + " from " +
+                       FormatQuantity(by.before.mean, by.dimension) + " to " +
+                       FormatQuantity(by.after.mean, by.dimension);
     const double floor = result_.runs.front().summary.precision_limit;
     if (by.after.max < kRoundingErrors * floor) {
       text += ", the numerical precision limit";
@@ -199,19 +203,14 @@ class Judge {
                                      : FindingLevel::kPassed);
   }
 
-  std::string Poses() const {
-    return &JudgedSet(result_) == &result_.train ? "training pose"
-                                                 : "validation pose";
-  }
-
   void JudgeAcceptance() {
     std::int64_t missed = 0;
     for (const AcceptanceCheck& check : result_.acceptance) {
       const double unit =
           check.dimension == Dimension::kLength ? kMillimetre : kDegree;
       Add("acceptance." + check.quantity, check.obtained, check.limit,
-          AsSentence(QuantityTitle(check.quantity) + ": " +
-                     FormatQuantity(check.obtained, check.dimension) +
+          AsSentence(QuantityTitle(check.quantity, LengthErrorName(result_)) +
+                     ": " + FormatQuantity(check.obtained, check.dimension) +
                      WithoutRejected(check.num_rejected) + ", limit " +
                      LimitText(check.limit / unit) + " " +
                      UnitForPeople(check.dimension)),

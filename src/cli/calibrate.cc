@@ -10,9 +10,11 @@
 #include "src/cli/command.h"
 #include "src/cli/launch.h"
 #include "src/cli/progress.h"
+#include "src/common/text.h"
 #include "src/job/report_page.h"
 #include "src/job/result_directory.h"
 #include "src/job/run_job.h"
+#include "src/report/answers.h"
 #include "src/report/report.h"
 #include "src/serialization/job_config.h"
 
@@ -22,6 +24,8 @@ namespace {
 void PrintSummary(const CalibrationResult& result,
                   const std::vector<std::string>& paths) {
   std::cout << result.title << "\n\n"
+            << Paragraph(result.verdict.title + ". " + result.verdict.sentence)
+            << FormatAnswers(result) << "\n"
             << FormatAccuracyTable(result) << "\n"
             << FormatPublished(result);
   PrintResults(paths);

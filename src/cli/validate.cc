@@ -144,7 +144,7 @@ class Validation {
                        "directory of `calibrate` instead of an arm file");
     }
     PrintResults(WriteResultDirectory(
-        line_.out, MakePredictionFiles(arm_.JointDimensions(), *map_, check_)));
+        line_.out, MakePredictionFiles(arm_, *map_, check_)));
   }
 
   const CommandLine& line_;

@@ -30,7 +30,7 @@ constexpr double kStrongScore = 6.0;
 
 std::string Quantity(double value, Dimension dimension) {
   return WithSign(InUnit(value, dimension, 3)) +
-         (dimension == Dimension::kLength ? " mm" : "°");
+         (dimension == Dimension::kLength ? " mm" : " deg");
 }
 
 TableCell ScoreCell(double score) {
@@ -259,7 +259,7 @@ Table ChangeTable(const ComparedItems& all, const DriftSummary& drift) {
         {change.name, all.values[change.from].label,
          all.values[change.from + 1].label, FixedCell(change.before / unit, 4),
          FixedCell(change.after / unit, 4), difference,
-         NumberCell(change.std / unit, 2), UnitName(change.dimension),
+         NumberCell(change.std / unit, 2), UnitForPeople(change.dimension),
          ScoreCell(change.score()),
          BadgeCell(change.is_significant ? FindingLevel::kAttention
                                          : FindingLevel::kNote,

@@ -9,8 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "src/calibration/improvement.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
+#include "src/report/arm_view.h"
 #include "src/report/report.h"
 #include "src/solve/solver_names.h"
 
@@ -53,8 +55,9 @@ class ShownErrors {
   Eigen::Index size() const { return set_.residual_after.cols(); }
   const char* unit() const { return is_rotation_ ? "deg" : "mm"; }
   std::string label() const {
-    return std::string(is_rotation_ ? "orientation" : "position") + " error [" +
-           unit() + "]";
+    return std::string(is_rotation_ ? "orientation error"
+                                    : LengthErrorName(set_)) +
+           " [" + unit() + "]";
   }
 
   // NaN where the observation has none.
@@ -71,8 +74,10 @@ class ShownErrors {
   }
 
   std::string title() const {
-    return std::string(is_rotation_ ? "Orientation" : "Position") + " error " +
-           (is_after_ ? "after" : "before") + " calibration, ";
+    std::string name =
+        is_rotation_ ? "orientation error" : LengthErrorName(set_);
+    name[0] = static_cast<char>(name[0] - 'a' + 'A');
+    return name + (is_after_ ? " after" : " before") + " calibration, ";
   }
 
   const Accuracy& accuracy() const {
@@ -137,28 +142,32 @@ std::vector<Eigen::Index> DrawnObservations(const ShownErrors& errors,
   return drawn;
 }
 
-bool LiesInHorizontalPlane(const EvaluatedSet& set) {
-  if (set.positions.cols() < kFewestOfPlane ||
-      set.positions.cols() > kMostDrawn || !set.positions.map().allFinite()) {
-    return false;
-  }
-  const Eigen::Vector3d extent = set.positions.map().rowwise().maxCoeff() -
-                                 set.positions.map().rowwise().minCoeff();
+// A copy of so few is no burden.
+bool MayLieInPlane(const EvaluatedSet& set) {
+  return set.positions.cols() >= kFewestOfPlane &&
+         set.positions.cols() <= kMostDrawn && set.positions.map().allFinite();
+}
+
+bool IsHorizontalPlane(const Eigen::Matrix3Xd& places) {
+  const Eigen::Vector3d extent =
+      places.rowwise().maxCoeff() - places.rowwise().minCoeff();
   return extent.z() < kFlat * extent.head<2>().maxCoeff();
 }
 
-MapChart PlaneChart(const EvaluatedSet& set, CalibrationState state) {
+// `places` are in the frame of the base.
+MapChart PlaneChart(const EvaluatedSet& set, CalibrationState state,
+                    const Eigen::Matrix3Xd& places) {
   const ShownErrors errors(set, state);
   MapChart chart{errors.title() + "validation poses",
                  errors.Headline() + " (" + Count(errors.accuracy().n, "pose") +
                      " at z" + kNoBreak + "=" + kNoBreak +
-                     LengthInWords(set.positions.row(2).mean()) + ")",
+                     LengthInWords(places.row(2).mean()) + ")",
                  {"x [mm]"},
                  {"y [mm]"},
                  {errors.label()}};
   for (Eigen::Index i = 0; i < errors.size(); ++i) {
-    chart.px.push_back(set.positions(0, i) / kMillimetre);
-    chart.py.push_back(set.positions(1, i) / kMillimetre);
+    chart.px.push_back(places(0, i) / kMillimetre);
+    chart.py.push_back(places(1, i) / kMillimetre);
     chart.value.push_back(errors[i]);
   }
   chart.tip = [errors](std::size_t i) {
@@ -224,9 +233,34 @@ Figure ErrorFigure(const EvaluatedSet& set, CalibrationState state,
   return chart;
 }
 
-Figure ValidationFigure(const EvaluatedSet& set, CalibrationState state) {
-  if (LiesInHorizontalPlane(set)) return PlaneChart(set, state);
-  return ErrorFigure(set, state, "validation pose");
+Figure ValidationFigure(const EvaluatedSet& set, CalibrationState state,
+                        const Arm& arm) {
+  if (MayLieInPlane(set)) {
+    const Eigen::Matrix3Xd places = OutlineOf(arm, {}).InBase(set.positions);
+    if (IsHorizontalPlane(places)) return PlaneChart(set, state, places);
+  }
+  return ErrorFigure(set, state, ObservationName(set, "validation"));
+}
+
+ArmOutline OutlineOf(const Arm& arm, const EvaluatedSet& set) {
+  ArmOutline outline;
+  outline.base_from_instrument =
+      Eigen::Isometry3d(arm.instrument_from_base).inverse();
+  const ArmPicture picture = PictureOf(arm, set);
+  outline.corners.setZero(3, 1);
+  if (!picture.lines.empty()) {
+    outline.corners = outline.InBase(picture.lines.front());
+  }
+  return outline;
+}
+
+ArmOutline OutlineOf(const CalibrationResult& result) {
+  return OutlineOf(result.arm, result.train);
+}
+
+bool HasNothing(const Histogram& histogram) {
+  return std::all_of(histogram.counts.begin(), histogram.counts.end(),
+                     [](std::int64_t count) { return count == 0; });
 }
 
 Figure JointFigure(const EvaluatedSet& set, Eigen::Index joint) {
@@ -291,16 +325,18 @@ std::vector<std::pair<std::string, Figure>> ResultFigures(
   std::vector<std::pair<std::string, Figure>> figures;
   constexpr auto kBefore = CalibrationState::kBefore;
   constexpr auto kAfter = CalibrationState::kAfter;
-  const std::string pose = "training pose";
+  const std::string pose = ObservationName(result.train, "training");
   figures.emplace_back("error_before",
                        ErrorFigure(result.train, kBefore, pose));
   figures.emplace_back("error_after", ErrorFigure(result.train, kAfter, pose));
   figures.emplace_back("convergence", ConvergenceFigure(result.runs));
   if (result.validation) {
-    figures.emplace_back("validation_before",
-                         ValidationFigure(*result.validation, kBefore));
-    figures.emplace_back("validation_after",
-                         ValidationFigure(*result.validation, kAfter));
+    figures.emplace_back(
+        "validation_before",
+        ValidationFigure(*result.validation, kBefore, result.arm));
+    figures.emplace_back(
+        "validation_after",
+        ValidationFigure(*result.validation, kAfter, result.arm));
   }
   return figures;
 }

@@ -23,8 +23,10 @@ enum class CalibrationState { kBefore, kAfter };
 Figure ErrorFigure(const EvaluatedSet& set, CalibrationState state,
                    const std::string& pose);
 
-/// The same of validation poses: a map where they lie in a horizontal plane.
-Figure ValidationFigure(const EvaluatedSet& set, CalibrationState state);
+/// The same of validation poses: a map where they lie in a plane that is
+/// horizontal in the frame of the arm's base.
+Figure ValidationFigure(const EvaluatedSet& set, CalibrationState state,
+                        const Arm& arm);
 
 /// Errors before and after against the value of joint `joint`, from 0.
 Figure JointFigure(const EvaluatedSet& set, Eigen::Index joint);
@@ -59,8 +61,33 @@ std::optional<LineChart> JointResidualChart(const CalibrationResult& result,
 /// Standardised values beside the standard normal distribution.
 Figure HistogramFigure(const std::string& title, const Histogram& histogram);
 
-/// The predicted standard deviation by distance and height.
-Figure PredictedMapFigure(const PredictedMap& map);
+/// What maps are drawn around: the arm at a pose, in the frame of its base.
+struct ArmOutline {
+  Eigen::Isometry3d base_from_instrument = Eigen::Isometry3d::Identity();
+  Eigen::Matrix3Xd corners;  ///< from the base to the target (m); may be empty
+
+  /// Columns of three coordinates, to the nanometre, so that a page is the same
+  /// whether the base was computed or read.
+  Eigen::Matrix3Xd InBase(
+      const Eigen::Ref<const Eigen::MatrixXd>& positions) const {
+    constexpr double kNanometres = 1e9;
+    const Eigen::Matrix3Xd places =
+        base_from_instrument * positions.topRows<3>();
+    return (kNanometres * places).array().round() / kNanometres;
+  }
+};
+
+/// At the first pose of `set`, where it has the joint values of this arm.
+ArmOutline OutlineOf(const Arm& arm, const EvaluatedSet& set);
+/// Of the calibrated arm at a training pose.
+ArmOutline OutlineOf(const CalibrationResult& result);
+
+/// The predicted standard deviation by distance and height, in the frame of the
+/// base.
+Figure PredictedMapFigure(const PredictedMap& map, const ArmOutline& arm);
+
+/// Whether a histogram counts nothing.
+bool HasNothing(const Histogram& histogram);
 
 }  // namespace alidade::internal
 

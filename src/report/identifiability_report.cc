@@ -84,7 +84,7 @@ std::string DecisionTable(const IdentifiabilityResult& result) {
                Column("why").Wrapped(38),
                Column("identified combination").Wrapped(16), ">predicted std"});
   for (const DecisionGroup& group : GroupDecisions(result.decisions)) {
-    table.AddRow({Join(group.names, " "), ToString(group.decision.state),
+    table.AddRow({Join(group.names, " "), StateForPeople(group.decision.state),
                   group.decision.reason, group.decision.identified_combination,
                   FormatDeviation(group.decision)});
   }

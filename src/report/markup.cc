@@ -61,6 +61,25 @@ bool IsMinus(std::string_view text, std::size_t at) {
   return at == 0 || kBefore.find(text[at - 1]) != std::string_view::npos;
 }
 
+// A sign between two terms of a formula, with a space on either side, one of
+// which is a number or has one in its name: "theta2 - beta2", "-70 mm * r2".
+bool IsBetweenTerms(std::string_view text, std::size_t at) {
+  if (at < 2 || at + 2 >= text.size() || text[at - 1] != ' ' ||
+      text[at + 1] != ' ') {
+    return false;
+  }
+  const auto has_digit = [](std::string_view term) {
+    return term.find_first_of("0123456789_") != std::string_view::npos &&
+           term.find_first_of("/.:") != 0;
+  };
+  const std::string_view before = text.substr(0, at - 1);
+  const std::size_t space = before.find_last_of(' ');
+  const std::string_view after = text.substr(at + 2);
+  return has_digit(after.substr(0, after.find(' '))) ||
+         has_digit(space == std::string_view::npos ? before
+                                                   : before.substr(space + 1));
+}
+
 }  // namespace
 
 std::string EscapeXml(std::string_view text) {
@@ -92,13 +111,24 @@ std::string EscapeXml(std::string_view text) {
 std::string Typeset(std::string_view text) {
   std::string typeset;
   for (std::size_t i = 0; i < text.size();) {
+    const std::size_t quoted =
+        text[i] == '`' ? text.find('`', i + 1) : std::string_view::npos;
+    if (quoted != std::string_view::npos) {
+      typeset += text.substr(i, quoted + 1 - i);
+      i = quoted + 1;
+      continue;
+    }
     const std::size_t end = ExponentEnd(text, i);
     if (end > i) {
       if (text[i] == 'e') typeset += "×10";
       typeset += Superscript(text.substr(i + 1, end - i - 1));
       i = end;
-    } else if (IsMinus(text, i)) {
+    } else if (IsMinus(text, i) ||
+               (text[i] == '-' && IsBetweenTerms(text, i))) {
       typeset += "\u2212";
+      ++i;
+    } else if (text[i] == '*' && IsBetweenTerms(text, i)) {
+      typeset += "×";
       ++i;
     } else {
       typeset += text[i++];
@@ -108,6 +138,24 @@ std::string Typeset(std::string_view text) {
 }
 
 std::string Words(std::string_view text) { return EscapeXml(Typeset(text)); }
+
+std::string Sentences(std::string_view text) {
+  std::string markup;
+  const std::string typeset = Typeset(text);
+  for (std::size_t from = 0; from < typeset.size();) {
+    const std::size_t open = typeset.find('`', from);
+    const std::size_t close =
+        open == std::string::npos ? open : typeset.find('`', open + 1);
+    if (close == std::string::npos) {
+      return markup + EscapeXml(typeset.substr(from));
+    }
+    markup += EscapeXml(typeset.substr(from, open - from)) +
+              Element("code", {},
+                      EscapeXml(typeset.substr(open + 1, close - open - 1)));
+    from = close + 1;
+  }
+  return markup;
+}
 
 std::string Element(std::string_view tag, const Attributes& attributes,
                     std::string_view content) {

@@ -16,11 +16,16 @@ namespace alidade::internal {
 std::string EscapeXml(std::string_view text);
 
 /// Numbers as books print them: "2.3e-13" and "10^-13" with superscripts, "-5"
-/// with a minus sign. For sentences and numbers, not for names and paths.
+/// and "a1 - 2 mm * b1" with signs of minus and multiplication. For sentences
+/// and numbers, not for names and paths; what stands in backticks is somebody's
+/// file and stays as it is.
 std::string Typeset(std::string_view text);
 
 /// Sentences and numbers as character data: both of the above.
 std::string Words(std::string_view text);
+
+/// The same as markup, in which what stands in backticks is code.
+std::string Sentences(std::string_view text);
 
 /// Names and values, which are escaped; one without a value is left out.
 using Attributes = std::vector<std::pair<std::string_view, std::string>>;

@@ -41,7 +41,7 @@ std::string DataElement(const PageData& data) {
 
 std::string HtmlParagraph(const std::string& text, const std::string& look) {
   return text.empty() ? ""
-                      : Element("p", {{"class", look}}, Words(text)) + "\n";
+                      : Element("p", {{"class", look}}, Sentences(text)) + "\n";
 }
 
 std::string HtmlNote(const std::string& text) {
@@ -56,6 +56,14 @@ std::string HtmlList(const std::vector<std::string>& items,
   return Element("ul", {{"id", id}, {"class", look}}, list);
 }
 
+std::string HtmlFold(const std::string& summary, const std::string& html,
+                     bool is_printed) {
+  if (html.empty()) return "";
+  return Element("details", {{"class", is_printed ? "printed" : "unprinted"}},
+                 Element("summary", {}, Words(summary)) + html) +
+         "\n";
+}
+
 std::string HtmlBadge(FindingLevel level, const std::string& text) {
   const auto [look, sign] = LookOf(level);
   return Element(
@@ -65,8 +73,8 @@ std::string HtmlBadge(FindingLevel level, const std::string& text) {
 
 std::string HtmlVerdict(FindingLevel level, const std::string& title,
                         const std::string& sentence) {
-  return Element("p", {}, HtmlBadge(level, title)) +
-         HtmlParagraph(sentence, "verdict");
+  return Element("p", {{"class", "decision"}}, HtmlBadge(level, title)) +
+         Element("h2", {{"class", "verdict"}}, Sentences(sentence)) + "\n";
 }
 
 std::string HtmlFigure(const std::string& id, const Figure& figure,

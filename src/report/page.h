@@ -41,9 +41,13 @@ std::string HtmlNote(const std::string& text);
 /// `items` are markup.
 std::string HtmlList(const std::vector<std::string>& items,
                      const std::string& id, const std::string& look = "");
+/// Folded away until somebody opens it; on paper it is open where `is_printed`.
+/// Nothing where `html` is empty. `summary` is a text, `html` is markup.
+std::string HtmlFold(const std::string& summary, const std::string& html,
+                     bool is_printed = true);
 /// A mark that is recognised by its sign and its words, never by colour alone.
 std::string HtmlBadge(FindingLevel level, const std::string& text);
-/// The verdict's badge and sentence.
+/// The verdict's badge and sentence, the heading of what follows.
 std::string HtmlVerdict(FindingLevel level, const std::string& title,
                         const std::string& sentence);
 /// A figure with its title above and its subtitle and `note` below.

@@ -1,13 +1,16 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "src/common/format.h"
 #include "src/common/text.h"
 #include "src/report/result_page.h"
+#include "src/report/result_tables.h"
 #include "src/report/table.h"
 #include "src/report/uncertainty_report.h"
 
@@ -49,44 +52,23 @@ std::optional<Knowledge> KnowledgeOf(const CalibrationResult& result,
   return Knowledge{or_infinite(parameter.decision.predicted_std), {}};
 }
 
-struct AssessmentLook {
-  FindingLevel level;
-  const char* words;
-};
-
-AssessmentLook LookOf(ParameterAssessment assessment) {
+FindingLevel LevelOf(ParameterAssessment assessment) {
   switch (assessment) {
     case ParameterAssessment::kEstimated:
-      return {FindingLevel::kPassed, "estimated"};
+      return FindingLevel::kPassed;
     case ParameterAssessment::kPriorDominated:
-      return {FindingLevel::kAttention, "prior-dominated"};
     case ParameterAssessment::kWeak:
-      return {FindingLevel::kAttention, "weakly identifiable"};
+      return FindingLevel::kAttention;
     case ParameterAssessment::kFixed:
-      return {FindingLevel::kNote, "fixed"};
     case ParameterAssessment::kKnown:
       break;
   }
-  return {FindingLevel::kNote, "known"};
-}
-
-// What people call the block of a parameter: targets and references have names
-// of their own.
-std::string TitleOf(const CalibrationResult& result,
-                    const ParameterResult& parameter) {
-  for (const auto& [block, name] : result.aliases) {
-    if (block == parameter.kind) return parameter.name + " (" + name + ")";
-  }
-  return parameter.name;
+  return FindingLevel::kNote;
 }
 
 std::string Remarks(const ParameterResult& parameter,
                     const std::optional<Knowledge>& known) {
   std::vector<std::string> remarks;
-  if (!parameter.decision.identified_combination.empty()) {
-    remarks.push_back("identified combination: " +
-                      parameter.decision.identified_combination);
-  }
   if (parameter.assessment == ParameterAssessment::kWeak) {
     remarks.emplace_back(
         "linearly dependent on others at the nominal geometry but for effects "
@@ -101,72 +83,55 @@ std::string Remarks(const ParameterResult& parameter,
   return Join(remarks, "; ");
 }
 
-void AddParameter(const CalibrationResult& result,
+bool IsEstimated(const ParameterResult& parameter) {
+  return parameter.decision.state == ParameterState::kFree;
+}
+
+TableCell StateCell(const ParameterResult& parameter) {
+  TableCell state(AssessmentForPeople(parameter.assessment));
+  state.markup = HtmlBadge(LevelOf(parameter.assessment), state.text);
+  return state;
+}
+
+TableCell ShownValue(double value, Dimension dimension) {
+  return FixedCell(value / UnitOf(dimension),
+                   dimension == Dimension::kAngle ? 5 : 4);
+}
+
+TableCell ShownValue(const std::optional<double>& value, Dimension dimension) {
+  return value ? ShownValue(*value, dimension) : TableCell("");
+}
+
+void AddEstimated(const CalibrationResult& result,
                   const ParameterResult& parameter, Table* table) {
-  const bool is_free = parameter.decision.state == ParameterState::kFree;
   const Dimension dimension = parameter.dimension;
-  const int decimals = dimension == Dimension::kAngle ? 5 : 4;
-  const auto shown = [&](double value) {
-    return FixedCell(value / UnitOf(dimension), decimals);
-  };
-  const auto [level, words] = LookOf(parameter.assessment);
-  TableCell state(words);
-  state.markup = HtmlBadge(level, words);
-  TableCell change("");
+  TableCell deviation = ShownValue(parameter.deviation(), dimension);
+  deviation.text = WithSign(deviation.text);
   TableCell std_cell("");
   TableCell in_std("");
   TableCell interval("");
   const std::optional<Knowledge> known = KnowledgeOf(result, parameter);
-  if (is_free) {
-    change = shown(parameter.deviation());
-    change.text = WithSign(change.text);
-    if (known) {
-      std_cell = QuantityCell(known->std, dimension, 2);
-      if (std::isinf(known->std)) std_cell.text = "∞";
-      if (known->std > 0.0 && std::isfinite(known->std)) {
-        in_std = NumberCell(parameter.deviation() / known->std, 2);
-        in_std.text = WithSign(in_std.text);
-      }
-      const ConfidenceInterval& range = known->interval;
-      if (std::isfinite(range.lower) && std::isfinite(range.upper)) {
-        interval = shown(range.lower);
-        interval.text += " … " + shown(range.upper).text;
-      }
+  if (known) {
+    std_cell = QuantityCell(known->std, dimension, 2);
+    if (std::isinf(known->std)) std_cell.text = "∞";
+    if (known->std > 0.0 && std::isfinite(known->std)) {
+      in_std = NumberCell(parameter.deviation() / known->std, 2);
+      in_std.text = WithSign(in_std.text);
+    }
+    const ConfidenceInterval& range = known->interval;
+    if (std::isfinite(range.lower) && std::isfinite(range.upper)) {
+      interval = ShownValue(range.lower, dimension);
+      interval.text += " … " + ShownValue(range.upper, dimension).text;
     }
   }
-  table->AddRow(
-      {TitleOf(result, parameter), state, change, std_cell, UnitName(dimension),
-       in_std, interval, shown(parameter.nominal),
-       is_free ? shown(parameter.value) : TableCell(""),
-       parameter.truth ? shown(*parameter.truth) : TableCell(""),
-       parameter.published ? shown(*parameter.published) : TableCell(""),
-       Remarks(parameter, known)},
-      is_free ? "" : "held");
-}
-
-// The estimated ones first.
-Table ParameterTable(const CalibrationResult& result) {
-  const std::string confidence =
-      result.uncertainty
-          ? ShortestNumber(std::round(1e4 * result.uncertainty->confidence) /
-                           100.0) +
-                "\u00a0% interval"
-          : "interval";
-  Table table("parameters-table", "All parameters",
-              {"name", "state", ">change|found less nominal",
-               ">std|standard deviation of what was found", "unit",
-               ">change / std|change in units of its standard deviation",
-               ">" + confidence, ">nominal", ">found",
-               ">true|known, because the arm is simulated",
-               ">published|" + result.published_source, "~remarks"});
-  for (const bool is_free : {true, false}) {
-    for (const ParameterResult& parameter : result.parameters) {
-      if ((parameter.decision.state == ParameterState::kFree) == is_free) {
-        AddParameter(result, parameter, &table);
-      }
-    }
-  }
-  return table;
+  table->AddRow({parameter.name, StateCell(parameter), deviation, std_cell,
+                 UnitForPeople(dimension), in_std, interval,
+                 ShownValue(parameter.nominal, dimension),
+                 ShownValue(parameter.value, dimension),
+                 ShownValue(parameter.truth, dimension),
+                 ShownValue(parameter.published, dimension),
+                 parameter.decision.identified_combination,
+                 Remarks(parameter, known)});
 }
 
 bool IsOfJoint(const ParameterResult& parameter) {
@@ -176,13 +141,109 @@ bool IsOfJoint(const ParameterResult& parameter) {
   return true;
 }
 
+// "joint 2" of "theta2", "base", "tool2 (smr2)".
+std::string GroupOf(const CalibrationResult& result,
+                    const ParameterResult& parameter) {
+  if (IsOfJoint(parameter)) {
+    const std::size_t digits = parameter.name.find_first_of("0123456789");
+    if (digits != std::string::npos) {
+      return "joint " + parameter.name.substr(digits);
+    }
+  }
+  for (const auto& [block, name] : result.aliases) {
+    if (block == parameter.kind) return block + " (" + name + ")";
+  }
+  return parameter.kind;
+}
+
+// Parameters by joint, then frames and references, in the order of the layout.
+std::vector<std::pair<std::string, std::vector<const ParameterResult*>>>
+ParameterGroups(const CalibrationResult& result, bool is_estimated) {
+  std::vector<std::pair<std::string, std::vector<const ParameterResult*>>>
+      groups;
+  for (const bool of_joint : {true, false}) {
+    for (const ParameterResult& parameter : result.parameters) {
+      if (IsEstimated(parameter) != is_estimated ||
+          IsOfJoint(parameter) != of_joint) {
+        continue;
+      }
+      const std::string title = GroupOf(result, parameter);
+      auto group = std::find_if(
+          groups.begin(), groups.end(),
+          [&title](const auto& each) { return each.first == title; });
+      if (group == groups.end()) {
+        group = groups.insert(groups.end(), {title, {}});
+      }
+      group->second.push_back(&parameter);
+    }
+  }
+  std::stable_sort(groups.begin(), groups.end(),
+                   [](const auto& a, const auto& b) {
+                     const auto number = [](const std::string& title) {
+                       return title.rfind("joint ", 0) == 0
+                                  ? std::stoi(title.substr(6))
+                                  : std::numeric_limits<int>::max();
+                     };
+                     return number(a.first) < number(b.first);
+                   });
+  return groups;
+}
+
+Table EstimatedTable(const CalibrationResult& result) {
+  const std::string confidence =
+      result.uncertainty
+          ? ShortestNumber(std::round(1e4 * result.uncertainty->confidence) /
+                           100.0) +
+                "\u00a0% interval"
+          : "interval";
+  Table table(
+      "parameters-table", "Estimated parameters",
+      {"name", "state", ">deviation|identified less nominal",
+       ">std|standard deviation of what was identified", "unit",
+       ">deviation / std|in units of its standard deviation", ">" + confidence,
+       ">nominal", ">identified", ">true|known, because the arm is simulated",
+       ">published|" + result.published_source,
+       "~identified combination|what of it is determined, with "
+       "parameters that are left out",
+       "~remarks"});
+  for (const auto& [title, parameters] : ParameterGroups(result, true)) {
+    table.BeginGroup(title);
+    for (const ParameterResult* parameter : parameters) {
+      AddEstimated(result, *parameter, &table);
+    }
+  }
+  return table;
+}
+
+// Those that are not estimated, and why.
+Table HeldTable(const CalibrationResult& result) {
+  Table table("held-parameters", "Parameters at their nominal values",
+              {"name", "state", ">nominal", "unit",
+               ">true|known, because the arm is simulated",
+               ">published|" + result.published_source, "~why"});
+  for (const auto& [title, parameters] : ParameterGroups(result, false)) {
+    table.BeginGroup(title);
+    for (const ParameterResult* parameter : parameters) {
+      const Dimension dimension = parameter->dimension;
+      table.AddRow({parameter->name, StateCell(*parameter),
+                    ShownValue(parameter->nominal, dimension),
+                    UnitForPeople(dimension),
+                    ShownValue(parameter->truth, dimension),
+                    ShownValue(parameter->published, dimension),
+                    parameter->decision.reason});
+    }
+  }
+  return table;
+}
+
 // Marks of the true value, where it is known, and of the found one.
 ChartRow ChangeRow(const CalibrationResult& result,
                    const ParameterResult& parameter) {
   const auto shift = [&](double value) {
     return (value - parameter.nominal) / UnitOf(parameter.dimension);
   };
-  const std::string unit = std::string(" ") + UnitName(parameter.dimension);
+  const std::string unit =
+      std::string(" ") + UnitForPeople(parameter.dimension);
   ChartRow row;
   row.label = parameter.name;
   if (parameter.truth) {
@@ -257,11 +318,11 @@ std::string ChangeFigure(const CalibrationResult& result, Dimension dimension) {
   }
   if (chart.rows.empty()) return "";
   chart.title = std::string(is_length ? "Lengths" : "Angles") +
-                ": change against nominal";
-  chart.x.label = std::string("change [") + UnitName(dimension) + "]";
+                ": deviation from nominal";
+  chart.x.label = std::string("deviation [") + UnitForPeople(dimension) + "]";
   chart.range = UsefulRange(chart.rows);
   chart.references = {0.0};
-  chart.looks = {Markers(has_truth ? "found" : "", MarkerStyle::kDot)};
+  chart.looks = {Markers(has_truth ? "identified" : "", MarkerStyle::kDot)};
   if (has_truth) {
     chart.looks.push_back(Markers("true", MarkerStyle::kSquare, "s7"));
   }
@@ -288,7 +349,8 @@ std::string CountAssessments(const CalibrationResult& result) {
                         return parameter.assessment == assessment;
                       });
     if (count == 0) continue;
-    parts.push_back(std::to_string(count) + " " + LookOf(assessment).words);
+    parts.push_back(std::to_string(count) + " " +
+                    AssessmentForPeople(assessment));
   }
   return "Of " +
          Count(static_cast<std::int64_t>(result.parameters.size()),
@@ -316,9 +378,16 @@ PageSection ParametersSection(const CalibrationResult& result) {
   }
   html += HtmlPair({ChangeFigure(result, Dimension::kLength),
                     ChangeFigure(result, Dimension::kAngle)});
-  html += ParameterTable(result).ToHtml();
+  html += EstimatedTable(result).ToHtml();
+  const Table held = HeldTable(result);
+  html +=
+      HtmlFold(Count(static_cast<std::int64_t>(held.num_rows()), "parameter") +
+                   (held.num_rows() == 1 ? " is" : " are") +
+                   " not estimated: unidentifiable, or known",
+               held.ToHtml());
   if (result.uncertainty) {
-    html += CorrelationTable(*result.uncertainty).ToHtml();
+    html += HtmlFold("Strongly correlated parameters",
+                     CorrelationTable(*result.uncertainty).ToHtml(), false);
   }
   return {"parameters", "Parameters", html};
 }

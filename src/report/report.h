@@ -60,10 +60,9 @@ std::vector<ReportFile> MakeNoiseFiles(const NoiseStudyResult& study);
 std::string FormatPredictionCheck(const std::string& where,
                                   const PredictionCheck& check);
 std::string FormatPredictedMap(const PredictedMap& map);
-/// predicted_map.csv and .svg, with a check z_scores.svg. `joints`: what each
-/// joint value measures.
+/// predicted_map.csv and .svg, with a check z_scores.svg.
 std::vector<ReportFile> MakePredictionFiles(
-    const std::vector<Dimension>& joints, const PredictedMap& map,
+    const Arm& arm, const PredictedMap& map,
     const std::optional<PredictionCheck>& check);
 /// influence.csv (leverage and Cook's distance by pose), predicted_map.csv and
 /// .svg, residual_histogram.svg, validation_z_scores.svg; those that there is

@@ -5,8 +5,10 @@
 #include <utility>
 #include <vector>
 
+#include "src/calibration/improvement.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
+#include "src/report/answers.h"
 #include "src/report/arm_view.h"
 #include "src/report/figures.h"
 #include "src/report/markup.h"
@@ -19,108 +21,9 @@ namespace alidade::internal {
 namespace {
 
 constexpr std::size_t kMostRows = 1000;
+// All are in the files.
+constexpr std::size_t kMostOutliers = 20;
 constexpr std::size_t kLargestJson = 500'000;
-
-bool StartsWith(const std::string& text, const std::string& beginning) {
-  return text.compare(0, beginning.size(), beginning) == 0;
-}
-
-// "0.72 mm → 0.19 mm" and how many times smaller that is.
-std::string HeadlinePair(const std::string& title, double before, double after,
-                         Dimension dimension) {
-  const std::string unit = dimension == Dimension::kLength ? "\u00a0mm" : "°";
-  const auto shown = [&](double value, const char* look) {
-    return Element("span", {{"class", look}},
-                   Words(InUnit(value, dimension, 3) + unit));
-  };
-  std::string html =
-      Element("div", {{"class", "small"}}, title) +
-      Element("div", {{"class", "big"}},
-              shown(before, "then") + " → " + shown(after, "now"));
-  if (before > 0.0 && after > 0.0) {
-    const bool is_smaller = after <= before;
-    const double ratio = is_smaller ? before / after : after / before;
-    html += Element("div", {{"class", "small"}},
-                    Words(FormatSignificant(ratio, 2) + " times " +
-                          (is_smaller ? "smaller" : "larger")));
-  }
-  return Element("div", {}, html);
-}
-
-// Of validation poses where there are any.
-std::string Headline(const CalibrationResult& result) {
-  const bool is_validated = result.validation && result.validation->after.n > 0;
-  const KeptErrors set =
-      (is_validated ? *result.validation : result.train).Judged();
-  std::string html;
-  if (set.after.n > 0) {
-    html += HeadlinePair("mean position error", set.before.mean, set.after.mean,
-                         Dimension::kLength) +
-            HeadlinePair("largest", set.before.max, set.after.max,
-                         Dimension::kLength);
-  }
-  if (set.rotation_after.n > 0) {
-    html += HeadlinePair("mean orientation error", set.rotation_before.mean,
-                         set.rotation_after.mean, Dimension::kAngle);
-  }
-  return Element("div", {{"class", "numbers"}, {"id", "headline"}}, html);
-}
-
-std::string Acceptance(const CalibrationResult& result) {
-  std::vector<std::string> checks;
-  for (const Finding& finding : result.verdict.findings) {
-    if (!StartsWith(finding.key, "acceptance.")) continue;
-    checks.push_back(
-        HtmlBadge(finding.level,
-                  finding.level == FindingLevel::kPassed ? "met" : "missed") +
-        " " + Words(WithNext(finding)));
-  }
-  return checks.empty()
-             ? HtmlParagraph(FindingSentences(result, {"acceptance"}))
-             : HtmlList(checks, "acceptance", "plain");
-}
-
-std::string Warnings(const CalibrationResult& result) {
-  std::vector<std::string> warnings;
-  for (const Finding& finding : result.verdict.findings) {
-    if (IsReason(finding) && !StartsWith(finding.key, "acceptance.")) {
-      warnings.push_back(Words(WithNext(finding)));
-    }
-  }
-  if (warnings.empty()) return "";
-  const std::string title =
-      warnings.size() == 1
-          ? "Before you rely on it"
-          : "Before you rely on it: " + std::to_string(warnings.size()) +
-                " warnings";
-  return Element("div", {{"class", "warnings"}, {"id", "warnings"}},
-                 Element("strong", {}, title) + HtmlList(warnings, ""));
-}
-
-std::string Summary(const CalibrationResult& result, bool has_arm) {
-  std::string numbers =
-      Headline(result) + AccuracyTable(result, Dimension::kLength).ToHtml() +
-      AccuracyTable(result, Dimension::kAngle).ToHtml() + Acceptance(result) +
-      HtmlParagraph(FindingSentences(result, {"measurement_noise"}));
-  if (!result.before_note.empty()) {
-    const std::string prefix = "before: ";
-    numbers += HtmlNote("Before: " +
-                        (StartsWith(result.before_note, prefix)
-                             ? result.before_note.substr(prefix.size())
-                             : result.before_note) +
-                        ".");
-  }
-  // The script draws into it.
-  const std::string arm =
-      has_arm ? Element("div", {{"id", "arm"}},
-                        "<noscript><p class=\"note\">The view of the arm needs "
-                        "scripts, which are switched off here.</p></noscript>")
-              : "";
-  return Element("section", {{"id", "summary"}, {"aria-label", "Summary"}},
-                 HtmlVerdict(result.verdict.level, result.verdict.title,
-                             result.verdict.sentence) +
-                     HtmlPair({numbers, arm}) + Warnings(result));
-}
 
 Table RelationTable(const std::vector<Relation>& relations) {
   static const std::vector<std::pair<std::string, std::string>> kLevels = {
@@ -141,6 +44,32 @@ Table RelationTable(const std::vector<Relation>& relations) {
   return table;
 }
 
+PageSection AccuracyPage(const CalibrationResult& result) {
+  return {"accuracy-section", "Accuracy",
+          AccuracyTable(result, Dimension::kLength).ToHtml() +
+              KindTable(result).ToHtml() +
+              AccuracyTable(result, Dimension::kAngle).ToHtml() +
+              HtmlParagraph(FindingSentences(result, {"cross_validation"})) +
+              HtmlParagraph(RepeatSentence(result))};
+}
+
+PageSection OutliersPage(const CalibrationResult& result) {
+  const std::size_t count =
+      result.outliers.size() + result.validation_outliers.size();
+  if (count == 0) return {"outliers-section", "Outliers", ""};
+  std::string html = HtmlParagraph(OutlierNote(result)) +
+                     HtmlParagraph(FindingSentences(
+                         result, {"validation_outliers", "outliers"}));
+  if (count > kMostOutliers) {
+    html +=
+        HtmlNote("The table has the first " + std::to_string(kMostOutliers) +
+                 "; report.txt, residuals.csv and validation.csv have "
+                 "more.");
+  }
+  return {"outliers-section", "Outliers",
+          html + OutlierTable(result).ToHtml(kMostOutliers)};
+}
+
 PageSection IdentifiabilitySection(const CalibrationResult& result) {
   const IdentifiabilityResult& found = result.identifiability;
   std::string html = HtmlParagraph(
@@ -157,10 +86,14 @@ PageSection IdentifiabilitySection(const CalibrationResult& result) {
                         "and how much these poses see of it"),
        RankTable(found).ToHtml() +
            (found.scaled.o1 > 0.0 ? ObservabilityTable(found).ToHtml() : "")});
-  html += RelationTable(found.relations).ToHtml();
+  html += HtmlFold(Count(static_cast<std::int64_t>(found.relations.size()),
+                         "linearly dependent parameter") +
+                       " left out",
+                   RelationTable(found.relations).ToHtml(), false);
   if (!found.advice.empty()) {
     std::vector<std::string> advice;
-    for (const std::string& text : found.advice) advice.push_back(Words(text));
+    for (const std::string& text : found.advice)
+      advice.push_back(Sentences(AsSentence(text)));
     html += Element("h3", {}, "Motions that would help") + HtmlList(advice, "");
   }
   return {"identifiability", "Identifiability", html};
@@ -171,7 +104,7 @@ PageSection StagesSection(const CalibrationResult& result) {
       result.error_terms && !result.error_terms->rungs.empty();
   if (has_rungs) {
     return {"stages", "Accuracy by stage",
-            ErrorStagesPart(result) +
+            HtmlNote(StagesNote(result)) + ErrorStagesPart(result) +
                 StagesTable(result, Dimension::kLength).ToHtml() +
                 StagesTable(result, Dimension::kAngle).ToHtml()};
   }
@@ -179,7 +112,7 @@ PageSection StagesSection(const CalibrationResult& result) {
   RowChart chart{std::string("Error by what was calibrated, ") +
                      (result.validation ? "validation" : "training") + " poses",
                  "",
-                 {"position error [mm]"}};
+                 {std::string(LengthErrorName(result)) + " [mm]"}};
   chart.looks = {Markers("mean", MarkerStyle::kDot),
                  Markers("largest", MarkerStyle::kSquare)};
   for (const StageResult& stage : result.stages) {
@@ -197,9 +130,9 @@ PageSection StagesSection(const CalibrationResult& result) {
     }
   }
   return {"stages", "Accuracy by stage",
-          HtmlPair({HtmlFigure("stages-figure", chart),
-                    StagesTable(result, Dimension::kLength).ToHtml() +
-                        StagesTable(result, Dimension::kAngle).ToHtml()})};
+          HtmlNote(StagesNote(result)) + HtmlFigure("stages-figure", chart) +
+              StagesTable(result, Dimension::kLength).ToHtml() +
+              StagesTable(result, Dimension::kAngle).ToHtml()};
 }
 
 PageSection SolverSection(const CalibrationResult& result) {
@@ -265,17 +198,26 @@ std::string RenderResultPage(const CalibrationResult& result,
   const std::string arm_view = ArmViewJson(result);
   std::vector<PageSection> sections = further;
   for (PageSection& section : std::vector<PageSection>{
-           ParametersSection(result), StagesSection(result),
-           ErrorTermsSectionOf(result), IdentifiabilitySection(result),
-           ResidualsSection(result), PredictionSection(result),
-           SolverSection(result), ProvenanceSection(result)}) {
+           AccuracyPage(result),
+           OutliersPage(result),
+           PredictionSection(result),
+           ResidualsSection(result),
+           StagesSection(result),
+           ErrorTermsSectionOf(result),
+           ParametersSection(result),
+           IdentifiabilitySection(result),
+           SolverSection(result),
+           ProvenanceSection(result),
+       }) {
     sections.push_back(std::move(section));
   }
   std::string content = Element("header", {},
                                 Element("h1", {}, EscapeXml(result.title)) +
                                     Element("div", {{"class", "small"}},
-                                            EscapeXml(result.arm_name))) +
-                        Summary(result, !arm_view.empty()) +
+                                            result.arm_name == result.title
+                                                ? ""
+                                                : EscapeXml(result.arm_name))) +
+                        FirstScreen(result, !arm_view.empty()) +
                         HtmlContents(sections);
   for (const PageSection& section : sections) content += HtmlSection(section);
   content += HtmlFooter(result.version);

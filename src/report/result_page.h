@@ -17,12 +17,18 @@ std::string RenderResultPage(const CalibrationResult& result,
                              const std::string& result_json,
                              const std::vector<PageSection>& further);
 
+/// What decides: the verdict, errors before and after, answers, warnings. With
+/// room for the view of the arm where `has_arm`.
+std::string FirstScreen(const CalibrationResult& result, bool has_arm);
+/// What "before" means, as a note; empty where it is the arm's file.
+std::string BeforeNote(const CalibrationResult& result);
+
 // The sections of that page, in their order; without content where the result
 // has nothing for them.
-PageSection ParametersSection(const CalibrationResult& result);
-PageSection ResidualsSection(const CalibrationResult& result);
 PageSection PredictionSection(const CalibrationResult& result);
+PageSection ResidualsSection(const CalibrationResult& result);
 PageSection ErrorTermsSectionOf(const CalibrationResult& result);
+PageSection ParametersSection(const CalibrationResult& result);
 
 /// Accuracy by stage where error terms were weighed. @pre they were.
 std::string ErrorStagesPart(const CalibrationResult& result);

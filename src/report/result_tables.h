@@ -20,9 +20,23 @@ std::string RejectedRowSection(const CalibrationResult& result);
 /// The tables of these, empty where a result has not what they show. Lengths
 /// and, in tables of their own, orientations.
 Table AccuracyTable(const CalibrationResult& result, Dimension dimension);
+/// After calibration, by kind and target; empty where there is only one.
+Table KindTable(const CalibrationResult& result);
 Table StagesTable(const CalibrationResult& result, Dimension dimension);
 Table OutlierTable(const CalibrationResult& result);
 Table RejectedRowTable(const CalibrationResult& result);
+
+/// What accuracy by stage is of where some observations were rejected, a
+/// sentence; else empty.
+std::string StagesNote(const CalibrationResult& result);
+
+/// Words for people: "estimated", "fixed", "known" and, of the estimated ones,
+/// "prior-dominated" and "weakly identifiable".
+const char* StateForPeople(ParameterState state);
+const char* AssessmentForPeople(ParameterAssessment assessment);
+
+/// What repeated configurations differ by, a sentence; empty without any.
+std::string RepeatSentence(const CalibrationResult& result);
 
 /// Ranks of all candidates and of the free parameters.
 Table RankTable(const IdentifiabilityResult& result);

@@ -51,6 +51,11 @@ struct MapChart {
   std::vector<double> value = {};
   /// What is said of a point under the pointer.
   std::function<std::string(std::size_t)> tip = {};
+  /// An arm that the map is around, from its base on; may be empty.
+  std::vector<std::pair<double, double>> outline = {};
+  /// A place that has a ring and a name; nothing without a name.
+  std::pair<double, double> marked = {};
+  std::string marked_name = {};
 };
 
 /// A marker of a row, and a bar from `lower` to `upper` where there is one,

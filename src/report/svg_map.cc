@@ -339,6 +339,37 @@ void DrawCells(SvgWriter* svg, const MapCells& map, const AxisScale& colour) {
   }
 }
 
+// Links as a line, the base as a foot below its first corner.
+void DrawOutline(SvgWriter* svg, const MapChart& chart, const PlotArea& plot) {
+  if (chart.outline.empty()) return;
+  std::string path;
+  for (const auto& [x, y] : chart.outline) {
+    const SvgPoint at = plot.At(x, y);
+    path +=
+        (path.empty() ? "M" : "L") + SvgNumber(at.x) + " " + SvgNumber(at.y);
+  }
+  if (chart.outline.size() > 1) {
+    svg->Path(path, "halo", 7.0);
+    svg->Path(path, "link", 3.0);
+  }
+  const auto& [x, y] = chart.outline.front();
+  const SvgPoint base = plot.At(x, y);
+  svg->Path("M" + SvgNumber(base.x - 7.0) + " " + SvgNumber(base.y + 5.0) +
+                "h14v-10h-14z",
+            "joint");
+  svg->Text({base.x + 11.0, base.y + 4.0}, "base", "small halo");
+}
+
+void DrawMarked(SvgWriter* svg, const MapChart& chart, const PlotArea& plot) {
+  if (chart.marked_name.empty()) return;
+  const SvgPoint at = plot.At(chart.marked.first, chart.marked.second);
+  const std::string ring = "M" + SvgNumber(at.x - 7.0) + " " + SvgNumber(at.y) +
+                           "a7 7 0 1 0 14 0a7 7 0 1 0-14 0z";
+  svg->Path(ring, "halo", 5.0);
+  svg->Path(ring, "mark s7", 2.0);
+  svg->Text({at.x + 11.0, at.y + 4.0}, chart.marked_name, "small halo");
+}
+
 double BarRoom(const AxisScale& colour) {
   return kBarGap + kBarWidth + 2.0 * kTickGap + TickLabelWidth(colour) +
          1.6 * kLabelSize;
@@ -381,7 +412,11 @@ MapCells CellsOf(const MapChart& chart, const std::vector<MapPoint>& points,
 void DrawMap(SvgWriter* svg, const MapChart& chart,
              const std::vector<MapPoint>& points, const ChartLayout& layout,
              const SvgBox& room) {
-  const MapExtent extent = ExtentOf(points);
+  MapExtent extent = ExtentOf(points);
+  for (const auto& [x, y] : chart.outline) {
+    extent.x.Include(x);
+    extent.y.Include(y);
+  }
   const AxisScale colour(chart.colour, extent.value, AxisScale::Fit::kColour,
                          kMaxLabels);
   SvgBox plot_room = room;
@@ -389,6 +424,8 @@ void DrawMap(SvgWriter* svg, const MapChart& chart,
   const PlotArea plot = MakePlot(chart, extent, plot_room, layout);
   DrawAxes(svg, plot);
   DrawCells(svg, CellsOf(chart, points, plot), colour);
+  DrawOutline(svg, chart, plot);
+  DrawMarked(svg, chart, plot);
   if (chart.tip) {
     std::vector<PointWithTip> tips;
     for (const MapPoint& point : points) {

@@ -17,8 +17,9 @@ std::string CellHtml(const TableCell& cell, const Table::Column& column,
   const bool is_number = std::isfinite(cell.value);
   std::string content = cell.markup;
   if (content.empty()) {
-    content =
-        is_number || column.is_number ? Words(cell.text) : EscapeXml(cell.text);
+    content = column.is_long                  ? Sentences(cell.text)
+              : is_number || column.is_number ? Words(cell.text)
+                                              : EscapeXml(cell.text);
   }
   std::string look;
   if (column.is_number) look = column.width > 0 ? "right wrap" : "right";
@@ -99,43 +100,71 @@ std::string Table::ToText(std::size_t most_rows) const {
   return table.ToString();
 }
 
-std::string Table::ToHtml(std::size_t most_rows) const {
-  if (rows_.empty()) return "";
-  // Columns in which no row has anything are left out.
-  const auto is_shown = [this](std::size_t k) {
-    return columns_[k].medium != Medium::kText &&
-           std::any_of(rows_.begin(), rows_.end(), [k](const Row& row) {
-             return !row.cells[k].text.empty();
-           });
-  };
-  std::string head;
+// Columns in which no row has anything are left out.
+std::vector<std::size_t> Table::Shown() const {
+  std::vector<std::size_t> shown;
   for (std::size_t k = 0; k < columns_.size(); ++k) {
-    if (is_shown(k)) head += HeaderHtml(columns_[k]);
+    const auto says_something = [k](const Row& row) {
+      const std::string& text = row.cells[k].text;
+      return !text.empty() && text != "-";
+    };
+    if (columns_[k].medium != Medium::kText &&
+        std::any_of(rows_.begin(), rows_.end(), says_something)) {
+      shown.push_back(k);
+    }
   }
-  std::string body;
+  return shown;
+}
+
+std::string Table::BodyHtml(const std::vector<std::size_t>& shown,
+                            std::size_t most_rows) const {
+  std::string html;
+  std::string body = "\n";
+  auto group = groups_.begin();
   for (std::size_t i = 0; i < std::min(rows_.size(), most_rows); ++i) {
+    if (group != groups_.end() && group->first == i) {
+      if (i > 0) html += Element("tbody", {}, body);
+      body = "\n" +
+             Element("tr", {{"class", "group"}},
+                     Element("th",
+                             {{"scope", "rowgroup"},
+                              {"colspan", std::to_string(shown.size())}},
+                             EscapeXml(group->title))) +
+             "\n";
+      ++group;
+    }
     std::string cells;
-    for (std::size_t k = 0; k < columns_.size(); ++k) {
-      if (is_shown(k)) {
-        cells += CellHtml(rows_[i].cells[k], columns_[k], cells.empty());
-      }
+    for (const std::size_t k : shown) {
+      cells += CellHtml(rows_[i].cells[k], columns_[k], cells.empty());
     }
     body += Element("tr", {{"class", rows_[i].look}}, cells) + "\n";
   }
+  return html + Element("tbody", {}, body);
+}
+
+std::string Table::ToHtml(std::size_t most_rows) const {
+  if (rows_.empty()) return "";
+  const std::vector<std::size_t> shown = Shown();
+  std::string head;
+  for (const std::size_t k : shown) head += HeaderHtml(columns_[k]);
   const std::string caption = caption_.empty() ? "" : id_ + "-caption";
   const std::string table =
       Element("table", {{"id", id_}, {"aria-labelledby", caption}},
               Element("thead", {}, Element("tr", {}, head)) +
-                  Element("tbody", {}, "\n" + body));
-  return Element("div", {{"class", "table"}},
-                 Element("div", {{"class", "table-head"}},
-                         Element("h3", {{"id", caption}}, Words(caption_))) +
-                     Element("div",
-                             {{"class", "scroll"},
-                              {"tabindex", "0"},
-                              {"role", caption.empty() ? "" : "region"},
-                              {"aria-labelledby", caption}},
-                             table)) +
+                  BodyHtml(shown, most_rows));
+  constexpr std::size_t kFew = 16;
+  return Element(
+             "div", {{"class", rows_.size() <= kFew ? "table few" : "table"}},
+             Element("div", {{"class", "table-head"}},
+                     caption.empty()
+                         ? ""
+                         : Element("h3", {{"id", caption}}, Words(caption_))) +
+                 Element("div",
+                         {{"class", "scroll"},
+                          {"tabindex", "0"},
+                          {"role", caption.empty() ? "" : "region"},
+                          {"aria-labelledby", caption}},
+                         table)) +
          "\n";
 }
 

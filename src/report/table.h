@@ -19,11 +19,6 @@ inline double UnitOf(Dimension dimension) {
   return dimension == Dimension::kLength ? kMillimetre : kDegree;
 }
 
-/// As pages show it.
-inline const char* UnitName(Dimension dimension) {
-  return dimension == Dimension::kLength ? "mm" : "°";
-}
-
 inline std::string InUnit(double value, Dimension dimension, int digits) {
   return FormatSignificant(value / UnitOf(dimension), digits);
 }
@@ -103,9 +98,14 @@ class Table {
         caption_(std::move(caption)),
         columns_(std::move(columns)) {}
 
+  /// Rows that follow belong together; a page says so above them.
+  void BeginGroup(std::string title) {
+    groups_.push_back({std::move(title), rows_.size()});
+  }
   /// `look` is the row's class in a page. @pre one cell per column.
   void AddRow(std::vector<TableCell> cells, std::string look = "");
   bool empty() const { return rows_.empty(); }
+  std::size_t num_rows() const { return rows_.size(); }
 
   std::string ToText(std::size_t most_rows = kAllRows) const;
   /// With its caption; nothing where there are no rows.
@@ -116,11 +116,20 @@ class Table {
     std::vector<TableCell> cells;
     std::string look;
   };
+  struct Group {
+    std::string title;
+    std::size_t first = 0;  ///< of its rows
+  };
+  // The columns that a page shows.
+  std::vector<std::size_t> Shown() const;
+  std::string BodyHtml(const std::vector<std::size_t>& shown,
+                       std::size_t most_rows) const;
 
   std::string id_;
   std::string caption_;
   std::vector<Column> columns_;
   std::vector<Row> rows_;
+  std::vector<Group> groups_;
 };
 
 }  // namespace alidade::internal

@@ -1,14 +1,13 @@
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "src/common/format.h"
 #include "src/common/text.h"
+#include "src/report/answers.h"
 #include "src/report/error_term_tables.h"
-#include "src/report/markup.h"
 #include "src/report/report.h"
 #include "src/report/result_tables.h"
 #include "src/report/table.h"
@@ -67,7 +66,10 @@ Table ParameterTable(const CalibrationResult& result,
     } else if (has_truth) {
       row.insert(row.end(), {"-", "-"});
     }
-    row.emplace_back(ToString(one.decision.state));
+    const bool is_free = one.decision.state == ParameterState::kFree;
+    row.emplace_back(is_free && one.assessment > ParameterAssessment::kFixed
+                         ? AssessmentForPeople(one.assessment)
+                         : StateForPeople(one.decision.state));
     table.AddRow(std::move(row));
   }
   return table;
@@ -127,7 +129,35 @@ std::string FormatParameters(const CalibrationResult& result) {
   std::vector<std::string> left_out;
   std::string text = ParameterTable(result, &left_out).ToText();
   if (left_out.empty()) return text;
-  return text + Paragraph("Given, and zero: " + Join(left_out, " "));
+  return text + Paragraph("Known, and zero: " + Join(left_out, " "));
+}
+
+const char* StateForPeople(ParameterState state) {
+  switch (state) {
+    case ParameterState::kFree:
+      return "estimated";
+    case ParameterState::kFixed:
+      return "fixed";
+    case ParameterState::kGiven:
+      break;
+  }
+  return "known";
+}
+
+const char* AssessmentForPeople(ParameterAssessment assessment) {
+  switch (assessment) {
+    case ParameterAssessment::kEstimated:
+      return "estimated";
+    case ParameterAssessment::kPriorDominated:
+      return "prior-dominated";
+    case ParameterAssessment::kWeak:
+      return "weakly identifiable";
+    case ParameterAssessment::kFixed:
+      return "fixed";
+    case ParameterAssessment::kKnown:
+      break;
+  }
+  return "known";
 }
 
 bool IsReason(const Finding& finding) {
@@ -178,17 +208,18 @@ std::string FormatReport(const CalibrationResult& result,
     text += Paragraph((IsWarning(finding) ? "Warning: " : "Reason: ") +
                       WithNext(finding));
   }
+  text += "\n" + FormatAnswers(result);
   text += Section("Accuracy", AccuracySection(result));
   text += Section("Outliers", OutlierSection(result));
   text += Section("Rejected rows", RejectedRowSection(result));
-  text += Section("What can be identified",
-                  FormatIdentifiability(result.identifiability));
-  text += Section("Parameters", FormatParameters(result) + Aliases(result));
+  text += Section("Uncertainty", UncertaintySection(result));
   text +=
       Section("Errors that are not rigid geometry", ErrorTermsSection(result));
-  text += Section("Uncertainty", UncertaintySection(result));
+  text += Section("Parameters", FormatParameters(result) + Aliases(result));
+  text +=
+      Section("Identifiability", FormatIdentifiability(result.identifiability));
   if (!result.runs.empty()) {
-    text += Section(result.runs.size() == 1 ? "Solver" : "Solvers",
+    text += Section("Convergence",
                     FormatComparison(result) + SolverMessages(result));
   }
   text += Section("Published values", FormatPublished(result)) + further;
@@ -200,104 +231,29 @@ namespace {
 
 constexpr std::size_t kMostRows = 30;
 
-void AddCells(const Accuracy& accuracy, Dimension dimension,
-              std::vector<TableCell>* row) {
-  for (const double value : {accuracy.mean, accuracy.rms, accuracy.stddev,
-                             accuracy.median, accuracy.p95, accuracy.max}) {
-    row->push_back(QuantityCell(value, dimension, 4));
-    // Half of a page has no room for more.
-    const double shown = value / UnitOf(dimension);
-    row->back().markup = Words(FormatSignificant(shown, shown < 1e-3 ? 2 : 3));
-  }
-}
-
-// The columns of AddCells.
-void AddColumns(const std::string& of, const std::string& unit,
-                std::vector<Table::Column>* columns) {
-  columns->insert(
-      columns->end(),
-      {">" + of + "mean", ">rms", Table::TextOnly(">std"),
-       Table::TextOnly(">median"), ">p95|95 of 100 are below", ">max" + unit});
-}
-
-void AddAccuracy(const std::string& poses, const std::string& when,
-                 const Accuracy& accuracy, Dimension dimension, Table* table) {
-  if (accuracy.n == 0) return;
-  std::vector<TableCell> row = {poses, poses, when};
-  AddCells(accuracy, dimension, &row);
-  row.push_back(CountCell(accuracy.n));
-  table->AddRow(std::move(row));
-}
-
-// `what` heads the text's first column, `caption` the page's table.
-Table MakeAccuracyTable(const std::string& id, const std::string& what,
-                        const std::string& caption = "") {
-  std::vector<Table::Column> columns = {
-      Table::TextOnly(what), Table::PageOnly("poses"), "calibration"};
-  AddColumns("", "", &columns);
-  columns.emplace_back(">n");
-  return {id, caption, std::move(columns)};
-}
-
-// Which kind and target the errors of a set belong to, where there are several.
-void AddKinds(const std::string& poses, const EvaluatedSet& set, Table* table) {
-  std::map<std::pair<std::string, std::string>, std::vector<double>> norms;
-  for (std::size_t i = 0; i < set.labels.size(); ++i) {
-    const ObservationLabel& label = set.labels[i];
-    if (label.pose < 0 || !label.has_length) continue;
-    norms[{label.kind, label.target}].push_back(
-        set.residual_after.col(static_cast<Eigen::Index>(i)).norm());
-  }
-  if (norms.size() < 2) return;
-  for (const auto& [label, values] : norms) {
-    const auto& [kind, target] = label;
-    AddAccuracy(poses, target.empty() ? kind : kind + " of " + target,
-                SummarizeErrors(Eigen::Map<const Eigen::VectorXd>(
-                    values.data(), static_cast<Eigen::Index>(values.size()))),
-                Dimension::kLength, table);
-  }
-}
-
-std::string KindTable(const CalibrationResult& result) {
-  Table table = MakeAccuracyTable("kinds", "of which, after [mm]");
-  AddKinds("training poses", result.train, &table);
-  if (result.validation) {
-    AddKinds("validation poses", *result.validation, &table);
-  }
-  return table.empty() ? "" : "\n" + table.ToText();
-}
-
 std::string StagesText(const CalibrationResult& result) {
   if (result.stages.empty()) return "";
   const Table rotations = StagesTable(result, Dimension::kAngle);
-  return "\n" + Paragraph("Accuracy by stage:") +
+  const std::string note = StagesNote(result);
+  return "\n" +
+         Paragraph("Accuracy by stage:" + (note.empty() ? "" : " " + note)) +
          StagesTable(result, Dimension::kLength).ToText() +
          (rotations.empty() ? "" : "\n" + rotations.ToText());
 }
 
-// What repeats say of the instrument and the arm, whatever its geometry.
-std::string RepeatNote(const CalibrationResult& result) {
-  const RepeatSpread& repeats = result.repeats;
-  if (repeats.length_degrees_of_freedom == 0) return "";
-  std::string text = "Repeated configurations differ by " +
-                     FormatLength(repeats.length, 3) +
-                     " in a coordinate (standard deviation, " +
-                     std::to_string(repeats.length_degrees_of_freedom) +
-                     " degrees of freedom)";
-  if (repeats.rotation_degrees_of_freedom > 0) {
-    text += " and " + FormatSignificant(repeats.rotation / kDegree, 3) +
-            " deg in orientation";
-  }
-  return Paragraph(text + ": what no geometry can take away.");
+std::string KindText(const CalibrationResult& result) {
+  const Table table = KindTable(result);
+  return table.empty() ? "" : "\n" + table.ToText();
 }
 
 // Says what "before" is, and what else there is to know of these errors.
 std::string FitNotes(const CalibrationResult& result) {
   std::string text;
   if (!result.before_note.empty()) text += Paragraph(result.before_note + ".");
-  text += RepeatNote(result);
-  const std::string findings = FindingSentences(
-      result, {"acceptance", "sigma", "measurement_noise", "chi_square"});
+  const std::string repeats = RepeatSentence(result);
+  if (!repeats.empty()) text += Paragraph(repeats);
+  const std::string findings =
+      FindingSentences(result, {"acceptance", "sigma", "chi_square"});
   if (!findings.empty()) text += Paragraph(findings);
   return text.empty() ? "" : "\n" + text;
 }
@@ -321,69 +277,6 @@ std::string FirstRows(std::size_t count) {
 }
 
 }  // namespace
-
-Table AccuracyTable(const CalibrationResult& result, Dimension dimension) {
-  const bool is_length = dimension == Dimension::kLength;
-  Table table = is_length ? MakeAccuracyTable("accuracy", "position error [mm]",
-                                              "Position error [mm]")
-                          : MakeAccuracyTable("rotation-accuracy",
-                                              "orientation error [deg]",
-                                              "Orientation error [deg]");
-  const auto add_set = [&](const std::string& poses, const EvaluatedSet& set) {
-    AddAccuracy(poses, "before", is_length ? set.before : set.rotation_before,
-                dimension, &table);
-    AddAccuracy(poses, "after", is_length ? set.after : set.rotation_after,
-                dimension, &table);
-    if (!set.kept) return;
-    const KeptErrors& kept = *set.kept;
-    const std::string without =
-        ", without " + std::to_string(kept.num_rejected) + " rejected";
-    AddAccuracy(poses, "before" + without,
-                is_length ? kept.before : kept.rotation_before, dimension,
-                &table);
-    AddAccuracy(poses, "after" + without,
-                is_length ? kept.after : kept.rotation_after, dimension,
-                &table);
-  };
-  add_set("training poses", result.train);
-  if (result.validation) add_set("validation poses", *result.validation);
-  if (result.cross_validation) {
-    const CrossValidation& folds = *result.cross_validation;
-    AddAccuracy("cross-validated", std::to_string(folds.folds) + " folds",
-                is_length ? folds.position : folds.rotation, dimension, &table);
-    if (folds.kept) {
-      AddAccuracy(
-          "cross-validated",
-          "without " + std::to_string(folds.kept->num_rejected) + " rejected",
-          is_length ? folds.kept->position : folds.kept->rotation, dimension,
-          &table);
-    }
-  }
-  return table;
-}
-
-Table StagesTable(const CalibrationResult& result, Dimension dimension) {
-  const bool is_length = dimension == Dimension::kLength;
-  const bool validation = result.validation.has_value();
-  const std::string poses = validation ? "validation" : "training";
-  std::vector<Table::Column> columns = {{"calibrated"}, ">free"};
-  AddColumns(poses + (is_length ? " " : " orientation "),
-             is_length ? " [mm]" : " [deg]", &columns);
-  Table table(
-      is_length ? "stages-table" : "rotation-stages",
-      std::string(is_length ? "Position" : "Orientation") + " error by stage",
-      std::move(columns));
-  for (const StageResult& stage : result.stages) {
-    const Accuracy& position = validation ? stage.validation : stage.train;
-    const Accuracy& rotation =
-        validation ? stage.validation_rotation : stage.train_rotation;
-    if (!is_length && rotation.n == 0) continue;
-    std::vector<TableCell> row = {stage.name, CountCell(stage.num_free)};
-    AddCells(is_length ? position : rotation, dimension, &row);
-    table.AddRow(std::move(row));
-  }
-  return table;
-}
 
 Table OutlierTable(const CalibrationResult& result) {
   const std::size_t count =
@@ -450,7 +343,7 @@ std::string FormatAccuracyTable(const CalibrationResult& result) {
   const Table lengths = AccuracyTable(result, Dimension::kLength);
   const Table rotations = AccuracyTable(result, Dimension::kAngle);
   if (lengths.empty() && rotations.empty()) return "No pose was evaluated.\n";
-  return (lengths.empty() ? "" : lengths.ToText() + KindTable(result)) +
+  return (lengths.empty() ? "" : lengths.ToText() + KindText(result)) +
          (rotations.empty() ? "" : "\n" + rotations.ToText());
 }
 

@@ -185,24 +185,36 @@ Figure HistogramFigure(const std::string& title, const Histogram& histogram) {
   return chart;
 }
 
-Figure PredictedMapFigure(const PredictedMap& map) {
+Figure PredictedMapFigure(const PredictedMap& map, const ArmOutline& arm) {
   MapChart chart;
   chart.title = "Predicted standard deviation of the position";
   chart.subtitle = Count(map.summary.n, "configuration") + ", median " +
                    FormatLength(map.summary.median, 3) + ", 95 % below " +
                    FormatLength(map.summary.p95, 3);
-  chart.x.label = "horizontal distance from the instrument's z axis [mm]";
+  chart.x.label = "distance from the base's z axis [mm]";
   chart.y.label = "height [mm]";
   chart.colour.label = "standard deviation [mm]";
+  for (Eigen::Index k = 0; k < arm.corners.cols(); ++k) {
+    chart.outline.emplace_back(
+        arm.corners.col(k).head<2>().norm() / kMillimetre,
+        arm.corners(2, k) / kMillimetre);
+  }
+  const Eigen::Matrix3Xd places = arm.InBase(map.positions);
   for (Eigen::Index i = 0; i < map.position_std.size(); ++i) {
     if (!std::isfinite(map.position_std[i])) continue;
-    chart.px.push_back(map.positions.col(i).head<2>().norm() / kMillimetre);
-    chart.py.push_back(map.positions(2, i) / kMillimetre);
+    chart.px.push_back(places.col(i).head<2>().norm() / kMillimetre);
+    chart.py.push_back(places(2, i) / kMillimetre);
     chart.value.push_back(map.position_std[i] / kMillimetre);
   }
   chart.tip = [values = chart.value](std::size_t i) {
     return FormatSignificant(values[i], 3) + " mm";
   };
+  const auto worst = std::max_element(chart.value.begin(), chart.value.end());
+  if (worst != chart.value.end()) {
+    const auto k = static_cast<std::size_t>(worst - chart.value.begin());
+    chart.marked = {chart.px[k], chart.py[k]};
+    chart.marked_name = "worst";
+  }
   return chart;
 }
 
@@ -341,6 +353,11 @@ std::string UncertaintySection(const CalibrationResult& result) {
   text += Influences(uncertainty.residuals);
   if (uncertainty.workspace) {
     text += "\n" + Paragraph(DescribeMap(*uncertainty.workspace));
+    const Table regions = RegionTable(result);
+    if (!regions.empty()) {
+      text += "\nBy region, in the frame of the base:\n\n" + regions.ToText() +
+              "\n";
+    }
   }
   const std::string prediction = FindingSentences(result, {"prediction"});
   if (!prediction.empty()) {
@@ -362,12 +379,12 @@ std::string FormatPredictedMap(const PredictedMap& map) {
 }
 
 std::vector<ReportFile> MakePredictionFiles(
-    const std::vector<Dimension>& joints, const PredictedMap& map,
+    const Arm& arm, const PredictedMap& map,
     const std::optional<PredictionCheck>& check) {
   std::vector<ReportFile> files = {
-      {"predicted_map.csv", MapCsv(map, joints)},
-      {"predicted_map.svg",
-       PredictedMapFigure(map).render(FigureMedium::kFile)}};
+      {"predicted_map.csv", MapCsv(map, arm.JointDimensions())},
+      {"predicted_map.svg", PredictedMapFigure(map, OutlineOf(arm, {}))
+                                .render(FigureMedium::kFile)}};
   if (!check) return files;
   files.emplace_back("z_scores.svg",
                      HistogramFigure("Errors over their predicted standard "
@@ -395,7 +412,8 @@ std::vector<ReportFile> MakeUncertaintyFiles(const CalibrationResult& result) {
         MapCsv(*uncertainty.workspace, result.train.joint_dimensions));
     files.emplace_back(
         "predicted_map.svg",
-        PredictedMapFigure(*uncertainty.workspace).render(FigureMedium::kFile));
+        PredictedMapFigure(*uncertainty.workspace, OutlineOf(result))
+            .render(FigureMedium::kFile));
   }
   if (uncertainty.validation) {
     files.emplace_back(

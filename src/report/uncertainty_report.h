@@ -16,6 +16,10 @@ std::string UncertaintySection(const CalibrationResult& result);
 /// In one paragraph.
 std::string DescribeMap(const PredictedMap& map);
 
+/// Predicted and measured accuracy by distance from the base's axis and height,
+/// nine regions; empty without a map of the workspace.
+Table RegionTable(const CalibrationResult& result);
+
 /// The residuals beside the noise, and what they depend on, in one paragraph.
 std::string DescribeLackOfFit(const UncertaintyResult& uncertainty);
 /// The strongest tests of that; empty where there were none.

@@ -225,6 +225,8 @@ void PrependIterations(const SolverSummary& earlier, SolverSummary* summary) {
   std::vector<IterationRecord> all = earlier.iterations;
   const double time = all.empty() ? 0.0 : all.back().time_s;
   for (IterationRecord record : summary->iterations) {
+    // It begins where the earlier one ended, which is no further iteration.
+    if (record.iteration == 0 && !all.empty()) continue;
     record.iteration = static_cast<int>(all.size());
     record.time_s += time;
     all.push_back(record);

@@ -88,8 +88,8 @@ class Progress {
 };
 
 /// The iterations of `earlier`, with their steps and times, come before those
-/// of `summary`, whose entry 0 repeats the state that the earlier solve ended
-/// in, but for its cost.
+/// of `summary`, whose entry 0 is left out: it is no iteration but the state
+/// that the earlier solve led to.
 void PrependIterations(const SolverSummary& earlier, SolverSummary* summary);
 
 }  // namespace alidade::internal

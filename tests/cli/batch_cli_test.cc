@@ -77,12 +77,12 @@ TEST_F(BatchCliTest, DryRunPrintsALineAJobAndWritesNothing) {
 TEST_F(BatchCliTest, TheRepositoryRunsAsAFolder) {
   const ProcessResult result = Batch(kJobs + " --threads=2 --out=" + Out());
   EXPECT_EQ(result.status, 0) << result.err;
-  EXPECT_THAT(result.out, HasSubstr("5 jobs, 5 done\n"));
+  EXPECT_THAT(result.out, HasSubstr("6 jobs, 6 done\n"));
   EXPECT_TRUE(fs::exists(Out() + "/rv2aj_study/report.txt"));
   EXPECT_THAT(ReadWhole(Out() + "/summary.csv"),
-              AllOf(HasSubstr("\nrv2aj_flange,"), HasSubstr("\nrv2aj_noise,"),
-                    HasSubstr("\nrv2aj_study,"), HasSubstr("\ntool_touched,"),
-                    HasSubstr("\nwork_object,")));
+              AllOf(HasSubstr("\nkr6_tracker,"), HasSubstr("\nrv2aj_flange,"),
+                    HasSubstr("\nrv2aj_noise,"), HasSubstr("\nrv2aj_study,"),
+                    HasSubstr("\ntool_touched,"), HasSubstr("\nwork_object,")));
 }
 
 TEST_F(BatchCliTest, TheWorstJobIsTheExitStatus) {

@@ -320,15 +320,19 @@ TEST_F(StudyTest, MissedAcceptanceLimitExitsWithOneAndStillWrites) {
 }
 
 TEST_F(StudyTest, SimulateRepeatsTheCommittedDataSetsToTheByte) {
-  for (const char* name :
-       {"wrist_56", "wrist_3600", "flange_56", "flange_3600"}) {
-    const std::string out = directory_ / (std::string(name) + ".csv");
+  for (const std::string arm_and_name :
+       {"rv2aj wrist_56", "rv2aj wrist_3600", "rv2aj flange_56",
+        "rv2aj flange_3600", "kr6 tracker"}) {
+    const std::size_t space = arm_and_name.find(' ');
+    const std::string arm = arm_and_name.substr(0, space);
+    const std::string name = arm_and_name.substr(space + 1);
+    const std::string out = directory_ / (name + ".csv");
     const ProcessResult result =
-        Alidade("simulate " + kSource + "/configs/simulations/rv2aj_" + name +
-                ".yaml --out=" + out);
+        Alidade("simulate " + kSource + "/configs/simulations/" + arm + "_" +
+                name + ".yaml --out=" + out);
     ASSERT_EQ(result.status, 0) << result.err;
     EXPECT_EQ(ReadWhole(out),
-              ReadWhole(kSource + "/datasets/rv2aj/" + name + ".csv"))
+              ReadWhole(kSource + "/datasets/" + arm + "/" + name + ".csv"))
         << name;
   }
 }

@@ -26,11 +26,33 @@ TEST(MarkupTest, NumbersAreTypeset) {
   EXPECT_EQ(Typeset("-5 (-7), 2024-03-05, r2-r3, pose-5"),
             "\u22125 (\u22127), 2024-03-05, r2-r3, pose-5");
   EXPECT_EQ(Typeset("case-1, 3e-5a, e-5, 10^"), "case-1, 3e-5a, e-5, 10^");
+  EXPECT_EQ(Typeset("r2 + r3 - 70 mm * beta4, base_x - -0.5 * d1"),
+            "r2 + r3 \u2212 70 mm × beta4, base_x \u2212 \u22120.5 × d1");
+  EXPECT_EQ(Typeset("cell - tool, *, `a1 * -2`"), "cell - tool, *, `a1 * -2`");
 }
 
 TEST(MarkupTest, TextCannotBecomeMarkup) {
   EXPECT_EQ(Element("p", {{"class", "a\"b"}, {"id", ""}}, Words("<b> & 'c'")),
             "<p class=\"a&quot;b\">&lt;b&gt; &amp; &#39;c&#39;</p>");
+}
+
+TEST(MarkupTest, BackticksAreCode) {
+  EXPECT_EQ(Sentences("use `loss: <x>` at -5 `"),
+            "use <code>loss: &lt;x&gt;</code> at \u22125 `");
+}
+
+TEST(TableTest, GroupsHaveARowOfTheirOwnAndEmptyColumnsNone) {
+  Table table("t", "A table", {"name", ">value", "remark", "note"});
+  table.BeginGroup("joint 1");
+  table.AddRow({"a", CountCell(1), "", "-"});
+  table.BeginGroup("joint <2>");
+  table.AddRow({"b", CountCell(2), "", "-"});
+  const std::string html = table.ToHtml();
+  EXPECT_THAT(html, HasSubstr("<th scope=\"rowgroup\" colspan=\"2\">"
+                              "joint &lt;2&gt;</th>"));
+  EXPECT_THAT(html, Not(HasSubstr("remark")));
+  EXPECT_THAT(html, Not(HasSubstr("note")));
+  EXPECT_THAT(table.ToText(), Not(HasSubstr("joint")));
 }
 
 // The rows of a table as their cells' text.

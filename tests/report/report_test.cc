@@ -33,10 +33,10 @@ TEST(FormatIdentifiabilityTest, TellsEveryDecisionAndItsReason) {
   EXPECT_TRUE(Contains(flat,
                        "2 of 3 parameters are to be identified, 1 is "
                        "held at the nominal value."));
-  EXPECT_TRUE(Contains(flat, "beta1 free"));
-  EXPECT_TRUE(Contains(flat, "d4 free d4 + 0.004 r4"));
+  EXPECT_TRUE(Contains(flat, "beta1 estimated"));
+  EXPECT_TRUE(Contains(flat, "d4 estimated d4 + 0.004 r4"));
   EXPECT_TRUE(Contains(flat, "r4 fixed the axis of joint 4 is parallel"));
-  EXPECT_TRUE(Contains(flat, "base_x given"));
+  EXPECT_TRUE(Contains(flat, "base_x known"));
   EXPECT_TRUE(Contains(flat, "these poses, nominal 1 of 2 3.2e+11"));
   EXPECT_TRUE(Contains(flat, "these poses, perturbed 2 of 2 full rank"));
   EXPECT_TRUE(Contains(flat, "Weakly identifiable at these poses: beta1 d4"));
@@ -65,14 +65,14 @@ TEST(FormatIdentifiabilityTest, PrintsTheRefusal) {
 
 TEST(FormatParametersTest, PrintsMillimetresAndDegrees) {
   const std::string flat = Flat(FormatParameters(MakeResult()));
-  EXPECT_TRUE(
-      Contains(flat, "beta1 deg 0.000000 0.515662 0.515662 0.515662 0 free"));
+  EXPECT_TRUE(Contains(
+      flat, "beta1 deg 0.000000 0.515662 0.515662 0.515662 0 estimated"));
   EXPECT_TRUE(Contains(flat,
                        "d4 mm 160.000000 160.100400 0.100400 160.100000 "
-                       "4.0e-04 free"));
+                       "4.0e-04 estimated"));
   EXPECT_TRUE(
       Contains(flat, "r4 mm 0.000000 0.000000 0.000000 0.100000 -0.10 fixed"));
-  EXPECT_TRUE(Contains(flat, "Given, and zero: base_x"));
+  EXPECT_TRUE(Contains(flat, "Known, and zero: base_x"));
 }
 
 TEST(FormatParametersTest, HasColumnsOfStdAndTruthWhereTheyAreKnown) {
@@ -84,8 +84,9 @@ TEST(FormatParametersTest, HasColumnsOfStdAndTruthWhereTheyAreKnown) {
   EXPECT_TRUE(Contains(flat, " std "));
   EXPECT_FALSE(Contains(flat, "true value"));
   EXPECT_TRUE(
-      Contains(flat, "d4 mm 160.000000 160.100400 0.100400 0.025 free"));
-  EXPECT_TRUE(Contains(flat, "beta1 deg 0.000000 0.515662 0.515662 - free"));
+      Contains(flat, "d4 mm 160.000000 160.100400 0.100400 0.025 estimated"));
+  EXPECT_TRUE(
+      Contains(flat, "beta1 deg 0.000000 0.515662 0.515662 - estimated"));
 }
 
 TEST(FormatAccuracyTableTest, HasBeforeAndAfterOfBothSets) {
@@ -155,8 +156,8 @@ TEST(FormatReportTest, BeginsWithTheVerdict) {
 TEST(FormatReportTest, HasEverySectionAndTheProvenance) {
   const std::string text = JudgedReport(MakeResult());
   for (const char* title :
-       {"A calibration\n=", "\nAccuracy\n-", "\nWhat can be identified\n-",
-        "\nParameters\n-", "\nSolvers\n-", "\nPublished values\n-",
+       {"A calibration\n=", "\nAccuracy\n-", "\nIdentifiability\n-",
+        "\nParameters\n-", "\nConvergence\n-", "\nPublished values\n-",
         "\nProvenance\n-"}) {
     EXPECT_TRUE(Contains(text, title)) << title;
   }

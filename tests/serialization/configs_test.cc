@@ -40,10 +40,12 @@ void LoadEveryJob(const std::string& path) {
   }
 }
 
-// Every file loads; deviations are read for the arm of the study. A job whose
+// Every file loads; deviations are read for the arm of the study, or of the
+// cell that they lie beside. A job whose
 // data are elsewhere is read as far as the key that names them.
 TEST(ConfigsTest, EveryFileLoads) {
   const Arm arm = LoadArm(SourcePath("configs/robots/rv2aj_wrist.yaml"));
+  const Arm cell = LoadArm(SourcePath("configs/simulations/kr6_cell.yaml"));
   const std::vector<std::string> paths = YamlFiles("configs");
   EXPECT_GE(paths.size(), 9U);
   for (const std::string& path : paths) {
@@ -53,7 +55,8 @@ TEST(ConfigsTest, EveryFileLoads) {
         EXPECT_NO_THROW(LoadArm(path));
         break;
       case FileFormat::kDeviations:
-        EXPECT_NO_THROW(LoadDeviations(path, arm));
+        EXPECT_NO_THROW(LoadDeviations(
+            path, path.find("kr6") == std::string::npos ? arm : cell));
         break;
       case FileFormat::kJob:
         if (testing::WhatDataLack(path).empty()) {

@@ -75,7 +75,7 @@ function addSaving(figure) {
   addTools(
       figure,
       tool(
-          'Save SVG', `Save the figure "${title}" as SVG`,
+          'Save SVG', `Save SVG of the figure "${title}"`,
           () => saveSvg(title, figure.querySelector('svg'))));
 }
 

@@ -13,16 +13,19 @@ function compareCells(a, b, sign) {
   return sign * String(x).localeCompare(String(y), 'en', {numeric: true});
 }
 
+// Sorted rows leave their groups.
 function makeSortable(table) {
   const headers = all('thead th', table);
   const body = table.tBodies[0];
+  const rows = all('tbody tr:not(.group)', table);
   headers.forEach((header, i) => {
     const sort = () => {
       const down = header.ariaSort === 'ascending';
       for (const other of headers) other.ariaSort = 'none';
       header.ariaSort = down ? 'descending' : 'ascending';
-      body.append(...[...body.rows].sort(
+      body.replaceChildren(...rows.sort(
           (a, b) => compareCells(a.cells[i], b.cells[i], down ? -1 : 1)));
+      for (const other of [...table.tBodies].slice(1)) other.remove();
     };
     const title = header.title || 'sort by ' + header.textContent;
     header.append(
@@ -37,17 +40,15 @@ const csvCell = (value) => {
   return /[",\n]/.test(text) ? '"' + text.replace(/"/g, '""') + '"' : text;
 };
 
-const tableCsv =
-    (table) => [...table.rows]
-                   .map(
-                       (row) => [...row.cells].map(rawValue).map(csvCell).join(
-                                    ',') +
-                           '\n')
-                   .join('');
+const tableCsv = (table) =>
+    all('tr:not(.group)', table)
+        .map(
+            (row) => [...row.cells].map(rawValue).map(csvCell).join(',') + '\n')
+        .join('');
 
 for (const holder of all('.table')) {
   const table = holder.querySelector('table');
-  const caption = holder.querySelector('h3').textContent;
+  const caption = holder.querySelector('h3')?.textContent ?? 'without a title';
   const said = h('span', {role: 'status', class: 'said'});
   const copy = async () => {
     await copyText(tableCsv(table));
@@ -57,5 +58,5 @@ for (const holder of all('.table')) {
   makeSortable(table);
   addTools(
       holder, said,
-      tool('Copy CSV', `Copy the table "${caption}" as CSV`, copy));
+      tool('Copy CSV', `Copy CSV of the table "${caption}"`, copy));
 }
