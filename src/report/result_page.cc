@@ -97,7 +97,7 @@ std::string Warnings(const CalibrationResult& result) {
                  Element("strong", {}, title) + HtmlList(warnings, ""));
 }
 
-std::string Summary(const CalibrationResult& result, bool has_arm) {
+std::string Summary(const CalibrationResult& result, const ArmView& view) {
   std::string numbers =
       Headline(result) + AccuracyTable(result, Dimension::kLength).ToHtml() +
       AccuracyTable(result, Dimension::kAngle).ToHtml() + Acceptance(result) +
@@ -110,12 +110,8 @@ std::string Summary(const CalibrationResult& result, bool has_arm) {
                              : result.before_note) +
                         ".");
   }
-  // The script draws into it.
   const std::string arm =
-      has_arm ? Element("div", {{"id", "arm"}},
-                        "<noscript><p class=\"note\">The view of the arm needs "
-                        "scripts, which are switched off here.</p></noscript>")
-              : "";
+      ArmViewFigure(view, "The arm and its errors where it was measured");
   return Element("section", {{"id", "summary"}, {"aria-label", "Summary"}},
                  HtmlVerdict(result.verdict.level, result.verdict.title,
                              result.verdict.sentence) +
@@ -261,8 +257,9 @@ PageSection ProvenanceSection(const CalibrationResult& result) {
 
 std::string RenderResultPage(const CalibrationResult& result,
                              const std::string& result_json,
-                             const std::vector<PageSection>& further) {
-  const std::string arm_view = ArmViewJson(result);
+                             const std::vector<PageSection>& further,
+                             ArmShapes shapes) {
+  const ArmView view = ViewOf(result, std::move(shapes));
   std::vector<PageSection> sections = further;
   for (PageSection& section : std::vector<PageSection>{
            ParametersSection(result), StagesSection(result),
@@ -275,12 +272,11 @@ std::string RenderResultPage(const CalibrationResult& result,
                                 Element("h1", {}, EscapeXml(result.title)) +
                                     Element("div", {{"class", "small"}},
                                             EscapeXml(result.arm_name))) +
-                        Summary(result, !arm_view.empty()) +
-                        HtmlContents(sections);
+                        Summary(result, view) + HtmlContents(sections);
   for (const PageSection& section : sections) content += HtmlSection(section);
   content += HtmlFooter(result.version);
   std::vector<PageData> data;
-  if (!arm_view.empty()) data.push_back({"arm-data", arm_view});
+  if (!view.empty()) data.push_back({"arm-data", ArmViewJson(view)});
   if (result_json.size() <= kLargestJson) {
     data.push_back({"alidade-data", result_json});
   }

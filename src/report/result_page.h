@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "alidade/calibration_result.h"
+#include "src/report/arm_view.h"
 #include "src/report/page.h"
 
 namespace alidade::internal {
@@ -12,10 +13,12 @@ namespace alidade::internal {
 /// report.html of one result, with `further` sections before its own. What a
 /// result does not have (arm, sets of observations, map) is left out. Tables
 /// hold at most 1000 rows. `result_json` is in the page, which saves it, unless
-/// it is longer than 500 kB.
+/// it is longer than 500 kB. `shapes`: of the arm's links, where they are
+/// known.
 std::string RenderResultPage(const CalibrationResult& result,
                              const std::string& result_json,
-                             const std::vector<PageSection>& further);
+                             const std::vector<PageSection>& further,
+                             ArmShapes shapes = {});
 
 // The sections of that page, in their order; without content where the result
 // has nothing for them.
