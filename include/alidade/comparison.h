@@ -140,12 +140,17 @@ struct DriftSummary {
   std::vector<ParameterChange> changes;  ///< by absolute score, largest first
 };
 
-/// Results by mean error after calibration.
+/// Results by mean error after calibration. So many that nobody reads them one
+/// by one are runs (of a study, of a batch over seeds), told as a whole.
 struct MethodSummary {
+  static constexpr std::size_t kMostMethods = 30;
+
   FindingLevel level = FindingLevel::kPassed;
   std::string title;
   std::string sentence;
   std::vector<std::size_t> ranking;  ///< places of the results, lowest first
+
+  bool are_runs() const { return ranking.size() > kMostMethods; }
 };
 
 /// `num_failed` calibrations came to no result. O(n p) for n results of p

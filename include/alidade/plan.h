@@ -161,6 +161,9 @@ struct PlanOptions {
   bool with_curve = true;
   /// One per joint (rad/s, m/s); empty: all the same.
   Eigen::VectorXd speeds;
+  /// About how thick links are, for LinkCaution (m); 0: it is not looked at;
+  /// none: a twentieth of all lengths of the chain.
+  std::optional<double> link_radius;
   std::uint64_t seed = 1;
 };
 
@@ -209,6 +212,23 @@ struct PlannedErrorTerm {
   /// So many poses of this kind halve the prior deviation, or more where other
   /// terms have to be separated from it; 0 = no number does.
   int poses_needed = 0;
+};
+
+/// Two links that may be in each other's way at a planned pose.
+struct LinkOverlap {
+  int pose = 0;  ///< from 1, in the order to be measured
+  /// "base" or "link 3", which moves with joint 3; the last one has the tool.
+  std::string first;
+  std::string second;
+  double overlap = 0.0;  ///< of their capsules (m)
+};
+
+/// Where the arm may collide with itself, by a rough model of it: links are
+/// capsules about the segments between the origins of consecutive joints, all
+/// of one radius. What is found may be free, and what is not found may collide.
+struct LinkCaution {
+  double radius = 0.0;  ///< (m); 0: not looked at
+  std::vector<LinkOverlap> overlaps;
 };
 
 enum class PlanStatus {
@@ -276,6 +296,7 @@ struct PlanResult {
   double greedy_value = 0.0;
   double value = 0.0;
   std::vector<PlanCurvePoint> curve;
+  LinkCaution links;
   std::vector<std::string> warnings;
 
   double plan_time_s = 0.0;  ///< candidates' rows and choice

@@ -424,12 +424,27 @@ MethodSummary CompareMethods(const std::vector<ComparedResult>& results) {
                    [&results](std::size_t a, std::size_t b) {
                      return results[a].after.mean < results[b].after.mean;
                    });
-  methods.title = Count(static_cast<std::int64_t>(results.size()), "method");
+  const std::size_t number = results.size();
+  methods.title = Count(static_cast<std::int64_t>(number),
+                        methods.are_runs() ? "run" : "method");
   const ComparedResult& best = results[methods.ranking.front()];
   const ComparedResult& worst = results[methods.ranking.back()];
   const bool are_validated = std::all_of(
       results.begin(), results.end(),
       [](const ComparedResult& result) { return result.is_validated; });
+  if (methods.are_runs()) {
+    const auto error = [&](double share) {
+      const auto place = static_cast<std::size_t>(
+          share * static_cast<double>(number - 1) + 0.5);
+      return FormatLength(results[methods.ranking[place]].after.mean, 3);
+    };
+    methods.sentence = std::to_string(number) +
+                       " runs: after calibration the mean error at " +
+                       (are_validated ? "validation" : "training") +
+                       " poses is " + error(0.5) + " in the median run, " +
+                       error(0.05) + " to " + error(0.95) + " in 90 % of them.";
+    return methods;
+  }
   methods.sentence = best.label + " has the lowest mean error at " +
                      (are_validated ? "validation" : "training") + " poses, " +
                      FormatLength(best.after.mean, 3);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "src/job/arm_shapes.h"
 #include "src/job/result_directory.h"
 #include "src/job/result_table.h"
 #include "src/report/result_page.h"
@@ -35,14 +36,16 @@ fs::path NamedDirectory(const std::string& path) {
 ReportFile MakeResultPage(const CalibrationResult& result,
                           const std::vector<PageSection>& further) {
   return {"report.html",
-          RenderResultPage(result, FormatResultJson(result), further)};
+          RenderResultPage(result, FormatResultJson(result), further,
+                           ShapesOf(result.inputs, result.arm))};
 }
 
 std::string ResultPageOf(const std::string& path,
                          const std::vector<PageSection>& further) {
   CalibrationResult result = LoadResultJson(ResultJsonOf(path));
   ReadResultTables(DirectoryOf(path).string(), &result);
-  return RenderResultPage(result, FormatResultJson(result), further);
+  return RenderResultPage(result, FormatResultJson(result), further,
+                          ShapesOf(result.inputs, result.arm));
 }
 
 void AddToComparison(const std::string& path, const std::string& label,

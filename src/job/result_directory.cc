@@ -66,11 +66,11 @@ std::set<std::string> NamesOf(OutputKind kind) {
           "validation_before.svg", "validation_after.svg", "noise_study.csv",
           "noise_study.svg",       "comparison.txt"};
     case OutputKind::kMonteCarlo:
-      return {"montecarlo.csv", "trials.csv", "coverage.svg",
-              "workspace_error.svg", "montecarlo.txt"};
+      return {"montecarlo.csv",      "trials.csv",      "coverage.svg",
+              "workspace_error.svg", "montecarlo.html", "montecarlo.txt"};
     case OutputKind::kPlan:
-      return {"poses.csv", "plan.txt", "accuracy.svg", "curve.csv",
-              "plan.json"};
+      return {"poses.csv", "plan.txt",  "accuracy.svg",
+              "curve.csv", "plan.html", "plan.json"};
     case OutputKind::kPredictions:
       return {"predicted_map.csv", "predicted_map.svg", "z_scores.svg"};
   }

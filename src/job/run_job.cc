@@ -10,6 +10,8 @@
 #include "src/calibration/calibration_task.h"
 #include "src/common/files.h"
 #include "src/dataio/dataset_csv.h"
+#include "src/job/arm_shapes.h"
+#include "src/report/plan_page.h"
 #include "src/report/report.h"
 #include "src/serialization/partitioned_data.h"
 #include "src/serialization/result_json.h"
@@ -102,7 +104,11 @@ std::vector<ReportFile> RenderPlan(const PlanResult& result) {
   for (ReportFile& file : MakePlanFiles(result)) {
     files.push_back(std::move(file));
   }
-  files.emplace_back("plan.json", FormatPlanJson(result));
+  const std::string json = FormatPlanJson(result);
+  files.emplace_back(
+      "plan.html", RenderPlanPage(result, json,
+                                  ShapesOf(result.inputs, result.planned_arm)));
+  files.emplace_back("plan.json", json);
   return files;
 }
 

@@ -28,7 +28,8 @@ CalibrationResult RunJob(JobConfig job, const std::string& command,
 /// PlanPoses, and where the result comes from. @throws InputError.
 PlanResult RunPlan(const PlanConfig& config, const std::string& command);
 
-/// poses.csv, plan.txt, accuracy.svg, curve.csv and, last, plan.json.
+/// poses.csv, plan.txt, accuracy.svg, curve.csv, plan.html and, last,
+/// plan.json.
 std::vector<ReportFile> RenderPlan(const PlanResult& result);
 
 }  // namespace alidade::internal

@@ -93,6 +93,20 @@ void VisitFields(Visitor& v, Subject<Visitor, PlannedErrorTerm>& term) {
   v.Field("poses_needed", term.poses_needed);
 }
 
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, LinkOverlap>& overlap) {
+  v.Field("pose", overlap.pose);
+  v.Field("first", overlap.first);
+  v.Field("second", overlap.second);
+  v.Field("overlap", overlap.overlap);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, LinkCaution>& links) {
+  v.Field("radius", links.radius);
+  v.Field("overlaps", links.overlaps);
+}
+
 /// A column of PlanResult::joint_values, as the file has it.
 struct PlannedPose {
   Eigen::VectorXd joints;
@@ -156,6 +170,7 @@ void VisitFields(Visitor& v, Subject<Visitor, PlanResult>& result) {
     criterion.Field("planned", result.value);
   });
   v.Field("curve", result.curve);
+  v.Field("links", result.links);
   v.Field("warnings", result.warnings);
   v.Group("times", [&](auto& times) {
     times.Field("plan_s", result.plan_time_s);

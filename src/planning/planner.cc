@@ -13,6 +13,7 @@
 #include "src/common/format.h"
 #include "src/common/text.h"
 #include "src/identifiability/factor.h"
+#include "src/planning/link_capsules.h"
 #include "src/planning/plan_evaluation.h"
 #include "src/planning/plan_fields.h"
 #include "src/planning/plan_problem.h"
@@ -66,6 +67,8 @@ void CheckAgainstArm(const Arm& arm, const PlanOptions& options) {
     }
   }
   Check(!options.wanted || *options.wanted > 0.0, "wanted", "above 0");
+  Check(!options.link_radius || *options.link_radius >= 0.0, "link_radius",
+        "0 or more");
 }
 
 class Planner {
@@ -97,6 +100,10 @@ class Planner {
     evaluator.Evaluate(design_, &result_);
     WarnIfUncovered();
     evaluator.DrawCurve(design_, &result_);
+    const Arm& arm = result_.planned_arm;
+    result_.links =
+        FindLinkOverlaps(arm, result_.joint_values,
+                         config_.link_radius.value_or(TypicalLinkRadius(arm)));
     result_.status = PlanStatus::kDone;
     result_.total_time_s = SecondsSince(start_);
     return std::move(result_);

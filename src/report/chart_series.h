@@ -27,7 +27,8 @@ struct ChartSeries {
   bool line = true;
   MarkerStyle marker = MarkerStyle::kNone;
   double bar_width = 1.0;  ///< of kBar, in units of x
-  /// "s0" (grey), "s1" to "s7"; empty = by its place among the series.
+  /// "s0" (grey), "s1" to "s7"; empty = by its place among the series. "s1
+  /// dashed" and "s1 solid" say how its line is drawn, whatever the colour.
   std::string colour;
   /// What is said of a point under the pointer; nothing where it is empty.
   std::function<std::string(std::size_t)> tip;

@@ -112,8 +112,9 @@ std::string ComparisonPage::Render(ComparisonKind kind) const {
                  is_empty ? "" : FleetView(all, fleet)),
       MakeChoice("One arm over time", drift,
                  is_empty ? "" : TimeView(all, drift)),
-      MakeChoice("Methods on the same data", methods,
-                 is_empty ? "" : MethodsView(all, methods))};
+      MakeChoice(methods.are_runs() ? "Runs on the same data"
+                                    : "Methods on the same data",
+                 methods, is_empty ? "" : MethodsView(all, methods))};
   const auto shown = static_cast<std::size_t>(kind);
   std::string content = HtmlChoices("read-as", "Read as", choices, shown);
   Table failures("failures",

@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +13,7 @@
 #include "src/report/comparison_page.h"
 #include "src/report/markup.h"
 #include "src/report/page.h"
+#include "src/report/run_distributions.h"
 #include "src/report/svg_chart.h"
 #include "src/report/table.h"
 #include "src/solve/solver_names.h"
@@ -17,8 +21,11 @@
 namespace alidade::internal {
 namespace {
 
-// Of figures; tables have all.
+// Of figures.
 constexpr std::size_t kMostArms = 60;
+// Of tables: of more results their distributions say more than a row of each.
+constexpr std::size_t kMostRows = 100;
+constexpr std::size_t kMostRunRows = 20;
 constexpr std::size_t kMostMatrixRows = 40;
 constexpr std::size_t kMostMatrixColumns = 48;
 constexpr double kMatrixWidth = 840.0;
@@ -125,6 +132,52 @@ std::string FleetFigure(const ComparedItems& all, const FleetSummary& fleet) {
   return HtmlFigure("fleet-accuracy", chart, note);
 }
 
+// Deviations from nominal of the parameters that most results estimate, and
+// the median of what each predicts.
+std::vector<RunParameter> ParametersOf(
+    const std::vector<ComparedResult>& results) {
+  std::vector<RunParameter> parameters;
+  std::map<std::string, std::size_t> places;
+  std::vector<std::vector<double>> stds;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    for (const ComparedParameter& one : results[i].parameters) {
+      if (!one.is_free) continue;
+      const auto [place, is_new] = places.emplace(one.name, parameters.size());
+      if (is_new) {
+        parameters.push_back(
+            {one.name, one.dimension, 0.0,
+             std::vector<double>(results.size(),
+                                 std::numeric_limits<double>::quiet_NaN())});
+        stds.emplace_back();
+      }
+      parameters[place->second].values[i] = one.deviation;
+      if (std::isfinite(one.std)) stds[place->second].push_back(one.std);
+    }
+  }
+  std::vector<RunParameter> kept;
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    std::vector<double>& of = stds[k];
+    if (2 * of.size() < results.size() || of.empty()) continue;
+    const auto middle = of.begin() + static_cast<std::ptrdiff_t>(of.size() / 2);
+    std::nth_element(of.begin(), middle, of.end());
+    parameters[k].predicted_std = *middle;
+    kept.push_back(std::move(parameters[k]));
+  }
+  return kept;
+}
+
+std::string Distributions(const ComparedItems& all, const std::string& each) {
+  ManyRuns runs;
+  runs.each = each;
+  runs.error = "mean position error";
+  for (const ComparedResult& result : all.values) {
+    runs.before.push_back(result.before.mean);
+    runs.after.push_back(result.after.mean);
+  }
+  runs.parameters = ParametersOf(all.values);
+  return DistributionFigures(runs);
+}
+
 std::string LimitWords(const ComparisonItem& item) {
   if (item.num_limits == 0) return "none set";
   return item.num_missed > 0 ? "missed" : "met";
@@ -152,9 +205,13 @@ Table FleetTable(const ComparedItems& all, const FleetSummary& fleet) {
   const bool is_validated = std::all_of(
       all.values.begin(), all.values.end(),
       [](const ComparedResult& result) { return result.is_validated; });
+  const std::size_t shown = std::min(fleet.arms.size(), kMostRows);
   Table table(
       "fleet",
-      std::string("Every arm, ") +
+      (shown < fleet.arms.size()
+           ? std::to_string(shown) + " of " +
+                 std::to_string(fleet.arms.size()) + " arms, "
+           : std::string("Every arm, ")) +
           (is_validated ? "at validation poses, " : "") +
           "the largest score first",
       {"arm", "verdict|among the others", ">before [mm]|mean position error",
@@ -162,7 +219,8 @@ Table FleetTable(const ComparedItems& all, const FleetSummary& fleet) {
        ">n", ">z before|modified z-score of the error before calibration",
        ">z after", ">z geometry", "differs most in|deviation from nominal",
        "limits", ">warnings"});
-  for (const FleetArm& arm : fleet.arms) {
+  for (std::size_t k = 0; k < shown; ++k) {
+    const FleetArm& arm = fleet.arms[k];
     const std::size_t i = arm.result;
     const ComparedResult& result = all.values[i];
     const ComparisonItem& item = all.items[i];
@@ -334,13 +392,14 @@ std::string AccuracyOverTime(const ComparedItems& all) {
   return HtmlFigure("accuracy-over-time", chart);
 }
 
-// Every solver of every result.
-Table MethodTable(const ComparedItems& all) {
-  Table table("methods", "Every method, side by side",
+// Every solver of these results.
+Table MethodTable(const ComparedItems& all, const std::string& caption,
+                  const std::vector<std::size_t>& places) {
+  Table table("methods", caption,
               {"result", "solver", "outcome", ">free", ">iterations",
                ">chi-square", ">training mean [mm]", ">validation mean [mm]",
                ">validation largest [mm]", ">solving"});
-  for (std::size_t i = 0; i < all.items.size(); ++i) {
+  for (const std::size_t i : places) {
     const ComparisonItem& item = all.items[i];
     const ComparedResult& result = all.values[i];
     for (const ComparedRun& run : item.runs) {
@@ -370,7 +429,9 @@ Table MethodTable(const ComparedItems& all) {
 
 std::string FleetView(const ComparedItems& all, const FleetSummary& fleet) {
   const std::string threshold = ShortestNumber(FleetSummary::kThreshold);
-  std::string html = Outliers(all, fleet) + FleetFigure(all, fleet);
+  std::string html = Outliers(all, fleet);
+  if (fleet.arms.size() > kMostRows) html += Distributions(all, "arm");
+  html += FleetFigure(all, fleet);
   if (fleet.is_small) {
     html += HtmlNote(
         Count(static_cast<std::int64_t>(fleet.arms.size()), "arm") +
@@ -397,6 +458,16 @@ std::string TimeView(const ComparedItems& all, const DriftSummary& drift) {
 
 std::string MethodsView(const ComparedItems& all,
                         const MethodSummary& methods) {
+  if (methods.are_runs()) {
+    std::vector<std::size_t> largest(methods.ranking.rbegin(),
+                                     methods.ranking.rend());
+    largest.resize(std::min(largest.size(), kMostRunRows));
+    return Distributions(all, "run") +
+           MethodTable(all, "The runs with the largest errors", largest)
+               .ToHtml();
+  }
+  std::vector<std::size_t> places(all.items.size());
+  std::iota(places.begin(), places.end(), std::size_t{0});
   RowChart chart{"Error after calibration by each method, mean to largest", "",
                  LogarithmicAxis("position error [mm]")};
   chart.looks = {Markers("", MarkerStyle::kDot, "s1")};
@@ -405,7 +476,8 @@ std::string MethodsView(const ComparedItems& all,
     const ComparedResult& result = all.values[place];
     chart.rows.push_back({result.label, {MeanToLargest(result, 0)}, false});
   }
-  return HtmlFigure("methods-figure", chart) + MethodTable(all).ToHtml();
+  return HtmlFigure("methods-figure", chart) +
+         MethodTable(all, "Every method, side by side", places).ToHtml();
 }
 
 }  // namespace alidade::internal

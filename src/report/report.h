@@ -79,7 +79,7 @@ std::vector<ReportFile> MakeErrorTermFiles(const CalibrationResult& result);
 /// the residual errors over the workspace.
 std::string FormatMonteCarlo(const MonteCarloResult& result);
 /// montecarlo.csv (parameters, SI units), trials.csv, coverage.svg,
-/// workspace_error.svg, montecarlo.txt.
+/// workspace_error.svg, montecarlo.html, montecarlo.txt.
 std::vector<ReportFile> MakeMonteCarloFiles(const MonteCarloResult& result);
 /// singular_values.svg and, where there are relations, relations.svg: what
 /// each parameter that is left out depends on.

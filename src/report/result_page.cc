@@ -194,8 +194,9 @@ PageSection ProvenanceSection(const CalibrationResult& result) {
 
 std::string RenderResultPage(const CalibrationResult& result,
                              const std::string& result_json,
-                             const std::vector<PageSection>& further) {
-  const std::string arm_view = ArmViewJson(result);
+                             const std::vector<PageSection>& further,
+                             ArmShapes shapes) {
+  const ArmView view = ViewOf(result, std::move(shapes));
   std::vector<PageSection> sections = further;
   for (PageSection& section : std::vector<PageSection>{
            AccuracyPage(result),
@@ -217,12 +218,11 @@ std::string RenderResultPage(const CalibrationResult& result,
                                             result.arm_name == result.title
                                                 ? ""
                                                 : EscapeXml(result.arm_name))) +
-                        FirstScreen(result, !arm_view.empty()) +
-                        HtmlContents(sections);
+                        FirstScreen(result, view) + HtmlContents(sections);
   for (const PageSection& section : sections) content += HtmlSection(section);
   content += HtmlFooter(result.version);
   std::vector<PageData> data;
-  if (!arm_view.empty()) data.push_back({"arm-data", arm_view});
+  if (!view.empty()) data.push_back({"arm-data", ArmViewJson(view)});
   if (result_json.size() <= kLargestJson) {
     data.push_back({"alidade-data", result_json});
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "alidade/calibration_result.h"
+#include "src/report/arm_view.h"
 #include "src/report/page.h"
 
 namespace alidade::internal {
@@ -12,14 +13,16 @@ namespace alidade::internal {
 /// report.html of one result, with `further` sections before its own. What a
 /// result does not have (arm, sets of observations, map) is left out. Tables
 /// hold at most 1000 rows. `result_json` is in the page, which saves it, unless
-/// it is longer than 500 kB.
+/// it is longer than 500 kB. `shapes`: of the arm's links, where they are
+/// known.
 std::string RenderResultPage(const CalibrationResult& result,
                              const std::string& result_json,
-                             const std::vector<PageSection>& further);
+                             const std::vector<PageSection>& further,
+                             ArmShapes shapes = {});
 
-/// What decides: the verdict, errors before and after, answers, warnings. With
-/// room for the view of the arm where `has_arm`.
-std::string FirstScreen(const CalibrationResult& result, bool has_arm);
+/// What decides: the verdict, errors before and after, answers, warnings, and
+/// the view of the arm unless it is empty.
+std::string FirstScreen(const CalibrationResult& result, const ArmView& view);
 /// What "before" means, as a note; empty where it is the arm's file.
 std::string BeforeNote(const CalibrationResult& result);
 

@@ -6,6 +6,7 @@
 #include "src/common/fields.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
+#include "src/report/monte_carlo_page.h"
 #include "src/report/report.h"
 #include "src/report/rows.h"
 #include "src/report/svg_chart.h"
@@ -31,7 +32,9 @@ std::string TruthInWords(const MonteCarloResult& result) {
   return "an arm of its own for every trial, its joints drawn from the priors";
 }
 
-std::string Introduction(const MonteCarloResult& result) {
+}  // namespace
+
+std::string MonteCarloOpening(const MonteCarloResult& result) {
   const auto done = static_cast<std::int64_t>(result.trials.size());
   std::string text =
       Count(done, "simulated calibration") + ", seed " +
@@ -48,26 +51,40 @@ std::string Introduction(const MonteCarloResult& result) {
     text += " " + Count(result.failed, "trial") +
             " found no usable solution and are left out.";
   }
-  return Paragraph(text);
+  return text;
 }
 
-Table ParameterTable(const MonteCarloResult& result) {
-  Table table({"name", "unit", ">bias", ">+-", ">spread", ">predicted std",
-               ">least std", ">holds truth %", "interval"});
+Table SimulatedParameterTable(const MonteCarloResult& result) {
+  Table table("simulated-parameters", "Every parameter over all trials",
+              {"name", "unit", ">bias", ">+-|standard error of the bias",
+               ">spread|standard deviation over the trials", ">predicted std",
+               ">least std|that sigmas and priors allow", ">holds truth %",
+               "interval"});
   for (const SimulatedParameter& one : result.parameters) {
-    table.AddRow({one.name, UnitForPeople(one.dimension),
-                  InUnit(one.bias, one.dimension, 3),
-                  InUnit(one.bias_error, one.dimension, 3),
-                  InUnit(one.spread, one.dimension, 3),
-                  InUnit(one.predicted_std, one.dimension, 3),
-                  InUnit(one.bound, one.dimension, 3), Rate(one.coverage),
+    table.AddRow({one.name,
+                  UnitForPeople(one.dimension),
+                  QuantityCell(one.bias, one.dimension, 3),
+                  QuantityCell(one.bias_error, one.dimension, 3),
+                  QuantityCell(one.spread, one.dimension, 3),
+                  QuantityCell(one.predicted_std, one.dimension, 3),
+                  QuantityCell(one.bound, one.dimension, 3),
+                  {Rate(one.coverage), 100.0 * one.coverage.rate()},
                   one.is_profile ? "profile" : "linear"});
   }
   return table;
 }
 
-std::string Workspace(const MonteCarloResult& result) {
+std::string MonteCarloCoverage(const MonteCarloResult& result) {
   const std::string confidence = Percent(result.confidence) + " %";
+  return "True coordinates lie within their " + confidence + " intervals in " +
+         Rate(result.axes) + " % of cases, true positions within their " +
+         confidence + " ellipsoids in " + Rate(result.ellipsoids) +
+         " %. In brackets: what the number of trials leaves open.";
+}
+
+namespace {
+
+std::string Workspace(const MonteCarloResult& result) {
   return Paragraph(
              "Over " + Count(result.workspace_poses, "configuration") +
              " drawn within the joint limits the error (root mean square) "
@@ -77,11 +94,7 @@ std::string Workspace(const MonteCarloResult& result) {
              FormatLength(result.workspace.p95, 3) +
              " in 95 % of the trials; predicted: " +
              FormatLength(result.workspace_predicted, 3) + ".") +
-         Paragraph("True coordinates lie within their " + confidence +
-                   " intervals in " + Rate(result.axes) +
-                   " % of cases, true positions within their " + confidence +
-                   " ellipsoids in " + Rate(result.ellipsoids) +
-                   " %. In brackets: what the number of trials leaves open.");
+         Paragraph(MonteCarloCoverage(result));
 }
 
 ChartAxis TrialAxis() { return {"share of the trials [%]", false, 0.0, 100.0}; }
@@ -113,7 +126,9 @@ LineChart WorkspaceChart(const MonteCarloResult& result) {
           {{result.workspace_predicted / kMillimetre, "predicted"}}};
 }
 
-LineChart CoverageChart(const MonteCarloResult& result) {
+}  // namespace
+
+LineChart CoverageOfParameters(const MonteCarloResult& result) {
   ChartSeries rates = Markers("", MarkerStyle::kDot);
   ChartSeries lower;
   ChartSeries upper;
@@ -137,6 +152,8 @@ LineChart CoverageChart(const MonteCarloResult& result) {
           {{100.0 * result.confidence,
             "wanted " + Percent(result.confidence) + " %"}}};
 }
+
+namespace {
 
 std::string ParameterCsv(const MonteCarloResult& result) {
   std::string csv =
@@ -180,9 +197,9 @@ std::string TrialCsv(const MonteCarloResult& result) {
 }  // namespace
 
 std::string FormatMonteCarlo(const MonteCarloResult& result) {
-  std::string text = Introduction(result);
+  std::string text = Paragraph(MonteCarloOpening(result));
   if (result.parameters.empty()) return text;
-  text += "\n" + ParameterTable(result).ToText() + "\n";
+  text += "\n" + SimulatedParameterTable(result).ToText() + "\n";
   text += Paragraph(
       "The spread is " + FormatSignificant(result.inefficiency, 4) +
       " times the least one that sigmas and priors allow (root mean square "
@@ -193,8 +210,9 @@ std::string FormatMonteCarlo(const MonteCarloResult& result) {
 std::vector<ReportFile> MakeMonteCarloFiles(const MonteCarloResult& result) {
   return {{"montecarlo.csv", ParameterCsv(result)},
           {"trials.csv", TrialCsv(result)},
-          {"coverage.svg", RenderSvg(CoverageChart(result))},
+          {"coverage.svg", RenderSvg(CoverageOfParameters(result))},
           {"workspace_error.svg", RenderSvg(WorkspaceChart(result))},
+          {"montecarlo.html", RenderMonteCarloPage(result)},
           {"montecarlo.txt", FormatMonteCarlo(result)}};
 }
 

@@ -125,13 +125,9 @@ std::string BeforeNote(const CalibrationResult& result) {
                   ".");
 }
 
-std::string FirstScreen(const CalibrationResult& result, bool has_arm) {
-  // The script draws into it.
+std::string FirstScreen(const CalibrationResult& result, const ArmView& view) {
   const std::string arm =
-      has_arm ? Element("div", {{"id", "arm"}},
-                        "<noscript><p class=\"note\">The view of the arm needs "
-                        "scripts, which are switched off here.</p></noscript>")
-              : "";
+      ArmViewFigure(view, "The arm and its errors where it was measured");
   return Element("section", {{"id", "summary"}, {"aria-label", "Verdict"}},
                  HtmlVerdict(result.verdict.level, result.verdict.title,
                              result.verdict.sentence) +

@@ -111,6 +111,9 @@ struct MatrixChart {
   double cell_height = 30.0;
 };
 
+/// The colour of maps (Viridis) at a fraction from 0 to 1.
+std::string MapColour(double fraction);
+
 /// One figure, colours that colour-blind readers distinguish, text escaped, a
 /// title and a description for screen readers; no scripts and no fonts to load.
 /// A file (the default) is a self-contained SVG document. Numbers in any text

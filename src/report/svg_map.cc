@@ -197,8 +197,9 @@ std::string HexByte(double value) {
   return {kDigits[byte / 16], kDigits[byte % 16]};
 }
 
-// `fraction` from 0 to 1.
-std::string Colour(double fraction) {
+}  // namespace
+
+std::string MapColour(double fraction) {
   const double place = fraction * (kViridis.size() - 1);
   const auto below =
       std::min(static_cast<std::size_t>(place), kViridis.size() - 2);
@@ -210,8 +211,10 @@ std::string Colour(double fraction) {
          HexByte(a.blue + t * (b.blue - a.blue));
 }
 
+namespace {
+
 std::string LevelColour(int level) {
-  return Colour(static_cast<double>(level) / (kNumColours - 1));
+  return MapColour(static_cast<double>(level) / (kNumColours - 1));
 }
 
 int LevelOf(const AxisScale& colour, double value) {

@@ -122,6 +122,21 @@ void SvgWriter::Strokes(std::string_view data, std::string_view colour,
                Attribute("stroke-width", width) + Attribute("d", data) + "/>\n";
 }
 
+void SvgWriter::Layer(std::string_view name, std::string_view data,
+                      std::string_view look, std::string_view colour) {
+  document_ += "<path" + Class(look) + Attribute("data-layer", name);
+  if (!colour.empty()) document_ += Attribute("stroke", colour);
+  document_ += Attribute("d", data) + "/>\n";
+}
+
+void SvgWriter::BeginPart(std::string_view name, bool is_shown) {
+  document_ += "<g" + Attribute("data-part", name);
+  if (!is_shown) document_ += Attribute("display", "none");
+  document_ += ">\n";
+}
+
+void SvgWriter::EndPart() { document_ += "</g>\n"; }
+
 void SvgWriter::Text(SvgPoint position, std::string_view text,
                      std::string_view look, double turned) {
   const std::string x = SvgNumber(position.x);

@@ -48,6 +48,13 @@ class SvgWriter {
   void Path(std::string_view data, std::string_view look, double width = 0.0);
   /// A path stroked in a colour of its own, whatever the theme.
   void Strokes(std::string_view data, std::string_view colour, double width);
+  /// A path that the page's script may draw anew, known by its name; in a
+  /// colour of its own where one is given.
+  void Layer(std::string_view name, std::string_view data,
+             std::string_view look, std::string_view colour = "");
+  /// What is shown or hidden together, known by its name.
+  void BeginPart(std::string_view name, bool is_shown);
+  void EndPart();
   /// Typeset. `position` is the anchor on the base line; `turned` in degrees.
   void Text(SvgPoint position, std::string_view text, std::string_view look,
             double turned = 0.0);

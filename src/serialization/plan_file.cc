@@ -425,6 +425,12 @@ void VisitSearch(Visitor& v, PlanConfig* plan) {
            [plan](const YamlValue& value, const Units& units) {
              ReadSpeeds(value, units, plan);
            });
+  v.Field(LengthKey("link_radius")
+              .AtLeast(0)
+              .Default("a twentieth of all lengths of the chain"),
+          plan->link_radius,
+          "about how thick links are: the plan names poses at which capsules "
+          "of this radius about the links overlap. 0: it does not look");
   v.Field(Key("seed").Required(), plan->seed,
           "all that is drawn follows from it");
 }

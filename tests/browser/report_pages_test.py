@@ -113,7 +113,7 @@ class Pages(PageTest):
                           self.table("held-parameters")})
         self.assertEqual(0, self.js("document.querySelectorAll('button').length"))
         self.assertEqual(56, self.marks("#by-pose .stem"))
-        self.assertIn("needs scripts", self.text("#arm"))
+        self.assertIn("The arm stands at pose", self.text("#arm"))
         # Browsers show the titles of tips.
         self.assertIn("pose 1: ", self.js("document.querySelector("
                       "'#by-pose .tips title').textContent"))

@@ -200,6 +200,27 @@ TEST(CompareMethodsTest, RanksByErrorAfterCalibration) {
   EXPECT_NE(methods.sentence.find("at training poses"), std::string::npos);
 }
 
+// A thousand runs of a study are no methods to be ranked.
+TEST(CompareMethodsTest, ManyResultsAreRuns) {
+  std::vector<ComparedResult> results;
+  for (int i = 0; i < 30; ++i) {
+    results.push_back(MakeArm(std::to_string(i), 8e-3, 1e-3));
+  }
+  EXPECT_FALSE(CompareMethods(results).are_runs());
+  results.clear();
+  // 0.1 to 10.1 mm, in an order of their own.
+  for (int i = 0; i < 101; ++i) {
+    results.push_back(
+        MakeArm(std::to_string(i), 8e-3, 1e-4 * (1 + (37 * i) % 101)));
+  }
+  const MethodSummary runs = CompareMethods(results);
+  EXPECT_TRUE(runs.are_runs());
+  EXPECT_EQ(runs.title, "101 runs");
+  EXPECT_EQ(runs.sentence,
+            "101 runs: after calibration the mean error at validation poses is "
+            "5.10 mm in the median run, 0.600 mm to 9.60 mm in 90 % of them.");
+}
+
 TEST(DescribeForComparisonTest, TakesJointsAndWhatIsKnownOfThem) {
   CalibrationResult result;
   result.train.after.mean = 1e-3;

@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using testing::ProcessResult;
 using testing::ReadWhole;
 using testing::TemporaryDirectory;
@@ -71,8 +72,8 @@ TEST_F(PlanCommandTest, WritesWhatItPrints) {
     EXPECT_THAT(result.out, HasSubstr("new/plan/" + name));
   }
   EXPECT_EQ(names,
-            (std::set<std::string>{"accuracy.svg", "curve.csv", "plan.json",
-                                   "plan.txt", "poses.csv"}));
+            (std::set<std::string>{"accuracy.svg", "curve.csv", "plan.html",
+                                   "plan.json", "plan.txt", "poses.csv"}));
   const std::string poses = ReadWhole(directory_ / "new/plan/poses.csv");
   const auto is_comment = [](const std::string& line) {
     return line[0] == '#';
@@ -119,6 +120,37 @@ TEST_F(PlanCommandTest, CalibrationKeepsWhatThePlanPromised) {
     EXPECT_NEAR(stds[name] / parameter["planned_std"].get<double>(), 1.0, 1e-3)
         << name;
   }
+}
+
+// The caution about the arm itself is in all that is written, and can be left
+// out.
+TEST_F(PlanCommandTest, SaysWhereTheArmMayBeInItsOwnWay) {
+  constexpr char kWorth[] = "This is a caution by a rough model of the arm";
+  const auto unwrapped = [](std::string text) {
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    return text;
+  };
+  WritePlan("12");
+  const ProcessResult plain = Alidade("plan plan.yaml --out=plain");
+  ASSERT_EQ(plain.status, 0) << plain.err;
+  EXPECT_THAT(unwrapped(plain.out), HasSubstr("capsules of 39.1 mm radius"));
+  EXPECT_THAT(unwrapped(ReadWhole(directory_ / "plain/plan.txt")),
+              HasSubstr(kWorth));
+  EXPECT_THAT(ReadWhole(directory_ / "plain/plan.html"), HasSubstr(kWorth));
+  EXPECT_NEAR(Json("plain/plan.json")["links"]["radius"], 0.0391, 1e-12);
+  WritePlan("12", "identifiability: {policy: keep}\nlink_radius: 70\n");
+  const ProcessResult thick = Alidade("plan plan.yaml --out=thick");
+  ASSERT_EQ(thick.status, 0) << thick.err;
+  EXPECT_THAT(thick.out, HasSubstr("The arm may be in its own way at "));
+  const nlohmann::json overlaps = Json("thick/plan.json")["links"]["overlaps"];
+  EXPECT_GE(overlaps.size(), 1U);
+  // The choice of poses is another matter.
+  EXPECT_EQ(ReadWhole(directory_ / "thick/poses.csv"),
+            ReadWhole(directory_ / "plain/poses.csv"));
+  WritePlan("12", "identifiability: {policy: keep}\nlink_radius: 0\n");
+  const ProcessResult none = Alidade("plan plan.yaml --out=none");
+  EXPECT_THAT(none.out, Not(HasSubstr("capsules")));
+  EXPECT_EQ(Json("none/plan.json")["links"]["radius"], 0.0);
 }
 
 TEST_F(PlanCommandTest, DependsOnTheSeedButNotOnThreads) {

@@ -11,6 +11,7 @@
 
 #include "alidade/units.h"
 #include "tests/report/report_test_util.h"
+#include "tests/report/well_formed.h"
 #include "tests/support/rv2aj_arms.h"
 
 namespace alidade::internal {
@@ -96,6 +97,40 @@ TEST(ArmViewTest, PlacesAndErrorsAreInTheFrameOfTheBase) {
   // 5.21 mm times (0.6, 0, -0.8).
   EXPECT_NEAR(place[2][1].get<double>(), -3.126, 1e-3);
   EXPECT_NEAR(place[2][2].get<double>(), -4.168, 1e-3);
+}
+
+// The longest error of a state is a tenth of the drawing at most, whatever the
+// other is.
+TEST(ArmViewTest, BeforeAndAfterHaveScalesOfTheirOwn) {
+  ArmView view;
+  // 1000 mm wide.
+  for (int i = 0; i <= 10; ++i) {
+    view.places.push_back({i + 1,
+                           {100.0 * i, 0.0, 0.0},
+                           {0.0, 0.4 * (i + 0.5), 0.0},
+                           {0.0, 0.0, 0.0012 * (i + 0.5)}});
+  }
+  const json data = json::parse(ArmViewJson(view));
+  EXPECT_EQ(data["factors"]["before"], 20.0);   // 23.8 or less
+  EXPECT_EQ(data["factors"]["after"], 5000.0);  // 7937 or less
+  EXPECT_EQ(data["shades"]["before"],
+            (std::vector<int>{0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4}));
+  EXPECT_EQ(data["shades"]["after"], data["shades"]["before"]);
+  view.places = {{1, {100.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}};
+  EXPECT_EQ(ErrorFactor(view, &ViewPlace::before), 1.0);
+}
+
+TEST(ArmViewTest, FigureIsWholeWithoutScript) {
+  const CalibrationResult result = testing::MakeResult();
+  const std::string html = ArmViewFigure(ViewOf(result), "<The arm>");
+  EXPECT_EQ(WhatIsMalformed(html), "");
+  EXPECT_NE(html.find("&lt;The arm&gt;"), std::string::npos);
+  for (const char* layer : {"before-4", "after-4", "places", "axes", "scale"}) {
+    EXPECT_NE(html.find("data-layer=\"" + std::string(layer) + "\""),
+              std::string::npos)
+        << layer;
+  }
+  EXPECT_EQ(ArmViewFigure({}, "nothing"), "");
 }
 
 }  // namespace
