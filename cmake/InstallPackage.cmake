@@ -14,6 +14,11 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/configs/robots
   DESTINATION ${CMAKE_INSTALL_DATADIR}/alidade
   FILES_MATCHING PATTERN "*.yaml")
 
+# For editors: a file's first line may name its schema (docs/files.md).
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/schemas
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/alidade
+  FILES_MATCHING PATTERN "*.json")
+
 # Headers refer to these pages.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs
   DESTINATION ${CMAKE_INSTALL_DOCDIR}
