@@ -172,6 +172,7 @@ def calibrate(arm: Any, data: Any = None, *, validation: Any = None,
         nominal, measured, chosen = _prepare(arm, data, count, options)
         if validation is not None and not isinstance(validation, Mapping):
             held = dataset_of(validation, nominal, "validation", count)
+            measured, held = measured._with_references_of(held)
         _set_truth(chosen, truth, nominal)
         with reading():
             core = _core.calibrate(nominal._core, measured._core,
