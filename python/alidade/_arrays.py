@@ -29,7 +29,17 @@ def _describe(value: Any) -> str:
 def numbers(value: Any, argument: str, expected: str) -> Array:
     """Any array of finite doubles; contiguous along its last axis."""
     if hasattr(value, "to_numpy"):  # pandas
+        for name in map(str, getattr(value, "columns", ())):
+            if name.endswith(("_deg", "_mm", "(deg)", "(mm)", "[deg]", "[mm]")):
+                raise wrong(argument, f"the frame has a column {name!r}, "
+                            f"expected {expected}: multiply by alidade.deg and "
+                            "alidade.mm, or use Dataset.from_pandas")
         value = value.to_numpy()
+    masked = int(np.sum(value.mask)) if isinstance(
+        value, np.ma.MaskedArray) else 0
+    if masked:
+        raise wrong(argument, f"{masked} numbers are masked, expected "
+                    f"{expected}: leave out what was not measured")
     try:
         array = np.asarray(value)
     except (TypeError, ValueError):

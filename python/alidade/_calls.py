@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from typing import Any, Mapping, Sequence
 
 import numpy as np
@@ -51,6 +52,9 @@ class Job:
     def input_files(self) -> list[str]:
         return self._core.input_files
 
+    def __reduce__(self) -> Any:
+        return Job, (os.path.abspath(self._core.path),)
+
     def __repr__(self) -> str:
         return f"Job({self._core.path!r}, {self.title!r})"
 
@@ -61,6 +65,24 @@ def _job_of(value: Any, threads: int) -> Job | None:
     if isinstance(value, str) or hasattr(value, "__fspath__"):
         return Job(value, threads=threads)
     return None
+
+
+def _laid_on(job: Job, keywords: Mapping[str, Any]) -> _core.Options:
+    """A job's options, and the keywords beyond them."""
+    options = job._core.options.copy()
+    if nested("calibrate", keywords):
+        with reading():
+            options.read(text_of("calibrate", keywords), job._core.arm,
+                         job._core.data())
+    return options
+
+
+def _refuse(whose: str, other: str, **keywords: Any) -> None:
+    """What a file says cannot be said again."""
+    for name, value in keywords.items():
+        if value is not None:
+            raise wrong(name, f"is {whose}, expected it there, or {other} and "
+                        "keywords in place of the file")
 
 
 def _set_truth(options: _core.Options, truth: Any, arm: Arm) -> None:
@@ -144,16 +166,13 @@ def calibrate(arm: Any, data: Any = None, *, validation: Any = None,
             raise wrong("validation", "is the job's, expected no other")
         if truth is not None:
             raise wrong("truth", "is the job's, expected no other")
-        chosen = job._core.options.copy()
-        if nested("calibrate", options):
-            with reading():
-                chosen.read(text_of("calibrate", options), job._core.arm,
-                            job._core.data())
+        chosen = _laid_on(job, options)
         core = _core.run_job(job._core, chosen, count, progress)
     else:
         nominal, measured, chosen = _prepare(arm, data, count, options)
         if validation is not None and not isinstance(validation, Mapping):
             held = dataset_of(validation, nominal, "validation", count)
+            measured, held = measured._with_references_of(held)
         _set_truth(chosen, truth, nominal)
         with reading():
             core = _core.calibrate(nominal._core, measured._core,
@@ -189,11 +208,7 @@ def identify(arm: Any, data: Any = None, *, threads: int = 0,
     job = _job_of(arm, count) if data is None else None
     if job is not None:
         nominal, measured = job.arm, job.data
-        chosen = job._core.options.copy()
-        if nested("calibrate", options):
-            with reading():
-                chosen.read(text_of("calibrate", options), nominal._core,
-                            measured._core)
+        chosen = _laid_on(job, options)
     else:
         nominal, measured, chosen = _prepare(arm, data, count, options)
     found = _core.identify(nominal._core, measured._core, chosen, count)
@@ -205,8 +220,9 @@ def identify(arm: Any, data: Any = None, *, threads: int = 0,
 
 @takes_options("plan")
 def plan(arm: Any, *, poses: Any = None, sigma: float | None = None,
-         measured: Any = None, candidates: Any = None, seed: int = 1,
-         threads: int = 0, check: bool = True, **options: Any) -> Plan:
+         measured: Any = None, candidates: Any = None,
+         seed: int | None = None, threads: int = 0, check: bool = True,
+         **options: Any) -> Plan:
     """Chooses poses to measure.
 
     arm
@@ -229,6 +245,8 @@ def plan(arm: Any, *, poses: Any = None, sigma: float | None = None,
     count = threads_of(threads)
     is_file = isinstance(arm, str) or hasattr(arm, "__fspath__")
     if is_file and poses is None and "accuracy" not in options:
+        _refuse("the plan file's", "an Arm", sigma=sigma, measured=measured,
+                candidates=candidates, seed=seed, **options)
         core = _core.plan_file(path(arm, "arm"), count)
     else:
         nominal = arm_of(arm)
@@ -236,7 +254,8 @@ def plan(arm: Any, *, poses: Any = None, sigma: float | None = None,
             np.empty((0, nominal.num_joints))))
         if measured is not None:
             known = dataset_of(measured, nominal, "measured", count)
-        keywords = dict(options, seed=seed_of(seed), sigma=sigma)
+        keywords = dict(options, sigma=sigma,
+                        seed=seed_of(1 if seed is None else seed))
         if isinstance(poses, Mapping):
             keywords["poses"] = poses
         elif poses is not None:
@@ -256,7 +275,7 @@ def plan(arm: Any, *, poses: Any = None, sigma: float | None = None,
 
 
 def simulate(arm: Any, joint_values: Any = None, *, count: int | None = None,
-             sigma: float = 0.0, seed: int = 1) -> Dataset:
+             sigma: float | None = None, seed: int | None = None) -> Dataset:
     """Positions of an arm's first target with Gaussian noise: what a real arm
     of this geometry would be measured as.
 
@@ -265,15 +284,17 @@ def simulate(arm: Any, joint_values: Any = None, *, count: int | None = None,
     joint_values, count
         (N, n) configurations, or how many are drawn within the limits.
     sigma
-        standard deviation of each coordinate (m); 0: exact.
+        standard deviation of each coordinate (m); none: exact.
     """
     if joint_values is None and count is None:
         if isinstance(arm, Arm):
             raise wrong("joint_values", "found None, expected configurations "
                         "or their count")
-        return Dataset._of(_core.simulate_file(path(arm, "arm"))["data"])
+        file = path(arm, "arm")
+        _refuse("the simulation file's", "an Arm", sigma=sigma, seed=seed)
+        return Dataset._of(_core.simulate_file(file)["data"])
     real = arm_of(arm)
-    number = seed_of(seed)
+    number = seed_of(1 if seed is None else seed)
     if joint_values is None:
         joints = real.draw(integer(count, "count", 1, 10**7), seed=number)
     elif count is not None:
@@ -281,7 +302,7 @@ def simulate(arm: Any, joint_values: Any = None, *, count: int | None = None,
     else:
         joints = rows(joint_values, "joint_values", real.num_joints,
                       "joint values (rad, m)")
-    noise = numbers(sigma, "sigma", "a length (m)")
+    noise = numbers(0.0 if sigma is None else sigma, "sigma", "a length (m)")
     if noise.ndim or not noise >= 0 or not np.isfinite(noise):
         raise wrong("sigma", f"found {sigma!r}, expected a length (m), 0 or "
                     "more")
@@ -290,8 +311,8 @@ def simulate(arm: Any, joint_values: Any = None, *, count: int | None = None,
 
 
 @takes_options("calibrate", "montecarlo")
-def montecarlo(arm: Any, data: Any = None, *, trials: int = 1000,
-               seed: int = 1, study: Mapping[str, Any] | None = None,
+def montecarlo(arm: Any, data: Any = None, *, trials: int | None = None,
+               seed: int | None = None, study: Mapping[str, Any] | None = None,
                truth: Any = None, threads: int = 0, progress: Any = None,
                **options: Any) -> MonteCarlo:
     """Many simulated calibrations of the same poses and sigmas: bias and spread
@@ -300,7 +321,9 @@ def montecarlo(arm: Any, data: Any = None, *, trials: int = 1000,
 
     arm, data, **options
         as of `calibrate`; or the path of a job file alone, with its
-        `montecarlo`.
+        `montecarlo` (a `Job` and keywords of one's own otherwise).
+    trials, seed
+        1000 and 1 by default.
     truth
         the real arm, which trials simulate; None: the arm that the data
         identify.
@@ -315,16 +338,19 @@ def montecarlo(arm: Any, data: Any = None, *, trials: int = 1000,
     count = threads_of(threads)
     callable_or_none(progress, "progress")
     if data is None and (isinstance(arm, str) or hasattr(arm, "__fspath__")):
+        _refuse("the job's", "a Job", trials=trials, seed=seed, study=study,
+                truth=truth, **options)
         return MonteCarlo(_core.montecarlo_file(path(arm, "arm"), count,
                                                 progress))
     if isinstance(arm, Job):
         nominal, measured = arm.arm, arm.data
-        chosen = arm._core.options.copy()
+        chosen = _laid_on(arm, options)
     else:
         nominal, measured, chosen = _prepare(arm, data, count, options)
     _set_truth(chosen, truth, nominal)
-    keywords = dict(study or {}, trials=integer(trials, "trials", 2),
-                    seed=seed_of(seed))
+    keywords = dict(
+        study or {}, seed=seed_of(1 if seed is None else seed),
+        trials=integer(1000 if trials is None else trials, "trials", 2))
     with reading():
         return MonteCarlo(_core.montecarlo(
             nominal._core, measured._core, chosen,

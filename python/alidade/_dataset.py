@@ -14,6 +14,7 @@ from ._arm import Arm, arm_of
 from ._arrays import Array, Path, numbers, path, positive, rows, text, threads_of
 from ._errors import InputError, wrong
 from ._measuring import Measuring
+from ._observations import add_after, add_part, copy_references
 from ._options import document, flow, nested
 from ._record import Record
 
@@ -214,16 +215,44 @@ class Dataset(Measuring):
                         if entry[0] == kind] for kind in ("point", "plane")}
         added = [entry for entry in more.references()
                  if entry[1] not in names[entry[0]]]
-        _copy_references([*one.references(), *added], core)
+        copy_references([*one.references(), *added], core)
         for entry in added:
             names[entry[0]].append(entry[1])
         core.target_names = list(dict.fromkeys(
             [*one.target_names, *more.target_names]))
         for block in one.blocks():
-            _add_after(block, 0, names, one, core)
+            add_after(block, 0, names, one, core)
         for block in more.blocks():
-            _add_after(block, len(self), names, more, core)
+            add_after(block, len(self), names, more, core)
         return self._of(core)
+
+    def _with_references_of(self, held: Dataset) -> tuple[Dataset, Dataset]:
+        """This one and validation data, with the same numbers of points and
+        planes."""
+        one, more = self._core, held._core
+        names = {kind: [entry[1] for entry in one.references()
+                        if entry[0] == kind] for kind in ("point", "plane")}
+        added = [entry for entry in more.references()
+                 if entry[1] not in names[entry[0]]]
+        for kind, name, _, _, known in added:
+            if not known:
+                raise wrong("validation", f"measures against the {kind} "
+                            f"{name!r}, which no pose of the fit does, "
+                            "expected it to be known")
+            names[kind].append(name)
+        fit = self._copy()
+        copy_references(added, fit._core)
+        core = _core.Measurements(held.joint_values)
+        for name in _MEMBERS:
+            setattr(core, name, getattr(more, name))
+        copy_references(fit._core.references(), core)
+        if more.covariate_names():
+            core.set_covariates(more.covariate_names(), more.covariates())
+        core.set_uses(more.uses())
+        core.set_origin(more.origin())
+        for block in more.blocks():
+            add_after(block, 0, names, more, core)
+        return fit, self._of(core)
 
     @classmethod
     def _of(cls, core: _core.Measurements) -> Dataset:
@@ -248,13 +277,13 @@ class Dataset(Measuring):
         core.name, core.target_names = old.name, old.target_names
         core.sigmas_are_stated = old.sigmas_are_stated
         core.sets = [old.sets[k] for k in kept] if old.sets else []
-        _copy_references(old.references(), core)
+        copy_references(old.references(), core)
         if old.covariate_names():
             core.set_covariates(old.covariate_names(),
                                 np.ascontiguousarray(old.covariates()[kept]))
         core.set_uses(old.uses())
         for block in old.blocks():
-            _add_part(block, place, core)
+            add_part(block, place, core)
         return self._of(core)
 
     @property
@@ -397,7 +426,7 @@ class Dataset(Measuring):
         core = _core.Measurements(state["joint_values"])
         for name, value in state["members"].items():
             setattr(core, name, value)
-        _copy_references(state["references"], core)
+        copy_references(state["references"], core)
         if state["covariates"][0]:
             core.set_covariates(*state["covariates"])
         core.set_uses(state["uses"])
@@ -411,62 +440,6 @@ getattr(Dataset.load, "__func__").__doc__ = str(Dataset.load.__doc__).replace(
     "        {options}", document("data", "        "))
 
 _MEMBERS = ("name", "sigmas_are_stated", "sets", "target_names", "rejected")
-def _copy_references(references: Any, core: _core.Measurements) -> None:
-    for kind, name, numbers_, offset, known in references:
-        if kind == "point":
-            core.add_point(name, list(numbers_), known)
-        else:
-            core.add_plane(name, list(numbers_), offset, known)
-
-
-def _add_part(block: Any, place: Any, core: _core.Measurements) -> None:
-    """What is measured at the poses whose `place` is not -1."""
-    size = len(block["measured"])
-    if block["kind"] == "point distance":
-        core.add_block(**block)
-        return
-    poses = place[np.array(block["poses"] or range(size), dtype=int)]
-    is_kept = poses >= 0
-    seconds = np.array(block["seconds"], dtype=int)
-    if block["kind"] == "difference":
-        seconds = place[seconds]
-        is_kept &= seconds >= 0
-    kept = np.flatnonzero(is_kept)
-    # In the order that the poses have now.
-    kept = kept[np.argsort(poses[kept], kind="stable")]
-    if len(kept) == 0:
-        return
-    core.add_block(
-        block["kind"], np.ascontiguousarray(block["measured"][kept]),
-        np.ascontiguousarray(block["sigmas"][kept]), poses[kept].tolist(),
-        [block["targets"][k] for k in kept] if block["targets"] else [],
-        [block["references"][k] for k in kept] if block["references"] else [],
-        seconds[kept].tolist() if len(seconds) else [],
-        [block["whiteners"][k] for k in kept] if block["whiteners"] else [])
-
-
-def _add_after(block: Any, first: int, names: dict[str, list[str]],
-               other: _core.Measurements, core: _core.Measurements) -> None:
-    """A block of measurements whose poses begin at `first` now."""
-    kind = block["kind"]
-    sort = "plane" if kind == "plane" else "point"
-    place = [names[sort].index(entry[1]) for entry in other.references()
-             if entry[0] == sort]
-    known = core.target_names
-    block["targets"] = [
-        number if number < _core.NAMED_TARGETS else _core.NAMED_TARGETS
-        + known.index(other.target_names[number - _core.NAMED_TARGETS])
-        for number in block["targets"]]
-    block["references"] = [place[number] for number in block["references"]]
-    if kind == "point distance":
-        block["seconds"] = [place[number] for number in block["seconds"]]
-    else:
-        block["poses"] = [first + pose for pose in block["poses"] or range(
-            len(block["measured"]))]
-        block["seconds"] = [first + pose for pose in block["seconds"]]
-    core.add_block(**block)
-
-
 def dataset_of(value: Any, arm: Arm, argument: str, threads: int) -> Dataset:
     """A Dataset for the arm, or the file of one."""
     if isinstance(value, Dataset):

@@ -190,3 +190,59 @@ def uses_of(effects: Any, columns: Sequence[str], joints: int) -> list[Use]:
                   if "joints" in moved or f"joint {j + 1}" in moved]
         uses.append((name, "base" in moved, "target" in moved, turned, ""))
     return uses
+
+
+def copy_references(references: Any, core: _core.Measurements) -> None:
+    for kind, name, numbers_, offset, known in references:
+        if kind == "point":
+            core.add_point(name, list(numbers_), known)
+        else:
+            core.add_plane(name, list(numbers_), offset, known)
+
+
+def add_part(block: Any, place: Any, core: _core.Measurements) -> None:
+    """What is measured at the poses whose `place` is not -1."""
+    size = len(block["measured"])
+    if block["kind"] == "point distance":
+        core.add_block(**block)
+        return
+    poses = place[np.array(block["poses"] or range(size), dtype=int)]
+    is_kept = poses >= 0
+    seconds = np.array(block["seconds"], dtype=int)
+    if block["kind"] == "difference":
+        seconds = place[seconds]
+        is_kept &= seconds >= 0
+    kept = np.flatnonzero(is_kept)
+    # In the order that the poses have now.
+    kept = kept[np.argsort(poses[kept], kind="stable")]
+    if len(kept) == 0:
+        return
+    core.add_block(
+        block["kind"], np.ascontiguousarray(block["measured"][kept]),
+        np.ascontiguousarray(block["sigmas"][kept]), poses[kept].tolist(),
+        [block["targets"][k] for k in kept] if block["targets"] else [],
+        [block["references"][k] for k in kept] if block["references"] else [],
+        seconds[kept].tolist() if len(seconds) else [],
+        [block["whiteners"][k] for k in kept] if block["whiteners"] else [])
+
+
+def add_after(block: Any, first: int, names: dict[str, list[str]],
+               other: _core.Measurements, core: _core.Measurements) -> None:
+    """A block of measurements whose poses begin at `first` now."""
+    kind = block["kind"]
+    sort = "plane" if kind == "plane" else "point"
+    place = [names[sort].index(entry[1]) for entry in other.references()
+             if entry[0] == sort]
+    known = core.target_names
+    block["targets"] = [
+        number if number < _core.NAMED_TARGETS else _core.NAMED_TARGETS
+        + known.index(other.target_names[number - _core.NAMED_TARGETS])
+        for number in block["targets"]]
+    block["references"] = [place[number] for number in block["references"]]
+    if kind == "point distance":
+        block["seconds"] = [place[number] for number in block["seconds"]]
+    else:
+        block["poses"] = [first + pose for pose in block["poses"] or range(
+            len(block["measured"]))]
+        block["seconds"] = [first + pose for pose in block["seconds"]]
+    core.add_block(**block)

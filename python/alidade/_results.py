@@ -314,11 +314,35 @@ class Identification(Record):
                 " are identifiable)")
 
 
+class _Restored:
+    """What the library's object answered when it was pickled."""
+
+    def __init__(self, answers: dict[str, Any]) -> None:
+        self.answers = answers
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name == "answers":
+            raise AttributeError(name)
+        return lambda: self.answers[name]
+
+    def save(self, directory: str) -> list[str]:
+        return _core.save_files(self.answers["files"], directory)
+
+
+def _restore(kind: Any, answers: dict[str, Any]) -> Any:
+    return kind(_Restored(answers))
+
+
 class _WithFiles:
     """What has files and a report, from the library."""
 
     __slots__ = ("_core",)
     _core: Any
+    _ANSWERS: tuple[str, ...] = ()
+
+    def __reduce__(self) -> Any:
+        return _restore, (type(self), {name: getattr(self._core, name)()
+                                       for name in self._ANSWERS})
 
     def report(self) -> str:
         text: str = self._core.report()
@@ -342,8 +366,9 @@ class Plan(_WithFiles):
     everything of plan.json is an attribute too (docs/planning.md)."""
 
     __slots__ = ("_record",)
+    _ANSWERS = ("json", "report", "joint_values", "pose_std", "files")
 
-    def __init__(self, core: _core.Plan) -> None:
+    def __init__(self, core: Any) -> None:
         self._core = core
         self._record: Record = record(json.loads(core.json()))
 
@@ -395,8 +420,9 @@ class MonteCarlo(_WithFiles):
 
     __slots__ = ("_record", "estimates", "workspace_rms",
                  "reduced_chi_square", "usable")
+    _ANSWERS = ("to_dict", "report", "trials", "files")
 
-    def __init__(self, core: _core.Study) -> None:
+    def __init__(self, core: Any) -> None:
         self._core = core
         self._record: Record = record(core.to_dict())
         (self.estimates, self.workspace_rms, self.reduced_chi_square,

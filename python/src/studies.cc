@@ -204,6 +204,15 @@ void DefineMonteCarlo(py::module_* m) {
            [](const MonteCarloResult& study, const std::string& directory) {
              return SaveFiles(FilesOf(study), directory);
            });
+  m->def("save_files",
+         [](const std::vector<std::pair<std::string, std::string>>& files,
+            const std::string& directory) {
+           std::vector<NamedFile> named;
+           for (const auto& [name, content] : files) {
+             named.push_back({name, content});
+           }
+           return SaveFiles(named, directory);
+         });
   m->def("montecarlo", MonteCarlo);
   m->def("montecarlo_file",
          [](const std::string& path, int threads, const py::object& progress) {

@@ -1,10 +1,13 @@
 """Plans, studies, corrections, exports, comparisons."""
 
+import os
+import pickle
+
 import numpy as np
 import pytest
 
 import alidade
-from conftest import OPTIONS
+from conftest import OPTIONS, ROOT
 
 
 def test_a_plan_is_better_than_random_poses(arm):
@@ -35,6 +38,37 @@ def test_files_of_a_plan(arm, tmp_path):
   assert (tmp_path / 'poses.csv').exists()
   assert '<svg' in plan.figures.accuracy.svg
   assert '<svg' in plan._repr_html_()
+
+
+def test_plans_studies_and_jobs_can_be_pickled(arm, data, tmp_path):
+  plan = alidade.plan(arm, poses=15, sigma=2e-5, curve=[],
+                      candidates={'count': 60})
+  study = alidade.montecarlo(arm, data, trials=5, **OPTIONS)
+  for k, one in enumerate((plan, study)):
+    again = pickle.loads(pickle.dumps(one))
+    assert again.to_dict() == one.to_dict()
+    assert again.report() == one.report() and repr(again) == repr(one)
+    assert again.figures.keys() == one.figures.keys()
+    assert [name for name in map(os.path.basename,
+                                 again.save(tmp_path / f'again{k}'))] == [
+        name for name in map(os.path.basename, one.save(tmp_path / f'{k}'))]
+    for file in (tmp_path / f'{k}').glob('[!.]*'):
+      assert file.read_bytes() == (
+          tmp_path / f'again{k}' / file.name).read_bytes()
+    twice = pickle.loads(pickle.dumps(again))
+    assert twice.to_dict() == one.to_dict()
+  np.testing.assert_array_equal(
+      pickle.loads(pickle.dumps(plan)).joint_values, plan.joint_values)
+  np.testing.assert_array_equal(
+      pickle.loads(pickle.dumps(study)).estimates, study.estimates)
+  job = alidade.Job(ROOT / 'configs/jobs/rv2aj_flange.yaml')
+  assert repr(pickle.loads(pickle.dumps(job))) == repr(job)
+
+
+def test_a_study_of_a_job_takes_keywords():
+  job = alidade.Job(ROOT / 'configs/jobs/rv2aj_flange.yaml')
+  study = alidade.montecarlo(job, trials=3, fix=['d3'])
+  assert len(study.estimates) == 3 and 'd3' not in study.names
 
 
 def test_monte_carlo(arm, data, real):

@@ -3,6 +3,7 @@
 import datetime
 
 import numpy as np
+import pandas
 import pytest
 
 import alidade
@@ -19,6 +20,7 @@ LEFT = POSES.copy()
 LEFT[:, :3, 0] *= -1
 SHEARED = POSES.copy()
 SHEARED[:, 0, 0] += 0.1
+PLAN = ROOT / 'configs/plans/rv2aj_flange.yaml'
 JOB = ROOT / 'configs/jobs/rv2aj_flange.yaml'
 
 
@@ -165,6 +167,19 @@ WRONG = [
     (lambda: DATA.with_stations(['a'] * 29), 'stations'),
     (lambda: DATA.with_stations([1] * 30), 'stations'),
     (lambda: DATA.with_stations(['a', 'b'] * 15, first=2), 'first'),
+    (dataset(joint_values=np.ma.masked_greater(Q, 0.9)), 'joint_values'),
+    (dataset(joint_values=pandas.DataFrame(
+        Q, columns=[f'q{j}_deg' for j in range(1, 7)])), 'joint_values'),
+    (dataset(positions=pandas.DataFrame(
+        POINTS, columns=['x [mm]', 'y [mm]', 'z [mm]'])), 'positions'),
+    (lambda: alidade.montecarlo(JOB, trials=5), 'trials'),
+    (lambda: alidade.montecarlo(JOB, loss='huber'), 'loss'),
+    (lambda: alidade.montecarlo(alidade.Job(JOB), los='huber'), 'los'),
+    (lambda: alidade.plan(PLAN, sigma=1e-5), 'sigma'),
+    (lambda: alidade.plan(PLAN, seed=3), 'seed'),
+    (lambda: alidade.plan(PLAN, curve=[]), 'curve'),
+    (lambda: alidade.simulate(ROOT / 'configs/simulations/rv2aj_wrist_56.yaml',
+                              sigma=1e-5), 'sigma'),
     (lambda: DATA[[]], 'pose'),
     (lambda: DATA[[0, 0]], 'pose'),
     (lambda: DATA[30:], 'pose'),

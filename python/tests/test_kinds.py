@@ -413,3 +413,26 @@ def test_frames_with_units_in_their_headers():
     Dataset.from_pandas(frame.rename(columns={'q1_deg': 'q1'}), ARM,
                         target='probe')
   assert 'q1_deg' in str(caught.value)
+
+
+def test_validation_data_measure_against_the_same_names():
+  lengths = np.linalg.norm(PROBE[:, None] - SOCKETS, axis=2)
+  data = (Dataset(Q).with_point('A', SOCKETS[0], known=True)
+          .with_point('B', SOCKETS[1] + 0.01)
+          .with_distances('A', lengths[:, 0], 2e-5, target='probe')
+          .with_distances('B', lengths[:, 1], 2e-5, target='probe'))
+  options = dict(parameters=['joints', 'tool'], errors='none')
+  # Of B alone, which is the first here.
+  held = Dataset(Q[:9]).with_distances('B', lengths[:9, 1], 2e-5,
+                                       target='probe')
+  result = alidade.calibrate(ARM, data, validation=held, **options)
+  assert result.validation.after.n == 9 and result.validation.after.max < 1e-4
+  known = (Dataset(Q[:9]).with_point('C', SOCKETS[0] + [0, 0, 1], known=True)
+           .with_distances('C', np.linalg.norm(
+               PROBE[:9] - SOCKETS[0] - [0, 0, 1], axis=1), 2e-5,
+                           target='probe'))
+  result = alidade.calibrate(ARM, data, validation=known, **options)
+  assert result.validation.after.max < 1e-4
+  unknown = Dataset(Q[:9]).with_distances('D', lengths[:9, 0], 2e-5)
+  with pytest.raises(alidade.InputError, match="validation.*'D'"):
+    alidade.calibrate(ARM, data, validation=unknown, **options)
