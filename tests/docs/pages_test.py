@@ -30,6 +30,7 @@ DOCS = ROOT / "docs"
 BLOCK = re.compile(r"^(?:<!-- (file|write): (\S+) -->\n(```\w*)|```console)\n"
                    r"(.*?)^```$", re.MULTILINE | re.DOTALL)
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+PROGRESS = re.compile(r"\[#*\.*\] \d+/\d+ jobs")
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
 RELATIVE = 1e-3
 ROUNDING = 1e-9  # what is smaller is the rounding of exact data
@@ -51,10 +52,11 @@ class Shell:
 
     def run(self, command):
         done = subprocess.run(
-            ["bash", "-o", "pipefail", "-c", command], cwd=self.folder,
+            ["bash", "-c", command], cwd=self.folder,
             env=self.environment, text=True, stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT, check=False)
-        lines = [line.rstrip() for line in done.stdout.splitlines()]
+        lines = [line.rstrip() for line in done.stdout.splitlines()
+                 if not PROGRESS.match(line)]
         while lines and not lines[-1]:
             lines.pop()
         if done.returncode:
@@ -115,13 +117,24 @@ def is_same_text(expected, actual):
 
 
 def shortened(expected, actual):
-    """What the program prints, with lines left out as in `expected`."""
-    dots = [k for k, line in enumerate(expected) if line.strip() == "..."]
-    if len(dots) != 1:
+    """What the program prints, with lines left out as in `expected`: parts
+    between `...` begin where their first line has the same words."""
+    if not any(line.strip() == "..." for line in expected):
         return actual
-    tail = len(expected) - dots[0] - 1
-    return (actual[:dots[0]] + [expected[dots[0]]]
-            + actual[len(actual) - tail:])
+    lines, k, is_open = [], 0, False
+    for line in expected:
+        if line.strip() == "...":
+            lines.append(line)
+            is_open = True
+            continue
+        if is_open:
+            same = [i for i in range(k, len(actual)) if words_and_numbers(
+                actual[i])[0] == words_and_numbers(line)[0]]
+            k = same[0] if same else len(actual) - 1
+            is_open = False
+        lines += actual[k:k + 1]
+        k += 1
+    return lines
 
 
 def run_page(page, shell, update):
