@@ -16,6 +16,8 @@ namespace {
 
 // Of more observations the extremes are not looked for.
 constexpr Eigen::Index kMostObservations = 1'000'000;
+// Accuracy that differs by less is the same everywhere.
+constexpr double kSame = 1.02;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 Finding Passed(std::string key, double statistic, std::string sentence,
@@ -137,6 +139,11 @@ class Guide {
     const double largest = map_->position_std.maxCoeff(&worst);
     const double median = map_->summary.median;
     if (!std::isfinite(largest) || !(median > 0.0)) return "";
+    if (largest < kSame * median) {
+      return "The predicted standard deviation is the same over the whole "
+             "workspace, " +
+             FormatLength(largest, 3) + ".";
+    }
     return "Of the whole workspace the arm is predicted to be least accurate "
            "at " +
            PlaceOf(result_.arm, map_->positions.col(worst)) + " (joints at " +

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "src/calibration/improvement.h"
 #include "src/common/text.h"
 #include "src/report/report.h"
 
@@ -21,6 +22,10 @@ void AddRejected(const char* set_name, const EvaluatedSet& set,
                    set_name + " observations");
 }
 
+bool IsValidated(const CalibrationResult& result) {
+  return result.cross_validation || &JudgedSet(result) != &result.train;
+}
+
 Answer MayItBeUsed(const CalibrationResult& result) {
   const Verdict& verdict = result.verdict;
   Answer answer{"May I use this arm?", {}};
@@ -29,7 +34,10 @@ Answer MayItBeUsed(const CalibrationResult& result) {
   switch (verdict.decision()) {
     case VerdictDecision::kAccepted:
       answer.sentences.push_back(
-          result.acceptance.empty()
+          !IsValidated(result)
+              ? "Probably: nothing speaks against it, but there are no "
+                "validation poses that would have shown it."
+          : result.acceptance.empty()
               ? "Yes: nothing speaks against it. State `acceptance` limits to "
                 "have it checked against what you need."
               : "Yes: it meets all limits that were set.");

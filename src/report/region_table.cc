@@ -128,7 +128,8 @@ Table RegionTable(const CalibrationResult& result) {
                   heights.Name(static_cast<int>(k) % kBands),
                   QuantityCell(std.median, Dimension::kLength, 3),
                   QuantityCell(std.p95, Dimension::kLength, 3),
-                  cell(error.mean), cell(error.max), CountCell(error.n)});
+                  cell(error.mean), cell(error.max),
+                  has_errors ? CountCell(error.n) : TableCell("-")});
   }
   return table;
 }

@@ -1,4 +1,4 @@
-#include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -22,16 +22,19 @@ bool StartsWith(const std::string& text, const std::string& beginning) {
 // "0.72 mm → 0.19 mm" and how many times smaller that is.
 std::string HeadlinePair(const std::string& title, double before, double after,
                          Dimension dimension) {
+  // Where frames alone are found, "before" has them as well.
+  constexpr double kSame = 1e-9;
+  const bool is_same = std::abs(before - after) <= kSame * before;
   const auto shown = [&](double value, const char* look) {
     return Element("span", {{"class", look}},
                    Words(InUnit(value, dimension, 3) + "\u00a0" +
                          UnitForPeople(dimension)));
   };
-  std::string html =
-      Element("div", {{"class", "small"}}, title) +
-      Element("div", {{"class", "big"}},
-              shown(before, "then") + " → " + shown(after, "now"));
-  if (before > 0.0 && after > 0.0) {
+  std::string html = Element("div", {{"class", "small"}}, title) +
+                     Element("div", {{"class", "big"}},
+                             (is_same ? "" : shown(before, "then") + " → ") +
+                                 shown(after, "now"));
+  if (before > 0.0 && after > 0.0 && !is_same) {
     const bool is_smaller = after <= before;
     const double ratio = is_smaller ? before / after : after / before;
     html += Element("div", {{"class", "small"}},

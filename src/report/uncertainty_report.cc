@@ -210,7 +210,9 @@ Figure PredictedMapFigure(const PredictedMap& map, const ArmOutline& arm) {
     return FormatSignificant(values[i], 3) + " mm";
   };
   const auto worst = std::max_element(chart.value.begin(), chart.value.end());
-  if (worst != chart.value.end()) {
+  constexpr double kSame = 1.02;  // as in words
+  if (worst != chart.value.end() &&
+      *worst * kMillimetre > kSame * map.summary.median) {
     const auto k = static_cast<std::size_t>(worst - chart.value.begin());
     chart.marked = {chart.px[k], chart.py[k]};
     chart.marked_name = "worst";

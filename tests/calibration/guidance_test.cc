@@ -65,6 +65,15 @@ TEST(GuidanceTest, WorstPlaceIsInTheFrameOfTheBase) {
                         "0.300 mm, 1.5 times the median."));
 }
 
+TEST(GuidanceTest, NoPlaceIsWorstWhereAllAreTheSame) {
+  CalibrationResult result = MakeMapped();
+  PredictedMap& map = *result.uncertainty->workspace;
+  map.position_std = Eigen::Vector2d(3e-4, 3.01e-4);
+  map.summary = SummarizeErrors(map.position_std);
+  EXPECT_THAT(FindingsOf(result, "worst_place").at(0).sentence,
+              HasSubstr("the same over the whole workspace, 0.301 mm."));
+}
+
 TEST(GuidanceTest, WorstMeasurementIsOneThatWasKept) {
   CalibrationResult result = MakeMapped();
   EvaluatedSet& set = *result.validation;
