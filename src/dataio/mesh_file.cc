@@ -13,6 +13,7 @@
 #include <optional>
 #include <set>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "alidade/error.h"
@@ -241,9 +242,8 @@ TriangleMesh Clustered(const TriangleMesh& mesh, const Vector3d& lower,
   std::set<std::array<int, 3>> seen;
   std::vector<Eigen::Vector3i> kept;
   for (Eigen::Index i = 0; i < mesh.triangles.cols(); ++i) {
-    const Eigen::Vector3i corners(cluster(mesh.triangles(0, i)),
-                                  cluster(mesh.triangles(1, i)),
-                                  cluster(mesh.triangles(2, i)));
+    Eigen::Vector3i corners;
+    for (int k = 0; k < 3; ++k) corners[k] = cluster(mesh.triangles(k, i));
     std::array<int, 3> key = {corners[0], corners[1], corners[2]};
     std::sort(key.begin(), key.end());
     if (key[0] == key[1] || key[1] == key[2]) continue;
@@ -290,7 +290,9 @@ TriangleMesh SimplifyMesh(const TriangleMesh& mesh, int most) {
   TriangleMesh small = Clustered(mesh, lower, size / 512.0);
   for (double parts = 128.0; small.triangles.cols() > most && parts > 1.0;
        parts *= 0.8) {
-    small = Clustered(small, lower, size / parts);
+    TriangleMesh smaller = Clustered(small, lower, size / parts);
+    if (smaller.triangles.cols() == 0) break;
+    small = std::move(smaller);
   }
   if (small.triangles.cols() > most) {
     small.triangles.conservativeResize(Eigen::NoChange, most);

@@ -10,6 +10,7 @@
 #include "src/common/number_text.h"
 #include "src/model/chain_axes.h"
 #include "src/report/chart_frame.h"
+#include "src/report/markup.h"
 
 namespace alidade::internal {
 namespace {
@@ -208,7 +209,9 @@ std::string ShapeJson(const LinkShape& shape) {
 }
 
 // Notes are numbers and words of our own, without quotation marks.
-std::string NoteJson(const std::string& note) { return "\"" + note + "\""; }
+std::string NoteJson(const std::string& note) {
+  return "\"" + Typeset(note) + "\"";
+}
 
 }  // namespace
 
@@ -307,8 +310,11 @@ double ErrorFactor(const ArmView& view, Eigen::Vector3d ViewPlace::*error) {
   if (!(largest > 0.0)) return 1.0;
   const double rough = 0.1 * box.sizes().maxCoeff() / largest;
   if (!(rough > 1.0) || !std::isfinite(rough)) return 1.0;
-  // 1, 2 or 5 times a power of ten, which are at most 2.5 times apart.
-  return std::max(1.0, StepAbove(rough / 2.5));
+  const double power = std::pow(10.0, std::floor(std::log10(rough)));
+  for (const double factor : {5.0, 2.0}) {
+    if (factor * power <= rough) return factor * power;
+  }
+  return power;
 }
 
 std::string ArmViewJson(const ArmView& view) {

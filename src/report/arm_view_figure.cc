@@ -47,12 +47,16 @@ class Projection {
   explicit Projection(const std::vector<Vector3d>& points) {
     ValueRange x;
     ValueRange y;
-    for (const Vector3d& point : points) {
+    const auto include = [&](const Vector3d& point) {
       const SvgPoint flat = Project(point);
       x.Include(flat.x);
       y.Include(flat.y);
+    };
+    for (const Vector3d& point : points) {
+      include(point);
       reach_ = std::max(reach_, point.head<2>().norm());
     }
+    for (int i = 0; i < kFloorCorners; ++i) include(FloorCorner(i));
     const auto fit = [](double room, const ValueRange& range) {
       return room / (range.max > range.min ? range.max - range.min : 1.0);
     };
@@ -72,7 +76,13 @@ class Projection {
     return SvgNumber(at.x) + "," + SvgNumber(at.y);
   }
   double unit() const { return unit_; }
-  double reach() const { return reach_; }
+
+  // A circle about the base shows which way is up and how far it reaches.
+  static constexpr int kFloorCorners = 72;
+  Vector3d FloorCorner(int i) const {
+    const double angle = 2.0 * kPi * i / kFloorCorners;
+    return reach_ * Vector3d(std::cos(angle), std::sin(angle), 0.0);
+  }
 
  private:
   double unit_ = 1.0;
@@ -137,15 +147,11 @@ class Drawing {
     return text;
   }
 
-  // A circle about the base shows which way is up and how far it reaches.
   void DrawFloor() {
-    constexpr int kCorners = 72;
     std::string path;
-    for (int i = 0; i <= kCorners; ++i) {
-      const double angle = 2.0 * kPi * i / kCorners;
-      path += (i == 0 ? "M" : "L") +
-              projection_.Text(projection_.reach() *
-                               Vector3d(std::cos(angle), std::sin(angle), 0.0));
+    for (int i = 0; i <= Projection::kFloorCorners; ++i) {
+      path +=
+          (i == 0 ? "M" : "L") + projection_.Text(projection_.FloorCorner(i));
     }
     svg_.Layer("floor", path, "link ghost");
   }
@@ -310,7 +316,7 @@ class Drawing {
     svg_.Layer("scale",
                "M12," + SvgNumber(kHeight - 10.0) + "H" + SvgNumber(end),
                "axis");
-    svg_.Text({end + 6.0, kHeight - 6.0}, FormatSignificant(length, 3) + " mm",
+    svg_.Text({end + 6.0, kHeight - 6.0}, ShortestNumber(length) + " mm",
               "tick halo");
     svg_.EndPart();
   }

@@ -31,7 +31,7 @@ double SampledDistance(const Segment& a, const Segment& b, int steps) {
 }
 
 void ExpectAsSampled(const Segment& a, const Segment& b) {
-  constexpr int kSteps = 150;
+  constexpr int kSteps = 80;
   constexpr double kRounding = 1e-12;
   const double step =
       ((a.to - a.from).norm() + (b.to - b.from).norm()) / kSteps;
@@ -47,7 +47,7 @@ TEST(SegmentDistanceTest, IsThatOfSampledPoints) {
   const auto point = [&random] {
     return Vector3d(random.Normal(), random.Normal(), random.Normal());
   };
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < 30; ++i) {
     const Segment a = {point(), point()};
     ExpectAsSampled(a, {point(), point()});
     // Near and crossing ones, parallel ones, and points.

@@ -76,7 +76,13 @@ function place(view) {
   const points = isShown(view.parts.cloud) || view.points.length === 0 ?
       [...view.points, ...view.cloud] :
       view.points;
-  const flat = points.map(project);
+  const reach = maxOf(points.map(([x, y]) => norm([x, y])));
+  const floor = Array.from(
+      {length: 73},
+      (unused, i) =>
+          [reach * Math.cos(i * Math.PI / 36),
+           reach * Math.sin(i * Math.PI / 36), 0]);
+  const flat = [...points, ...floor].map(project);
   const low = [0, 1].map((k) => minOf(flat.map((point) => point[k])));
   const high = [0, 1].map((k) => maxOf(flat.map((point) => point[k])));
   const {width, height, side, top, bottom} = FRAME;
@@ -92,21 +98,15 @@ function place(view) {
       round(middle[1] + view.shift[1] - (y - (low[1] + high[1]) / 2) * unit)
     ];
   };
-  return {at, unit, middle, reach: maxOf(points.map(([x, y]) => norm([x, y])))};
+  return {at, unit, middle, floor};
 }
 
 // The paths of the layers by their names.
-function layersOf(view, {at, unit, reach}) {
+function layersOf(view, {at, unit, floor}) {
   const {data, places, cloud} = view;
   const arm = (data.lines[view.pose] || []).map(at);
   const layers = {
-    floor: 'M' +
-        Array
-            .from({length: 73}, (unused, i) => at([
-                                  reach * Math.cos(i * Math.PI / 36),
-                                  reach * Math.sin(i * Math.PI / 36), 0
-                                ]))
-            .join('L'),
+    floor: 'M' + floor.map(at).join('L'),
     arm: arm.length ? 'M' + arm.join('L') : '',
     joints: dots(arm.slice(0, -1), 4),
     places:
