@@ -59,6 +59,15 @@ std::string PlanOpening(const PlanResult& result) {
   if (result.has_priors) {
     text += " Priors are taken into account.";
   }
+  if (!result.terms.empty()) {
+    text +=
+        " " +
+        Count(static_cast<std::int64_t>(result.terms.size()), "error term") +
+        " beyond rigid geometry, held by priors, " +
+        (result.terms.size() == 1 ? "is" : "are") +
+        " to be found with them, and count in what is predicted; `errors: "
+        "none` plans for the geometry alone.";
+  }
   return text;
 }
 

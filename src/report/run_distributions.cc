@@ -270,7 +270,8 @@ LineChart PairChart(const ManyRuns& runs, const ParameterPair& pair) {
   const RunParameter& second = runs.parameters[pair.second];
   const auto axis = [](const RunParameter& parameter) {
     ChartAxis shown;
-    shown.label = parameter.name + " [" + UnitForPeople(parameter.dimension) + "]";
+    shown.label =
+        parameter.name + " [" + UnitForPeople(parameter.dimension) + "]";
     return shown;
   };
   LineChart chart;
