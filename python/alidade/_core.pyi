@@ -51,6 +51,7 @@ class Measurements:
     name: str
     sigmas_are_stated: bool
     sets: list[str]
+    first_station: str
     target_names: list[str]
     rejected: list[tuple[str, int, str]]
     def __init__(self, joints: _Array) -> None: ...

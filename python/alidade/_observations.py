@@ -192,6 +192,31 @@ def uses_of(effects: Any, columns: Sequence[str], joints: int) -> list[Use]:
     return uses
 
 
+_STATION = "station "
+
+
+def station_names(core: _core.Measurements) -> list[str]:
+    """Of each pose."""
+    values = core.covariates()
+    names = [core.first_station] * len(core.joint_values())
+    for k, column in enumerate(core.covariate_names()):
+        if column.startswith(_STATION):
+            for i in np.flatnonzero(values[:, k]):
+                names[i] = column[len(_STATION):]
+    return names
+
+
+def without_stations(core: _core.Measurements) -> _core.Measurements:
+    kept = [k for k, name in enumerate(core.covariate_names())
+            if not name.startswith(_STATION)]
+    copy = core.copy()
+    copy.set_covariates([core.covariate_names()[k] for k in kept],
+                        np.ascontiguousarray(core.covariates()[:, kept]))
+    copy.set_uses([use for use in core.uses() if use[4] != "station"])
+    copy.first_station = ""
+    return copy
+
+
 def copy_references(references: Any, core: _core.Measurements) -> None:
     for kind, name, numbers_, offset, known in references:
         if kind == "point":
