@@ -166,10 +166,13 @@ def target_numbers(core: _core.Measurements, target: Any,
             raise wrong("target", f"found {len(target)}, expected one or "
                         f"{count}, one for each measurement")
         found = [number_of(value) for value in target]
+        is_first = not any(found)
     else:
-        found = [number_of(target)] * count
+        number = number_of(target)
+        is_first = number == 0
+        found = [] if is_first else [number] * count
     core.target_names = known
-    return found if any(found) else []
+    return [] if is_first else found
 
 
 def uses_of(effects: Any, columns: Sequence[str], joints: int) -> list[Use]:
