@@ -67,6 +67,8 @@ struct LoadedMeasurements {
   References references;           ///< stated ones, then those that files name
   std::vector<CovariateUse> uses;  ///< of the data's covariates
   std::vector<std::string> sets;   ///< of each pose, where a column says it
+  /// Where files name stations, the one whose base is the arm's.
+  std::string first_station;
   std::vector<RejectedRow> rejected;
   /// Not all sigmas are a first guess of `measurement: {sigma: estimate}`.
   bool are_sigmas_stated = true;

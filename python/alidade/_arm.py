@@ -319,6 +319,29 @@ class Arm:
         """`count` configurations (count, n) drawn uniformly within limits."""
         return self._core.draw(integer(count, "count", 1), seed_of(seed))
 
+    @property
+    def has_motor_map(self) -> bool:
+        """Whether joint values are other than the controller's: an arm file
+        states `sign`, `offset` or `motors`. Joint values are those of the chain
+        everywhere in this package; files have the controller's."""
+        return self._core.has_motor_map()
+
+    def joints_from_motors(self, motors: Any) -> Array:
+        """Joint values (N, n) of the controller's (N, m); or (n,) of (m,)."""
+        values = rows(motors, "motors", self._core.num_motors(),
+                      "the controller's values (rad, m) of each pose")
+        found = self._core.joints_from_motors(values)
+        return np.asarray(found[0]) if np.ndim(motors) == 1 else found
+
+    def motors_from_joints(self, joint_values: Any) -> Array:
+        """The inverse."""
+        joints, is_one = self._joints(joint_values)
+        if self._core.num_motors() != self.num_joints:
+            raise wrong("joint_values", "the arm has fewer motors than joints, "
+                        "expected one that has as many")
+        found = self._core.motors_from_joints(joints)
+        return np.asarray(found[0]) if is_one else found
+
     def export(self, format: str, *, table: str = "csv",
                nominal: Arm | None = None,
                nominal_file: Path = "") -> Record:

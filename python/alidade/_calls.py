@@ -398,8 +398,14 @@ def correct(nominal: Any, real: Any, *, poses: Any = None,
         max_joint_change=positive(max_joint_change, "max_joint_change",
                                   "an angle (rad)"))
     true._target(target)
-    return record(_core.correct(believed._core, true._core, targets, motors,
+    if motors is not None and believed.has_motor_map:
+        motors = believed.motors_from_joints(motors)
+    done = record(_core.correct(believed._core, true._core, targets, motors,
                                 options))
+    if believed.has_motor_map:
+        for name in ("joint_values", "asked_joints"):
+            done[name] = believed.joints_from_motors(done[name])
+    return done
 
 
 def export(arm: Any, format: str, **keywords: Any) -> Record:

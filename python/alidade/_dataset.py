@@ -14,7 +14,8 @@ from ._arm import Arm, arm_of
 from ._arrays import Array, Path, numbers, path, positive, rows, text, threads_of
 from ._errors import InputError, wrong
 from ._measuring import Measuring
-from ._observations import add_after, add_part, copy_references
+from ._observations import (add_after, add_part, copy_references,
+                            station_names, without_stations)
 from ._options import document, flow, nested
 from ._record import Record
 
@@ -191,6 +192,12 @@ class Dataset(Measuring):
         if not isinstance(other, Dataset):
             return NotImplemented
         one, more = self._core, other._core
+        if one.first_station or more.first_station:
+            _require_stations(one, more, "other")
+            both = (self._of(without_stations(one))
+                    + self._of(without_stations(more)))
+            return both.with_stations(station_names(one) + station_names(more),
+                                      first=one.first_station)
         if other.joint_values.shape[1] != self.joint_values.shape[1]:
             raise wrong("other", f"has {other.joint_values.shape[1]} joint "
                         "values per pose, expected "
@@ -230,6 +237,16 @@ class Dataset(Measuring):
         """This one and validation data, with the same numbers of points and
         planes."""
         one, more = self._core, held._core
+        if one.first_station or more.first_station:
+            _require_stations(one, more, "validation")
+            names_ = station_names(more)
+            for name in names_:
+                if name not in station_names(one):
+                    raise wrong("validation", f"was measured at {name!r}, "
+                                "where no pose of the fit was: its base is "
+                                "not known, expected the same stations")
+            more = self._of(without_stations(more)).with_stations(
+                names_, first=one.first_station)._core
         names = {kind: [entry[1] for entry in one.references()
                         if entry[0] == kind] for kind in ("point", "plane")}
         added = [entry for entry in more.references()
@@ -275,6 +292,7 @@ class Dataset(Measuring):
         old = self._core
         core = _core.Measurements(np.ascontiguousarray(self.joint_values[kept]))
         core.name, core.target_names = old.name, old.target_names
+        core.first_station = old.first_station
         core.sigmas_are_stated = old.sigmas_are_stated
         core.sets = [old.sets[k] for k in kept] if old.sets else []
         copy_references(old.references(), core)
@@ -439,7 +457,17 @@ class Dataset(Measuring):
 getattr(Dataset.load, "__func__").__doc__ = str(Dataset.load.__doc__).replace(
     "        {options}", document("data", "        "))
 
-_MEMBERS = ("name", "sigmas_are_stated", "sets", "target_names", "rejected")
+_MEMBERS = ("name", "sigmas_are_stated", "sets", "first_station",
+            "target_names", "rejected")
+
+
+def _require_stations(one: _core.Measurements, more: _core.Measurements,
+                      argument: str) -> None:
+    if not (one.first_station and more.first_station):
+        raise wrong(argument, "stations are named of one data set and not of "
+                    "the other, expected with_stations of both")
+
+
 def dataset_of(value: Any, arm: Arm, argument: str, threads: int) -> Dataset:
     """A Dataset for the arm, or the file of one."""
     if isinstance(value, Dataset):

@@ -247,6 +247,8 @@ class Measuring:
         """Where, or on which day, each pose was measured: N names. With
         `errors` other than "none" each station has a base of its own; the
         arm's base is that of `first`, by default of the first pose."""
+        if self._core.first_station:
+            raise wrong("stations", "are named already, expected them once")
         given = getattr(stations, "tolist", lambda: stations)()
         if isinstance(given, str):
             raise wrong("stations", "found one name, expected one for each "
@@ -254,11 +256,11 @@ class Measuring:
         names = names_of(given, "stations", len(self), "their names")
         order = list(dict.fromkeys(
             names if first is None else [text(first, "first"), *names]))
-        if len(order) < 2:
-            return self._copy()
+        data = self._copy()
+        data._core.first_station = order[0]
         columns = {f"station {name}": np.array(names) == name
                    for name in order[1:]}
-        return self._with_columns(
+        return data._with_columns(
             {name: is_here.astype(float) for name, is_here in columns.items()},
             [(name, True, False, [], "station") for name in columns])
 
@@ -282,6 +284,8 @@ class Measuring:
 
     def _with_columns(self, given: Any, uses: list[Any]) -> Dataset:
         core = self._core
+        if not given:
+            return self._copy()
         columns = {name: core.covariates()[:, k] for k, name in
                    enumerate(core.covariate_names())}
         for name, value in given.items():

@@ -166,10 +166,13 @@ def target_numbers(core: _core.Measurements, target: Any,
             raise wrong("target", f"found {len(target)}, expected one or "
                         f"{count}, one for each measurement")
         found = [number_of(value) for value in target]
+        is_first = not any(found)
     else:
-        found = [number_of(target)] * count
+        number = number_of(target)
+        is_first = number == 0
+        found = [] if is_first else [number] * count
     core.target_names = known
-    return found if any(found) else []
+    return [] if is_first else found
 
 
 def uses_of(effects: Any, columns: Sequence[str], joints: int) -> list[Use]:
@@ -190,6 +193,31 @@ def uses_of(effects: Any, columns: Sequence[str], joints: int) -> list[Use]:
                   if "joints" in moved or f"joint {j + 1}" in moved]
         uses.append((name, "base" in moved, "target" in moved, turned, ""))
     return uses
+
+
+_STATION = "station "
+
+
+def station_names(core: _core.Measurements) -> list[str]:
+    """Of each pose."""
+    values = core.covariates()
+    names = [core.first_station] * len(core.joint_values())
+    for k, column in enumerate(core.covariate_names()):
+        if column.startswith(_STATION):
+            for i in np.flatnonzero(values[:, k]):
+                names[i] = column[len(_STATION):]
+    return names
+
+
+def without_stations(core: _core.Measurements) -> _core.Measurements:
+    kept = [k for k, name in enumerate(core.covariate_names())
+            if not name.startswith(_STATION)]
+    copy = core.copy()
+    copy.set_covariates([core.covariate_names()[k] for k in kept],
+                        np.ascontiguousarray(core.covariates()[:, kept]))
+    copy.set_uses([use for use in core.uses() if use[4] != "station"])
+    copy.first_station = ""
+    return copy
 
 
 def copy_references(references: Any, core: _core.Measurements) -> None:

@@ -249,6 +249,23 @@ void DefineArm(py::module_* m) {
            [](const Arm& arm, int count, std::uint64_t seed) {
              return Give(DrawConfigurations(arm, count, seed));
            })
+      .def("has_motor_map", &HasMotorMap)
+      .def("num_motors",
+           [](const Arm& arm) {
+             return HasMotorMap(arm) && arm.joints_from_motors.size() > 0
+                        ? arm.joints_from_motors.cols()
+                        : Eigen::Index{arm.num_joints()};
+           })
+      .def("joints_from_motors",
+           [](const Arm& arm, const Rows& motors) {
+             return Give(
+                 JointsFromMotors(arm, Eigen::MatrixXd(AsMatrix(motors))));
+           })
+      .def("motors_from_joints",
+           [](const Arm& arm, const Rows& joints) {
+             return Give(
+                 MotorsFromJoints(arm, Eigen::MatrixXd(AsMatrix(joints))));
+           })
       .def("positions", Positions)
       .def("transforms", Transforms)
       .def("jacobians", Jacobians)

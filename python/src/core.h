@@ -37,6 +37,8 @@ struct Measurements {
   /// Names of targets that stand for numbers from kNamedTargets on: which of
   /// the arm's they are is known once there is an arm.
   std::vector<std::string> target_names = {};
+  std::string first_station =
+      {};  ///< whose base is the arm's; empty: no others
   /// Rows of files that hold no measurement: file, line, reason.
   std::vector<std::tuple<std::string, int, std::string>> rejected = {};
   /// Somebody has stated sigmas, if only one for all.

@@ -125,6 +125,7 @@ Measurements Load(const std::string& text, const Arm& arm, int threads) {
   measurements.references = std::move(loaded.references);
   measurements.uses = std::move(loaded.uses);
   measurements.sets = std::move(loaded.sets);
+  measurements.first_station = std::move(loaded.first_station);
   measurements.sigmas_are_stated = loaded.are_sigmas_stated;
   for (const RejectedRow& row : loaded.rejected) {
     measurements.rejected.emplace_back(row.file, row.line, row.reason);
@@ -256,6 +257,7 @@ void DefineMeasurements(py::module_* m) {
            py::arg("sigmas"), py::arg("poses"), py::arg("targets"),
            py::arg("references"), py::arg("seconds"), py::arg("whiteners"))
       .def_readwrite("sets", &Measurements::sets)
+      .def_readwrite("first_station", &Measurements::first_station)
       .def_readwrite("target_names", &Measurements::target_names)
       .def_readwrite("rejected", &Measurements::rejected)
       .def("name_targets", NameTargets)

@@ -189,3 +189,43 @@ def test_what_an_arm_shows(arm):
   assert arm.parameter_units['d3'] == 'm'
   assert arm.with_parameters({'d3': 0.5}).parameters['d3'] == 0.5
   assert puma() != arm
+
+
+PALLETISER = (
+    'format: alidade-arm-1\nname: palletiser\nunits: {length: m, angle: rad}\n'
+    'joints:\n  - {type: revolute, r: 0.5, limits: [-2, 2]}\n'
+    '  - {type: revolute, alpha: -1.5707963267948966, limits: [-1, 1]}\n'
+    '  - {type: revolute, d: 0.6, limits: [-1.2, 1.2]}\n'
+    'motors: {matrix: [[-1, 0, 0], [0, 1, 0], [0, -1, 1]], '
+    'offset: [0.1, 0, 0]}\ntool: {x: 0.4}\n')
+
+
+def test_arms_whose_controller_counts_otherwise(tmp_path):
+  arm = alidade.Arm.parse(PALLETISER)
+  assert arm.has_motor_map and not puma().has_motor_map
+  shown = np.random.default_rng(3).uniform(-0.5, 0.5, (40, 3))
+  joints = arm.joints_from_motors(shown)
+  np.testing.assert_allclose(joints, np.column_stack(
+      [0.1 - shown[:, 0], shown[:, 1], shown[:, 2] - shown[:, 1]]), rtol=0,
+                             atol=1e-16)
+  np.testing.assert_allclose(arm.motors_from_joints(joints), shown, rtol=0,
+                             atol=1e-15)
+  np.testing.assert_array_equal(arm.joints_from_motors(shown[0]), joints[0])
+  # Files hold what the controller shows.
+  real = arm.with_deviations({'d3': 1e-3, 'theta2': 2e-3})
+  data = alidade.simulate(real, joints, sigma=1e-5)
+  data.save(tmp_path / 'set.csv', arm)
+  assert (tmp_path / 'set.csv').read_text().startswith('q1_rad')
+  first = (tmp_path / 'set.csv').read_text().splitlines()[1].split(',')
+  assert abs(float(first[0]) - shown[0, 0]) < 1e-15
+  again = alidade.Dataset.load(tmp_path / 'set.csv', arm)
+  np.testing.assert_allclose(again.joint_values, joints, rtol=0, atol=1e-15)
+  # Joint values go in and come out of corrections as everywhere.
+  true = real.with_base(arm.base).with_tool(arm.tool)
+  done = alidade.correct(arm, real, joint_values=joints, task='position')
+  assert set(done.status) == {'reached'}
+  np.testing.assert_allclose(true.positions(done.joint_values),
+                             arm.positions(joints), rtol=0, atol=1e-8)
+  np.testing.assert_allclose(done.asked_joints, joints, rtol=0, atol=1e-9)
+  with pytest.raises(alidade.InputError, match='motors'):
+    arm.joints_from_motors(shown[:, :2])

@@ -164,6 +164,8 @@ WRONG = [
     (lambda: DATA.with_approach(np.full(30, 0.5)), 'directions'),
     (lambda: DATA.with_approach(np.ones((30, 5))), 'directions'),
     (lambda: DATA.with_stations('monday'), 'stations'),
+    (lambda: DATA.with_stations(['a'] * 30).with_stations(['a'] * 30),
+     'stations'),
     (lambda: DATA.with_stations(['a'] * 29), 'stations'),
     (lambda: DATA.with_stations([1] * 30), 'stations'),
     (lambda: DATA.with_stations(['a', 'b'] * 15, first=2), 'first'),

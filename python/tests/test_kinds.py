@@ -436,3 +436,34 @@ def test_validation_data_measure_against_the_same_names():
   unknown = Dataset(Q[:9]).with_distances('D', lengths[:9, 0], 2e-5)
   with pytest.raises(alidade.InputError, match="validation.*'D'"):
     alidade.calibrate(ARM, data, validation=unknown, **options)
+
+
+def test_stations_are_known_by_their_names(tmp_path):
+  """Whichever comes first: in validation data, and in data that are joined."""
+  moved = np.eye(4)
+  moved[:3, 3] = 0.01, -0.02, 0.005
+  turned = PROBE + moved[:3, 3]
+  points = np.where((DAYS == 'tuesday')[:, None], turned, PROBE)
+  data = Dataset(Q, points, sigma=2e-5, target='probe')
+  whole = data.with_stations(DAYS)
+  options = dict(parameters=['joints', 'base', 'tool'],
+                 errors={'scale': True})
+  tuesday = whole[DAYS == 'tuesday'][5:12]
+  one_day = Dataset(tuesday.joint_values, tuesday.positions, sigma=2e-5,
+                    target='probe').with_stations(['tuesday'] * 7)
+  for held in (tuesday, one_day):
+    result = alidade.calibrate(ARM, whole, validation=held, **options)
+    assert result.validation.after.max < 2e-4
+  elsewhere = data[:3].with_stations(['friday'] * 3)
+  with pytest.raises(alidade.InputError, match="validation.*'friday'"):
+    alidade.calibrate(ARM, whole, validation=elsewhere, **options)
+  with pytest.raises(alidade.InputError, match='validation.*with_stations'):
+    alidade.calibrate(ARM, whole, validation=data[:5], **options)
+  joined = (data[DAYS == 'monday'].with_stations(['monday'] * 30)
+            + data[DAYS == 'tuesday'].with_stations(['tuesday'] * 30))
+  assert joined.covariates.keys() == whole.covariates.keys()
+  for name, column in whole.covariates.items():
+    np.testing.assert_array_equal(joined.covariates[name], column)
+  assert joined._core.uses() == whole._core.uses()
+  with pytest.raises(alidade.InputError, match='other.*with_stations'):
+    whole + data

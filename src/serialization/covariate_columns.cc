@@ -119,15 +119,16 @@ void AddPayload(double mass, LoadedData* loaded) {
 
 namespace {
 
+constexpr std::string_view kStation = "station ";
+
 // The one whose base is the arm's: of an arm that has been calibrated with
 // stations, the one that it has no effect for; else the first.
 std::string FirstStation(const std::vector<std::string>& stations,
                          const Arm& arm) {
-  constexpr std::string_view kPrefix = "station ";
   std::vector<std::string> others;
   for (const CovariateEffect& effect : arm.errors.covariates) {
-    if (effect.name.rfind(kPrefix, 0) == 0) {
-      others.push_back(effect.name.substr(kPrefix.size()));
+    if (effect.name.rfind(kStation, 0) == 0) {
+      others.push_back(effect.name.substr(kStation.size()));
     }
   }
   if (others.empty()) return stations.front();
@@ -141,9 +142,10 @@ std::string FirstStation(const std::vector<std::string>& stations,
 }  // namespace
 
 void AddStations(const std::vector<std::string>& stations, const Arm& arm,
-                 LoadedData* loaded) {
+                 std::string* first, LoadedData* loaded) {
   Dataset* const data = &loaded->data;
-  std::vector<std::string> names = {FirstStation(stations, arm)};
+  if (first->empty()) *first = FirstStation(stations, arm);
+  std::vector<std::string> names = {*first};
   for (const std::string& station : stations) {
     if (std::find(names.begin(), names.end(), station) == names.end()) {
       names.push_back(station);
@@ -161,12 +163,26 @@ void AddStations(const std::vector<std::string>& stations, const Arm& arm,
     if (number > 0) all.map()(before + number - 1, pose) = 1.0;
   }
   for (std::size_t k = 1; k < names.size(); ++k) {
-    CovariateUse use{"station " + names[k]};
+    CovariateUse use{std::string(kStation) + names[k]};
     use.is_station = true;
     data->covariate_names.push_back(use.name);
     loaded->uses.push_back(std::move(use));
   }
   data->covariates = all.Freeze();
+}
+
+void RequireKnownStations(const YamlValue& value, const Dataset& training,
+                          const LoadedData& loaded) {
+  if (training.num_poses() == 0) return;
+  const std::vector<std::string>& known = training.covariate_names;
+  for (const CovariateUse& use : loaded.uses) {
+    if (!use.is_station || std::count(known.begin(), known.end(), use.name)) {
+      continue;
+    }
+    value.Fail(use.name +
+               " is none of those of `data`: its base is not known, expected "
+               "validation data of the same stations");
+  }
 }
 
 void RequireSameCovariates(const std::vector<LoadedData>& parts) {

@@ -67,9 +67,14 @@ void VisitCovariates(Visitor& v, const Arm& arm, ColumnMapping* mapping) {
 inline constexpr char kPayloadName[] = "payload";
 /// A mass at the target that is the same at all poses.
 void AddPayload(double mass, LoadedData* loaded);
-/// A covariate of each station but the first, 1 there and 0 elsewhere.
+/// A covariate of each station but the first, whose base is the arm's, 1 there
+/// and 0 elsewhere. `first`: its name, which is found where it is empty.
 void AddStations(const std::vector<std::string>& stations, const Arm& arm,
-                 LoadedData* loaded);
+                 std::string* first, LoadedData* loaded);
+/// Validation data are of stations that the data to fit have too. @throws
+/// InputError.
+void RequireKnownStations(const YamlValue& value, const Dataset& training,
+                          const LoadedData& loaded);
 /// Data that are joined have the same covariates. @throws InputError.
 void RequireSameCovariates(const std::vector<LoadedData>& parts);
 

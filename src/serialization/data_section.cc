@@ -235,7 +235,8 @@ void VisitData(Visitor& v, const Arm& arm, DataFormat* format,
 }
 
 // All parts as one. A pose of a part without sets is in the set "".
-LoadedData Merge(std::vector<LoadedData> parts, const Arm& arm) {
+LoadedData Merge(std::vector<LoadedData> parts, const Arm& arm,
+                 std::string* first_station) {
   LoadedData all;
   if (parts.empty()) {
     all.data.joint_values = Eigen::MatrixXd(arm.num_joints(), 0);
@@ -274,7 +275,7 @@ LoadedData Merge(std::vector<LoadedData> parts, const Arm& arm) {
   for (const Dataset& part : data) num_poses += part.num_poses();
   RequireFewRows(data.back().name, num_poses);
   all.data = MergeDatasets(std::move(data));
-  if (has_stations) AddStations(all.stations, arm, &all);
+  if (has_stations) AddStations(all.stations, arm, first_station, &all);
   return all;
 }
 
@@ -401,7 +402,8 @@ bool AreStated(const MeasurementSigmas& sigmas, const Dataset& data) {
 }
 
 LoadedData ReadData(const YamlValue& value, const MeasurementSigmas& sigmas,
-                    JobContext* context, JobConfig* job) {
+                    std::string* first_station, JobContext* context,
+                    JobConfig* job) {
   DataFormat defaults;
   defaults.sigma = sigmas.length;
   defaults.rotation_sigma = sigmas.rotation;
@@ -420,7 +422,8 @@ LoadedData ReadData(const YamlValue& value, const MeasurementSigmas& sigmas,
   for (const YamlValue& entry : entries) {
     ReadEntry(entry, defaults, context, job, &assignment, &parts);
   }
-  LoadedData all = Merge(std::move(parts), job->arm);
+  LoadedData all = Merge(std::move(parts), job->arm, first_station);
+  RequireKnownStations(value, job->data.training, all);
   if (job->communicator->Sum(all.data.covariate_names.empty() ? 0 : 1) > 0 &&
       is_partitioned) {
     value.Fail(

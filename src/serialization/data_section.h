@@ -1,6 +1,8 @@
 #ifndef ALIDADE_SRC_SERIALIZATION_DATA_SECTION_H_
 #define ALIDADE_SRC_SERIALIZATION_DATA_SECTION_H_
 
+#include <string>
+
 #include "src/dataio/dataset_csv.h"
 #include "src/serialization/field_records.h"
 #include "src/serialization/job_config.h"
@@ -61,10 +63,12 @@ std::vector<FieldRecord> DataFields();
 bool AreStated(const MeasurementSigmas& sigmas, const Dataset& data);
 
 /// Reads data for the job's arm: a path, a map of a file and what it does not
-/// say itself, or a list of both, merged. The job's references grow by what
-/// the files name, its list of rejected rows by theirs. @throws InputError.
+/// say itself, or a list of both, merged. The job's references grow by what the
+/// files name, its list of rejected rows by theirs. `first_station`: the one
+/// whose base is the arm's; found where it is empty. @throws InputError.
 LoadedData ReadData(const YamlValue& value, const MeasurementSigmas& sigmas,
-                    JobContext* context, JobConfig* job);
+                    std::string* first_station, JobContext* context,
+                    JobConfig* job);
 
 }  // namespace alidade::internal
 

@@ -92,7 +92,9 @@ Eigen::VectorXd WithReferences(const Eigen::VectorXd& deviations,
 void ReadTrainingData(const YamlValue& value, JobReading* reading) {
   JobConfig* const job = reading->job;
   job->data.references = reading->references.references;
-  LoadedData loaded = ReadData(value, reading->sigmas, reading->context, job);
+  LoadedData loaded =
+      ReadData(value, reading->sigmas, &reading->validation.first_station,
+               reading->context, job);
   job->data.training = std::move(loaded.data);
   job->options.sigmas_are_stated =
       AreStated(reading->sigmas, job->data.training);

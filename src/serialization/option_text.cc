@@ -183,7 +183,8 @@ LoadedMeasurements LoadMeasurements(const std::string& text, const Arm& arm,
               [&](auto& section) { VisitReferences(section, &references); });
     v.Custom(Key("data").Required(), "", [&](const auto& value) {
       job.data.references = references.references;
-      internal::LoadedData data = ReadData(value, sigmas, &context, &job);
+      internal::LoadedData data =
+          ReadData(value, sigmas, &loaded.first_station, &context, &job);
       job.data.training = std::move(data.data);
       loaded.uses = std::move(data.uses);
       loaded.sets = std::move(data.sets);

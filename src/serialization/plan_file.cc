@@ -263,7 +263,9 @@ void ReadMeasured(const YamlValue& value, PlanReading* reading) {
   job.data.references = reading->references.references;
   const MeasurementSigmas sigmas = {plan->measurement.sigma,
                                     plan->measurement.rotation_sigma};
-  job.data.training = ReadData(value, sigmas, reading->context, &job).data;
+  std::string first_station;
+  job.data.training =
+      ReadData(value, sigmas, &first_station, reading->context, &job).data;
   AppendDistances(reading->references.distances, sigmas.length, &job);
   plan->job = std::move(job);
 }

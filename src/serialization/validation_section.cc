@@ -208,7 +208,9 @@ void TakeValidation(const YamlMap& map, const StatedValidation& stated,
                     const std::vector<std::string>& sets, JobContext* context,
                     JobConfig* job) {
   if (stated.data) {
-    job->data.validation = ReadData(*stated.data, sigmas, context, job).data;
+    std::string first_station = stated.first_station;
+    job->data.validation =
+        ReadData(*stated.data, sigmas, &first_station, context, job).data;
   } else if (const auto value = map.Optional("folds")) {
     TakeFolds(*value, {stated.folds.folds, stated.holdout.seed}, job);
   } else if (stated.set) {

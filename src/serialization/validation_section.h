@@ -20,6 +20,8 @@ struct StatedValidation {
   std::optional<YamlValue> data, set, file;
   HoldOutOptions holdout;
   FoldsOptions folds;
+  /// The station of the data to fit whose base is the arm's.
+  std::string first_station;
 };
 
 template <typename Visitor>

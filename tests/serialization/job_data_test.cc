@@ -455,6 +455,26 @@ TEST(JobDataErrorTest, Validation) {
        "\"P\" is measured against at validation poses alone"});
 }
 
+TEST(JobDataTest, StationsOfValidationDataAreThoseOfTheFit) {
+  DataJob files;
+  const std::string header = "x_mm,y_mm,z_mm,target,day";
+  files.Csv("e.csv", header, {"1,2,3,ball,mon", "1,2,3,ball,tue"});
+  files.Csv("f.csv", header, {"4,5,6,ball,tue", "4,5,6,ball,mon"});
+  files.Csv("g.csv", header, {"4,5,6,ball,wed", "4,5,6,ball,mon"});
+  const std::string data = "data: {file: e.csv, columns: {station: day}}\n";
+  const std::string others = ", columns: {station: day}}}\n";
+  const JobConfig job =
+      files.Load(data + "validation: {data: {file: f.csv" + others);
+  const Dataset& validation = *job.data.validation;
+  EXPECT_EQ(validation.covariate_names,
+            (std::vector<std::string>{"station tue"}));
+  EXPECT_EQ(validation.covariates(0, 0), 1.0);
+  EXPECT_EQ(validation.covariates(0, 1), 0.0);
+  files.ExpectError(
+      data + "validation: {data: {file: g.csv" + others,
+      {8, 20, "validation.data", "station wed is none of those of `data`"});
+}
+
 TEST(JobDataErrorTest, RotationLimitsNeedOrientations) {
   const DataJob files;
   files.ExpectError(
