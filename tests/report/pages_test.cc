@@ -11,6 +11,7 @@
 #include "src/report/comparison_page.h"
 #include "src/report/markup.h"
 #include "src/report/result_page.h"
+#include "src/report/table.h"
 #include "tests/report/report_test_util.h"
 
 namespace alidade::internal {
