@@ -9,10 +9,10 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
-#include <map>
 #include <optional>
-#include <set>
 #include <string_view>
+#include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -210,10 +210,16 @@ TriangleMesh ReadObj(const std::string& path, const std::string& text) {
   return mesh.Finish(path);
 }
 
-// Vertices of a cell of the grid become their mean.
+// Three whole numbers below 2^21 as one.
+std::uint64_t Packed(const std::array<std::uint64_t, 3>& numbers) {
+  return numbers[0] << 42U | numbers[1] << 21U | numbers[2];
+}
+
+// Vertices of a cell of the grid become their mean. @pre at most 2^21 cells or
+// vertices.
 TriangleMesh Clustered(const TriangleMesh& mesh, const Vector3d& lower,
                        double cell) {
-  std::map<std::array<std::int64_t, 3>, int> cells;
+  std::unordered_map<std::uint64_t, int> cells;
   std::vector<Vector3d> sums;
   std::vector<int> counts;
   std::vector<int> cluster_of(static_cast<std::size_t>(mesh.vertices.cols()),
@@ -222,13 +228,13 @@ TriangleMesh Clustered(const TriangleMesh& mesh, const Vector3d& lower,
     int& found = cluster_of[static_cast<std::size_t>(vertex)];
     if (found >= 0) return found;
     const Vector3d point = mesh.vertices.col(vertex);
-    std::array<std::int64_t, 3> key{};
+    std::array<std::uint64_t, 3> key{};
     for (int axis = 0; axis < 3; ++axis) {
-      key[static_cast<std::size_t>(axis)] = static_cast<std::int64_t>(
-          std::floor((point[axis] - lower[axis]) / cell));
+      key[static_cast<std::size_t>(axis)] = static_cast<std::uint64_t>(
+          std::max(0.0, (point[axis] - lower[axis]) / cell));
     }
     const auto [place, is_new] =
-        cells.emplace(key, static_cast<int>(sums.size()));
+        cells.emplace(Packed(key), static_cast<int>(sums.size()));
     if (is_new) {
       sums.emplace_back(Vector3d::Zero());
       counts.push_back(0);
@@ -239,15 +245,16 @@ TriangleMesh Clustered(const TriangleMesh& mesh, const Vector3d& lower,
     return found;
   };
   // The same three corners once, whichever comes first.
-  std::set<std::array<int, 3>> seen;
+  std::unordered_set<std::uint64_t> seen;
   std::vector<Eigen::Vector3i> kept;
   for (Eigen::Index i = 0; i < mesh.triangles.cols(); ++i) {
     Eigen::Vector3i corners;
     for (int k = 0; k < 3; ++k) corners[k] = cluster(mesh.triangles(k, i));
-    std::array<int, 3> key = {corners[0], corners[1], corners[2]};
+    std::array<std::uint64_t, 3> key{};
+    std::copy(corners.begin(), corners.end(), key.begin());
     std::sort(key.begin(), key.end());
     if (key[0] == key[1] || key[1] == key[2]) continue;
-    if (seen.insert(key).second) kept.push_back(corners);
+    if (seen.insert(Packed(key)).second) kept.push_back(corners);
   }
   TriangleMesh small;
   small.vertices.resize(3, static_cast<Eigen::Index>(sums.size()));
@@ -287,8 +294,12 @@ TriangleMesh SimplifyMesh(const TriangleMesh& mesh, int most) {
   const double size = (upper - lower).maxCoeff();
   if (!(size > 0.0)) return {};
   // STL repeats the corners that triangles share.
-  TriangleMesh small = Clustered(mesh, lower, size / 512.0);
-  for (double parts = 128.0; small.triangles.cols() > most && parts > 1.0;
+  constexpr double kParts = 120.0;
+  constexpr Eigen::Index kManyTriangles = 100'000;
+  const bool is_large = mesh.triangles.cols() > kManyTriangles;
+  TriangleMesh small =
+      Clustered(mesh, lower, size / (is_large ? kParts : 4.0 * kParts));
+  for (double parts = kParts; small.triangles.cols() > most && parts > 1.0;
        parts *= 0.8) {
     TriangleMesh smaller = Clustered(small, lower, size / parts);
     if (smaller.triangles.cols() == 0) break;

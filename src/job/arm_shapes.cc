@@ -1,6 +1,7 @@
 #include "src/job/arm_shapes.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <exception>
 #include <filesystem>
 #include <optional>
@@ -24,6 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr int kMostTriangles = 3000;
 constexpr std::size_t kMostNotes = 3;
+constexpr std::uintmax_t kMostBytes = 100'000'000;
 
 struct UrdfSource {
   std::string file;
@@ -120,9 +122,13 @@ class ShapeReader {
     missing_.push_back(link.link + " (" + reason + ")");
   }
 
-  LinkShape ReadMesh(const UrdfMesh& mesh, int frame, int most) const {
+  LinkShape ReadMesh(const UrdfMesh& mesh, int frame, int most) {
     const std::optional<std::string> path = FindMesh(source_.file, mesh.file);
     if (!path) throw InputError({}, mesh.file + " is not there");
+    bytes_ += fs::file_size(*path);
+    if (bytes_ > kMostBytes) {
+      throw InputError({}, "all meshes together are larger than 100 MB");
+    }
     const TriangleMesh small = SimplifyMesh(LoadMesh(*path), std::max(most, 1));
     const auto place = static_cast<std::size_t>(frame);
     const Eigen::Affine3d frame_from_mesh =
@@ -145,6 +151,7 @@ class ShapeReader {
   const Arm& arm_;
   std::vector<Eigen::Isometry3d> frames_;
   int most_ = 0;
+  std::uintmax_t bytes_ = 0;
   std::vector<std::string> missing_;
   ArmShapes shapes_;
 };

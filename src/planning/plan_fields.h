@@ -50,6 +50,17 @@ void VisitFields(Visitor& v, Subject<Visitor, DesignOptions>& options) {
           "rounds of exchanges in a start, at most");
 }
 
+/// What LinkCaution takes links for.
+template <typename Visitor>
+void VisitLinkRadius(Visitor& v, std::optional<double>* radius) {
+  v.Field(LengthKey("link_radius")
+              .AtLeast(0)
+              .Default("a twentieth of all lengths of the chain"),
+          *radius,
+          "about how thick links are: the plan names poses at which capsules "
+          "of this radius about the links overlap. 0: it does not look");
+}
+
 template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, PredictedAccuracy>& accuracy) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();

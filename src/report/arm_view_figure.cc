@@ -104,6 +104,17 @@ std::vector<Vector3d> ShownPoints(const ArmView& view) {
   return points;
 }
 
+// Of a cloud. The ends of the scale hardly show on dark and on white.
+std::string ColourOf(int shade) {
+  return MapColour(0.25 + 0.65 * shade / (kShades - 1));
+}
+
+ValueRange RangeOf(const ViewCloud& cloud) {
+  ValueRange range;
+  for (const double value : cloud.values) range.Include(value);
+  return range;
+}
+
 std::string DotPath(const std::vector<SvgPoint>& points, double radius) {
   std::string path;
   for (const SvgPoint at : points) {
@@ -129,6 +140,7 @@ class Drawing {
       DrawErrors("after", &ViewPlace::after, "s1", 32.0);
       DrawPlaces();
     }
+    DrawCloudKey();
     DrawTriad();
     DrawScale();
     return svg_.Finish();
@@ -265,8 +277,7 @@ class Drawing {
   void DrawCloud() {
     const ViewCloud& cloud = view_.cloud;
     if (cloud.points.empty()) return;
-    ValueRange range;
-    for (const double value : cloud.values) range.Include(value);
+    const ValueRange range = RangeOf(cloud);
     std::vector<std::string> paths(kShades);
     for (std::size_t i = 0; i < cloud.points.size(); ++i) {
       const int shade = ShadeOf(cloud.values[i], range.min, range.max);
@@ -274,21 +285,26 @@ class Drawing {
           "M" + projection_.Text(cloud.points[i]) + "h0";
     }
     svg_.BeginPart("cloud", cloud.is_shown);
-    const auto colour = [](int shade) {
-      // Its last tenth hardly shows on white.
-      return MapColour(0.9 * shade / (kShades - 1));
-    };
     const std::string look =
         cloud.points.size() > kManyPlaces ? "cloud" : "cloud large";
     for (int shade = 0; shade < kShades; ++shade) {
       svg_.Layer("cloud-" + std::to_string(shade),
-                 paths[static_cast<std::size_t>(shade)], look, colour(shade));
+                 paths[static_cast<std::size_t>(shade)], look, ColourOf(shade));
     }
+    svg_.EndPart();
+  }
+
+  // Above all else, as far as it is drawn.
+  void DrawCloudKey() {
+    const ViewCloud& cloud = view_.cloud;
+    if (cloud.points.empty()) return;
+    const ValueRange range = RangeOf(cloud);
+    svg_.BeginPart("cloud-key", cloud.is_shown);
     DrawKey(view_.places.empty() ? 14.0 : 50.0,
             cloud.label + ", " + FormatSignificant(range.min, 3) + " to " +
                 FormatSignificant(range.max, 3) + " mm",
             [&](int shade, const std::string& path) {
-              svg_.Strokes(path, colour(shade), 8.0);
+              svg_.Strokes(path, ColourOf(shade), 8.0);
             });
     svg_.EndPart();
   }

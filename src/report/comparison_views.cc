@@ -112,8 +112,10 @@ std::string FleetFigure(const ComparedItems& all, const FleetSummary& fleet) {
                  LogarithmicAxis("mean position error [mm]")};
   chart.looks = {Markers("before", MarkerStyle::kSquare, "s2"),
                  Markers("after", MarkerStyle::kDot, "s1")};
+  const std::size_t most =
+      fleet.arms.size() > kMostRows ? kMostRunRows : kMostArms;
   for (const FleetArm& arm : fleet.arms) {
-    if (chart.rows.size() == kMostArms) break;
+    if (chart.rows.size() == most) break;
     const ComparedResult& result = all.values[arm.result];
     RowMark before;
     before.at = result.before.mean / kMillimetre;
@@ -125,8 +127,8 @@ std::string FleetFigure(const ComparedItems& all, const FleetSummary& fleet) {
   std::string note =
       "▲ marks outliers. The line from the mean after calibration reaches to "
       "its largest error.";
-  if (fleet.arms.size() > kMostArms) {
-    note += " The first " + std::to_string(kMostArms) + " of " +
+  if (fleet.arms.size() > most) {
+    note += " The first " + std::to_string(most) + " of " +
             std::to_string(fleet.arms.size()) + " are drawn.";
   }
   return HtmlFigure("fleet-accuracy", chart, note);

@@ -313,6 +313,8 @@ LineChart PlanCurveChart(const PlanResult& result) {
   if (!range.empty()) {
     chart.y.lower = range.min / kRoom;
     chart.y.upper = range.max * kRoom;
+    chart.x.lower = result.curve.front().num_poses / kRoom;
+    chart.x.upper = result.curve.back().num_poses * kRoom;
   }
   return chart;
 }

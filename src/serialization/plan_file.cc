@@ -98,7 +98,7 @@ void VisitConstraints(Visitor& v, PoseConstraints* constraints) {
   v.Items(Key("walls"),
           "likewise on the side of a plane that `normal` points to",
           constraints->half_spaces, [&](auto& item, HalfSpace& wall) {
-            Eigen::Vector3d point;
+            Eigen::Vector3d point = Eigen::Vector3d::Zero();
             item.Field(Key("normal").Required(), wall.normal,
                        "direction into the free space");
             item.Field(LengthKey("point").Required(), point, "on the plane");
@@ -427,12 +427,7 @@ void VisitSearch(Visitor& v, PlanConfig* plan) {
            [plan](const YamlValue& value, const Units& units) {
              ReadSpeeds(value, units, plan);
            });
-  v.Field(LengthKey("link_radius")
-              .AtLeast(0)
-              .Default("a twentieth of all lengths of the chain"),
-          plan->link_radius,
-          "about how thick links are: the plan names poses at which capsules "
-          "of this radius about the links overlap. 0: it does not look");
+  VisitLinkRadius(v, &plan->link_radius);
   v.Field(Key("seed").Required(), plan->seed,
           "all that is drawn follows from it");
 }

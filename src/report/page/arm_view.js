@@ -318,10 +318,12 @@ function partButtons(view) {
           'aria-pressed': String(isShown(part)),
           onclick: (event) => {
             const hide = isShown(part);
-            if (hide) {
-              part.setAttribute('display', 'none');
-            } else {
-              part.removeAttribute('display');
+            for (const each of [part, view.parts[name + '-key']]) {
+              if (hide) {
+                each?.setAttribute('display', 'none');
+              } else {
+                each?.removeAttribute('display');
+              }
             }
             event.target.setAttribute('aria-pressed', String(!hide));
             drawView(view);
