@@ -8,6 +8,7 @@
 #include "src/common/format.h"
 #include "src/common/text.h"
 #include "src/report/arm_view.h"
+#include "src/report/budget_report.h"
 #include "src/report/figures.h"
 #include "src/report/markup.h"
 #include "src/report/report.h"
@@ -268,7 +269,8 @@ std::string RenderResultPage(const CalibrationResult& result,
            ParametersSection(result), StagesSection(result),
            ErrorTermsSectionOf(result), IdentifiabilitySection(result),
            ResidualsSection(result), PredictionSection(result),
-           SolverSection(result), ProvenanceSection(result)}) {
+           BudgetSection(result), SolverSection(result),
+           ProvenanceSection(result)}) {
     sections.push_back(std::move(section));
   }
   std::string content = Element("header", {},

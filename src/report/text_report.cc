@@ -7,6 +7,7 @@
 
 #include "src/common/format.h"
 #include "src/common/text.h"
+#include "src/report/budget_report.h"
 #include "src/report/error_term_tables.h"
 #include "src/report/markup.h"
 #include "src/report/report.h"
@@ -187,6 +188,7 @@ std::string FormatReport(const CalibrationResult& result,
   text +=
       Section("Errors that are not rigid geometry", ErrorTermsSection(result));
   text += Section("Uncertainty", UncertaintySection(result));
+  text += Section("Uncertainty budget", BudgetText(result));
   if (!result.runs.empty()) {
     text += Section(result.runs.size() == 1 ? "Solver" : "Solvers",
                     FormatComparison(result) + SolverMessages(result));
