@@ -307,6 +307,38 @@ struct RepeatSpread {
   std::int64_t rotation_degrees_of_freedom = 0;
 };
 
+/// Pose accuracy and repeatability of one configuration that was measured more
+/// than once (ISO 9283:1998, 7.2.1 and 7.2.2). Commanded is the pose that the
+/// arm's model predicts; angles are components of rotation vectors about the
+/// instrument's axes.
+struct PosePerformance {
+  int pose = 0;                ///< the first of them, column of joint_values
+  std::string target;          ///< its name, empty where it has none
+  std::int64_t n = 0;          ///< measurements
+  double before = 0.0;         ///< AP_p, by the nominal arm (m)
+  double accuracy = 0.0;       ///< AP_p, by the calibrated one (m)
+  double mean_distance = 0.0;  ///< from the barycentre, l (m)
+  double distance_std = 0.0;   ///< S_l (m)
+  double repeatability() const { return mean_distance + 3.0 * distance_std; }
+  /// AP_a, AP_b, AP_c after calibration and their RP = 3 S (rad); NaN where no
+  /// orientations were measured.
+  Eigen::Vector3d rotation_accuracy =
+      Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  Eigen::Vector3d rotation_repeatability = rotation_accuracy;
+};
+
+/// The same over all configurations of a data set that were repeated.
+struct PosePerformanceSummary {
+  std::string poses;                ///< "training" or "validation"
+  std::int64_t configurations = 0;  ///< that were measured more than once
+  std::int64_t fewest = 0;          ///< measurements of one of them
+  Accuracy before;                  ///< of AP_p (m)
+  Accuracy accuracy;
+  Accuracy repeatability;  ///< of RP_l (m)
+  /// The first thousand of them.
+  std::vector<PosePerformance> each;
+};
+
 /// An observation whose residual is beyond what chance allows.
 struct Outlier {
   std::int64_t observation = 0;  ///< of its data set, from 0
@@ -383,6 +415,8 @@ struct CalibrationResult {
   /// Where they were asked for.
   std::optional<ErrorTermsResult> error_terms;
   RepeatSpread repeats;
+  /// Of training and validation poses that were repeated.
+  std::vector<PosePerformanceSummary> pose_performance;
   std::vector<RejectedRow> rejected;
   /// What people call the targets and references: {"point1", "A"}.
   std::vector<std::pair<std::string, std::string>> aliases;

@@ -16,6 +16,7 @@
 #include "alidade/dataset.h"
 #include "alidade/identifiability.h"
 #include "alidade/units.h"
+#include "alidade/workspace_box.h"
 
 namespace alidade {
 
@@ -55,12 +56,6 @@ struct PoseMeasurement {
 
   /// Scalar measurements at a pose.
   int num_equations() const;
-};
-
-/// Where the target may be: a box in the base frame (m), limits included.
-struct WorkspaceBox {
-  Eigen::Vector3d lower = Eigen::Vector3d::Zero();
-  Eigen::Vector3d upper = Eigen::Vector3d::Zero();
 };
 
 /// A floor or a wall in the base frame: the origins of all link frames beyond

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "alidade/accuracy.h"
+#include "alidade/units.h"
+#include "alidade/workspace_box.h"
 
 namespace alidade {
 
@@ -32,6 +34,11 @@ struct UncertaintyOptions {
   /// limits; 0 = no map.
   int map_configurations = 2000;
   std::uint64_t seed = 1;  ///< of these
+  /// The task region that the uncertainty budget is stated for; empty: wherever
+  /// the joint limits let the first target be.
+  std::vector<WorkspaceBox> region;
+  /// Configurations of it that the budget is evaluated at; 0 = no budget.
+  int region_configurations = 500;
 };
 
 /// An interval that holds the true value with the stated confidence; bounds of
@@ -160,6 +167,8 @@ struct LackOfFit {
   /// measurement (m^2); 0 where it is not significant (5 %).
   double excess_variance = 0.0;
   double rotation_excess_variance = 0.0;  ///< the same of orientations (rad^2)
+  /// Of excess_variance, by Welch and Satterthwaite; 0 where it is 0.
+  double excess_degrees_of_freedom = 0.0;
   std::int64_t looks = 0;  ///< observations, repeats counted once
   bool is_sample = false;  ///< an even sample of the observations was looked at
   /// Those found first, in the order of their finding, then by p-value.
@@ -222,6 +231,73 @@ struct PredictionCheck {
   PredictionParts parts;  ///< at whole positions
 };
 
+/// What an uncertainty budget has contributions of.
+enum class BudgetSource {
+  kParameters,     ///< what the calibration left unknown of the parameters
+  kModel,          ///< what the model lacks
+  kRepeatability,  ///< of the arm, from repeated configurations
+  /// Residuals of which noise and the model's own errors cannot be separated.
+  kResiduals,
+  kMeasurement,  ///< the instrument, of one measurement
+};
+
+/// How a standard uncertainty was evaluated (JCGM 100:2008, 2.3.2 and 2.3.3).
+enum class EvaluationType {
+  kA,  ///< by statistics of observations
+  kB,  ///< by other means: as it is stated
+};
+
+/// One line of the budget, of a coordinate of the target's position. Its
+/// sensitivity is 1, but for the parameters, of which each has its own.
+struct BudgetContribution {
+  BudgetSource source = BudgetSource::kParameters;
+  EvaluationType type = EvaluationType::kA;
+  /// Standard uncertainty (m), root mean square over the region.
+  double std = 0.0;
+  double degrees_of_freedom = std::numeric_limits<double>::infinity();
+  std::string basis;  ///< where it comes from, in words
+};
+
+/// What a parameter alone contributes: sensitivity * std. The contributions of
+/// several do not add up in squares, as their estimates are correlated.
+struct ParameterContribution {
+  std::string name;
+  Dimension dimension = Dimension::kLength;  ///< of the parameter
+  double std = 0.0;                          ///< (rad, m)
+  /// Root mean square over region and axes of the derivative of a coordinate
+  /// (m/rad, 1).
+  double sensitivity = 0.0;
+  double contribution() const { return sensitivity * std; }
+};
+
+/// Of several contributions together (budget.h has the equations).
+struct CombinedUncertainty {
+  double std = 0.0;  ///< combined standard uncertainty of a coordinate (m)
+  /// Effective, by Welch and Satterthwaite.
+  double degrees_of_freedom = std::numeric_limits<double>::infinity();
+  double coverage_factor = 0.0;
+  double expanded = 0.0;  ///< coverage_factor * std (m)
+  /// Radius about a predicted position that holds the true one (m).
+  double expanded_distance = 0.0;
+};
+
+/// Uncertainty of the first target's position over the task region, by JCGM
+/// 100:2008 (GUM).
+struct UncertaintyBudget {
+  std::vector<WorkspaceBox> region;  ///< empty: all within the joint limits
+  std::int64_t configurations = 0;   ///< drawn in the region
+  double confidence = 0.95;
+  std::vector<BudgetContribution> contributions;
+  std::vector<ParameterContribution> parameters;  ///< largest first
+  CombinedUncertainty position;                   ///< of the arm
+  /// Of what one more measurement of a position deviates from the prediction
+  /// by: the instrument counts as well.
+  CombinedUncertainty measured;
+  /// Largest combined standard uncertainty of a position's coordinate in the
+  /// region, the instrument left out (m).
+  double worst_std = 0.0;
+};
+
 /// The uncertainty of a calibration.
 struct UncertaintyResult {
   double confidence = 0.95;
@@ -240,6 +316,7 @@ struct UncertaintyResult {
   LackOfFit lack_of_fit;
   std::optional<PredictedMap> workspace;
   std::optional<PredictionCheck> validation;
+  std::optional<UncertaintyBudget> budget;
   std::vector<std::string> warnings;
 };
 

@@ -3,6 +3,7 @@
 #include <glog/logging.h>
 
 #include <chrono>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -22,6 +23,8 @@
 #include "src/calibration/frame_fit.h"
 #include "src/calibration/identifiability_cache.h"
 #include "src/calibration/outliers.h"
+#include "src/calibration/own_references.h"
+#include "src/calibration/pose_performance.h"
 #include "src/calibration/preparation.h"
 #include "src/calibration/prepared_task.h"
 #include "src/calibration/rejection.h"
@@ -68,15 +71,18 @@ class Calibrator {
     result_.arm = task().arm;
   }
 
-  CalibrationResult Run() {
+  /// `note`: what else was done to the data; may be empty.
+  CalibrationResult Run(const std::string& note) {
     DescribeData();
+    if (!note.empty()) AddWarning(note, &result_);
     if (prepared_.misfit) AddWarning(*prepared_.misfit, &result_);
     WarnOfDistances();
     if (task().options.estimate_sigma && !(prepared_.sigmas.length > 0.0)) {
       Fail(CalibrationStatus::kRefused,
-           "sigma cannot be estimated: these poses leave no degree of freedom, "
-           "or the data are exact, or no fit succeeded. State `measurement: "
-           "{sigma: ...}`");
+           "sigma is unknown and cannot be estimated: these poses leave fewer "
+           "than three degrees of freedom, or the data are exact, or no fit "
+           "succeeded. Measure more poses, or state `measurement: {sigma: "
+           "...}`");
       return std::move(result_);
     }
     if (prepared_.frames_fitted) {
@@ -116,6 +122,13 @@ class Calibrator {
     result_.estimated_rotation_sigma = prepared_.sigmas.rotation;
     result_.prior_scaling = prepared_.prior_scaling;
     result_.repeats = MeasureRepeats(data, task().communicator);
+    measurement_.repeat_std = result_.repeats.length;
+    measurement_.repeat_freedom =
+        static_cast<double>(result_.repeats.length_degrees_of_freedom);
+    if (prepared_.stated_noise && result_.sigma > 0.0) {
+      measurement_.stated_sigma =
+          result_.sigma * std::sqrt(prepared_.stated_noise->front());
+    }
     const auto add = [&](const std::string& block, const std::string& name) {
       if (!name.empty()) result_.aliases.emplace_back(block, name);
     };
@@ -257,6 +270,7 @@ class Calibrator {
                                         prepared_.stated_noise, HasRepeats()});
     FindAllOutliers(fit);
     EvaluateSets(nominal, values);
+    DescribePosePerformance();
     if (task().options.folds) {
       result_.cross_validation = CrossValidate(*as_given_, training_.kept);
       if (!result_.cross_validation) {
@@ -325,10 +339,20 @@ class Calibrator {
     }
   }
 
+  void DescribePosePerformance() {
+    const auto add = [&](const char* poses, const EvaluatedSet& set) {
+      if (auto found = MeasurePosePerformance(poses, set)) {
+        result_.pose_performance.push_back(*std::move(found));
+      }
+    };
+    if (HasRepeats()) add("training", result_.train);
+    if (result_.validation) add("validation", *result_.validation);
+  }
+
   void Assess(const CalibrationSolution& fit) {
-    result_.uncertainty = AssessFit(fit, result_.identifiability,
-                                    result_.runs.front().summary.final_cost,
-                                    {training_, validation_, covariance_});
+    result_.uncertainty = AssessFit(
+        fit, result_.identifiability, result_.runs.front().summary.final_cost,
+        {training_, validation_, covariance_, measurement_});
     for (const ParameterUncertainty& one : result_.uncertainty->parameters) {
       result_.parameters[*model_.layout().Find(one.name)].std = one.std;
     }
@@ -403,6 +427,7 @@ class Calibrator {
   std::optional<FlexibleFit> flexible_;
   std::optional<CalibrationProblem> flexible_problem_;
   FitCovariance covariance_;
+  MeasurementKnowledge measurement_;
   OutlierSearch training_;
   OutlierSearch validation_;
   CalibrationResult result_;
@@ -413,17 +438,19 @@ class Calibrator {
 CalibrationResult Calibrate(CalibrationTask task, IdentifiabilityCache* cache) {
   const auto start = std::chrono::steady_clock::now();
   CheckAndHoldOut(&task);
+  const std::string own_references = FitOwnReferences(&task);
   std::optional<CalibrationTask> as_given;
   if (task.options.folds) as_given = task;
   CalibrationResult result = Calibrator(Prepare(std::move(task)),
                                         as_given ? &*as_given : nullptr, cache)
-                                 .Run();
+                                 .Run(own_references);
   result.total_time_s = SecondsSince(start);
   return result;
 }
 
 IdentifiabilityResult AnalyzeTask(CalibrationTask task) {
   CheckAndHoldOut(&task);
+  HoldOwnReferences(&task);
   AlignStations(&task);
   RefuseMistakes(task);
   FitFrames(&task);

@@ -230,6 +230,34 @@ void VisitFields(Visitor& v, Subject<Visitor, RepeatSpread>& repeats) {
 }
 
 template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, PosePerformance>& one) {
+  v.Field("pose", one.pose);
+  v.Optional("target", one.target);
+  v.Field("n", one.n);
+  v.Field("AP_p_before", one.before);
+  v.Field("AP_p", one.accuracy);
+  v.Field("mean_distance", one.mean_distance);
+  v.Field("distance_std", one.distance_std);
+  v.Computed("RP_l", one.repeatability());
+  const bool has_rotation =
+      v.Has("AP_abc", std::isfinite(one.rotation_accuracy[0]));
+  if (!has_rotation) return;
+  v.Field("AP_abc", one.rotation_accuracy);
+  v.Field("RP_abc", one.rotation_repeatability);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, PosePerformanceSummary>& set) {
+  v.Field("poses", set.poses);
+  v.Field("configurations", set.configurations);
+  v.Field("fewest_measurements", set.fewest);
+  v.Field("AP_p_before", set.before);
+  v.Field("AP_p", set.accuracy);
+  v.Field("RP_l", set.repeatability);
+  v.Field("each", set.each);
+}
+
+template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, RejectedRow>& row) {
   v.Field("file", row.file);
   v.Field("line", row.line);
@@ -281,6 +309,7 @@ void VisitFields(Visitor& v, Subject<Visitor, CalibrationResult>& result) {
   v.Optional("prior_scaling", result.prior_scaling);
   v.Optional("error_terms", result.error_terms);
   v.Later("repeats", result.repeats);
+  v.Later("pose_performance", result.pose_performance);
   v.LaterGroup("fit", [&](auto& fit) {
     fit.Later("sigma", result.sigma);
     fit.Field("estimated_sigma", result.estimated_sigma);

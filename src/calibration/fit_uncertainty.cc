@@ -138,6 +138,7 @@ UncertaintyResult AssessFit(const CalibrationSolution& fit,
        problem.priors, problem.losses, fit.values},
       found.covariance,
       fit.task.options.uncertainty};
+  input.measurement = found.measurement;
   input.sigma_estimated = fit.task.options.estimate_sigma;
   if (fit.task.options.solver == SolverName::kCeres && !fit.terms &&
       fit.task.data.training.global_observations() <= kMostForProfiles) {

@@ -14,6 +14,7 @@ struct FitFindings {
   const OutlierSearch& training;
   const OutlierSearch& validation;
   const FitCovariance& covariance;
+  const MeasurementKnowledge& measurement;
 };
 
 /// The covariance of a finished fit, and what its model lacks.

@@ -250,9 +250,13 @@ void WarnOfFit(const CalibrationSolution& fit, const FitHistory& history,
     if (!text.empty()) AddWarning(text, added);
   };
   const SolverSummary& summary = result.runs.front().summary;
-  if (const auto zeros =
-          DiagnoseZeros(fit.task.data.training, fit.task.communicator)) {
-    AddWarning(*zeros, added);
+  if (const auto lost =
+          DiagnoseLost(fit.task.data.training, fit.task.communicator)) {
+    AddWarning(*lost, added);
+  }
+  if (const auto stale =
+          DiagnoseStale(fit.model(), fit.values, fit.task.data.training)) {
+    AddWarning(*stale, added);
   }
   warn(WarnOfMeaninglessLimits(fit.task.arm));
   warn(WarnOfLimits(fit.task));

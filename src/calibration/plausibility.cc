@@ -16,6 +16,7 @@
 #include "src/calibration/sigma_estimation.h"
 #include "src/calibration/stations.h"
 #include "src/common/format.h"
+#include "src/common/number_text.h"
 #include "src/common/text.h"
 #include "src/kernel/partition.h"
 
@@ -249,11 +250,33 @@ class Diagnosis {
   double solved_ = kInfinity;  // as read
 };
 
-// The source of the first row for which is_lost(), and how many there are.
-template <typename IsLost>
-std::int64_t CountLost(const Dataset& data, Communicator* communicator,
-                       const IsLost& is_lost, std::string* first) {
+// How many rows are lost, and what is known of them here.
+struct LostRows {
   std::int64_t count = 0;
+  std::string first;       // where it was read
+  Eigen::Vector3d point;   // of the first
+  std::vector<int> lines;  // of the same file, in ascending order
+
+  // "leave them out by `exclude: [12, 40]` in `data`"
+  std::string Cure() const {
+    constexpr std::size_t kMostNamed = 12;
+    std::string text = "leave the rows out";
+    if (lines.empty()) return text;
+    std::vector<std::string> numbers;
+    for (const int line : lines) {
+      if (numbers.size() == kMostNamed) break;
+      numbers.push_back(std::to_string(line));
+    }
+    if (lines.size() > kMostNamed) numbers.emplace_back("...");
+    return text + " by `exclude: [" + Join(numbers, ", ") + "]` in `data`";
+  }
+};
+
+// Those of which is_lost().
+template <typename IsLost>
+LostRows FindLost(const Dataset& data, Communicator* communicator,
+                  const IsLost& is_lost) {
+  LostRows lost;
   for (const ObservationBlock& block : data.blocks) {
     if (!HoldsPosition(block.kind)) continue;
     for (Eigen::Index i = 0; i < block.size(); ++i) {
@@ -261,10 +284,22 @@ std::int64_t CountLost(const Dataset& data, Communicator* communicator,
       if (!sigmas.allFinite() || !is_lost(block.measured.col(i).head<3>())) {
         continue;
       }
-      if (++count == 1) *first = SourceOf(data, block.pose(i));
+      if (++lost.count == 1) {
+        lost.first = SourceOf(data, block.pose(i));
+        lost.point = block.measured.col(i).head<3>();
+      }
+      if (data.files.size() == 1 && !data.sources.empty()) {
+        lost.lines.push_back(data.sources[block.pose(i)].line);
+      }
     }
   }
-  return SumOverRanks(communicator, data, count);
+  std::sort(lost.lines.begin(), lost.lines.end());
+  lost.count = SumOverRanks(communicator, data, lost.count);
+  return lost;
+}
+
+bool IsOneNumber(const Eigen::Vector3d& point) {
+  return point[0] == point[1] && point[1] == point[2];
 }
 
 Eigen::Vector3d MedianPoint(const PositionSample& sample) {
@@ -282,31 +317,42 @@ Eigen::Vector3d MedianPoint(const PositionSample& sample) {
 std::optional<Finding> DiagnoseFar(const Arm& arm, const Dataset& data,
                                    const PositionSample& sample,
                                    Communicator* communicator) {
-  constexpr double kFar = 8.0;      // of the reach
-  constexpr double kFewPart = 0.2;  // of the positions
+  constexpr double kFar = 8.0;       // of the reach
+  constexpr double kFarOfOne = 2.5;  // where x, y and z are one number
+  constexpr double kFewPart = 0.2;   // of the positions
   Arm at_origin = arm;
   at_origin.instrument_from_base.setIdentity();
   const double far = kFar * Reach(at_origin);
   const Eigen::Vector3d median = MedianPoint(sample);
-  std::string first;
-  const std::int64_t count = CountLost(
-      data, communicator,
-      [&](const Eigen::Vector3d& point) {
-        return !((point - median).norm() <= far);
-      },
-      &first);
-  if (count == 0 || static_cast<double>(count) >
-                        kFewPart * static_cast<double>(data.global_poses())) {
+  double nearest = std::numeric_limits<double>::infinity();
+  const LostRows lost =
+      FindLost(data, communicator, [&](const Eigen::Vector3d& point) {
+        const double distance = (point - median).norm();
+        const double limit =
+            (IsOneNumber(point) && !point.isZero(0.0) ? kFarOfOne / kFar
+                                                      : 1.0) *
+            far;
+        if (distance <= limit) return false;
+        nearest = std::min(nearest, limit);
+        return true;
+      });
+  if (lost.count == 0 ||
+      static_cast<double>(lost.count) >
+          kFewPart * static_cast<double>(data.global_poses())) {
     return std::nullopt;
   }
-  return Finding{"plausibility.far_positions", static_cast<double>(count), 0.0,
-                 (first.empty() ? "" : first + ": ") +
-                     Count(count, "position") + (count == 1 ? " is" : " are") +
-                     " more than " + FormatLength(far, 2) +
-                     " from the others, which no arm of this size reaches: "
-                     "instruments write such numbers when they have lost the "
-                     "target. Empty these cells or leave the rows out",
-                 FindingLevel::kFailed};
+  return Finding{
+      "plausibility.far_positions", static_cast<double>(lost.count), 0.0,
+      (lost.first.empty() ? "" : lost.first + ": ") +
+          Count(lost.count, "position") + (lost.count == 1 ? " is" : " are") +
+          " more than " +
+          FormatLength(std::isfinite(nearest) ? nearest : far, 2) +
+          " from the others, which no arm of this size reaches: "
+          "instruments write such numbers when they have lost the target. "
+          "State the number that stands for that (`missing: [-9999]` in "
+          "`data`), or " +
+          lost.Cure(),
+      FindingLevel::kFailed};
 }
 
 // Positions that stay where they are while the joints move.
@@ -331,20 +377,26 @@ std::optional<Finding> DiagnoseStill(const Arm& arm,
 void AddStations(const Dataset& data, InputDiagnosis* diagnosis) {
   const Eigen::Index number = diagnosis->first_of_second_station;
   std::string where = PlaceOfPosition(data, number);
+  // "file:line"
+  const std::size_t colon = where.rfind(':');
+  const int line = where.empty() ? 0 : std::stoi(where.substr(colon + 1));
   if (where.empty()) where = "position " + std::to_string(number + 1);
   diagnosis->finding->sentence +=
       " (from about " + where +
-      " on): the instrument was moved, or set up anew. Calibrate each part "
-      "alone, or bring all into the frame of one station";
+      " on): the instrument was moved, or set up anew. Say which lines of the "
+      "file belong to which place, and each has a base of its own: " +
+      (line > 1 ? "`stations: {first: 1-" + std::to_string(line - 1) +
+                      ", second: " + std::to_string(line) + "-}` in `data`"
+                : std::string("`stations` in `data`, or a column of them"));
 }
 
 }  // namespace
 
 InputDiagnosis DiagnoseInput(const Arm& arm, const Dataset& data,
                              const CandidateGroups& candidates,
-                             Communicator* communicator) {
-  const std::optional<PositionSample> sample =
-      SamplePositions(data, communicator);
+                             Communicator* communicator,
+                             const Dataset* held_out) {
+  std::optional<PositionSample> sample = SamplePositions(data, communicator);
   if (!sample) return {};
   if (auto far = DiagnoseFar(arm, data, *sample, communicator)) {
     return {std::move(far), true};
@@ -354,28 +406,84 @@ InputDiagnosis DiagnoseInput(const Arm& arm, const Dataset& data,
       data.Has(MeasurementKind::kPose)
           ? SamplePositions(WithInversePoses(data), communicator)
           : std::nullopt;
+  const std::optional<Dataset> rows =
+      held_out != nullptr ? PositionsInRowOrder(data, *held_out) : std::nullopt;
+  if (rows) {
+    auto in_order = SamplePositions(*rows, SingleProcess());
+    if (in_order) sample = std::move(in_order);
+  }
   InputDiagnosis diagnosis = Diagnosis(arm, *sample, inverse, candidates,
                                        MedianLengthSigma(data, communicator))
                                  .Run();
   if (diagnosis.first_of_second_station > 0) {
-    AddStations(data, &diagnosis);
+    AddStations(rows ? *rows : data, &diagnosis);
   }
   return diagnosis;
 }
 
-std::optional<Finding> DiagnoseZeros(const Dataset& data,
-                                     Communicator* communicator) {
-  std::string first;
-  const std::int64_t count = CountLost(
-      data, communicator,
-      [](const Eigen::Vector3d& point) { return point.isZero(0.0); }, &first);
-  if (count == 0) return std::nullopt;
+std::optional<Finding> DiagnoseLost(const Dataset& data,
+                                    Communicator* communicator) {
+  const LostRows lost = FindLost(data, communicator, IsOneNumber);
+  if (lost.count == 0) return std::nullopt;
+  const bool is_one = lost.count == 1;
+  const bool is_zero = lost.point.isZero(0.0);
+  const std::string missing =
+      is_zero ? ""
+              : ", state what stands for that (`missing: [" +
+                    ShortestNumber(NumberOrNan(
+                        FormatSignificant(lost.point[0] / kMillimetre, 6))) +
+                    "]` in `data`)";
   return Finding{
-      "plausibility.zero_positions", static_cast<double>(count), 0.0,
-      (first.empty() ? "" : first + ": ") + std::to_string(count) +
-          (count == 1 ? " position is" : " positions are") +
-          " exactly 0, 0, 0, which instruments write when they have lost the "
-          "target: empty these cells or leave the rows out",
+      is_zero ? "plausibility.zero_positions" : "plausibility.one_number",
+      static_cast<double>(lost.count), 0.0,
+      (lost.first.empty() ? "" : lost.first + ": ") +
+          std::to_string(lost.count) +
+          (is_zero ? (is_one ? " position is exactly 0, 0, 0"
+                             : " positions are exactly 0, 0, 0")
+                   : (is_one ? " position has" : " positions have") +
+                         std::string(" the same number in x, y and z (") +
+                         FormatLength(lost.point[0], 6) + ")") +
+          ", which instruments write when they have lost the target: empty "
+          "these cells" +
+          missing + " or " + lost.Cure(),
+      FindingLevel::kAttention};
+}
+
+std::optional<Finding> DiagnoseStale(const MeasurementModel& model,
+                                     const Eigen::VectorXd& values,
+                                     const Dataset& data) {
+  constexpr double kMoved = 10.0;  // standard deviations
+  if (data.partition) return std::nullopt;
+  LostRows stale;
+  for (const ObservationBlock& block : data.blocks) {
+    if (!HoldsPosition(block.kind)) continue;
+    for (Eigen::Index i = 1; i < block.size(); ++i) {
+      if (block.measured.col(i) != block.measured.col(i - 1)) continue;
+      const double sigma = block.sigmas.col(i).head<3>().maxCoeff();
+      if (!std::isfinite(sigma) || block.target(i) != block.target(i - 1)) {
+        continue;
+      }
+      Eigen::MatrixXd joints(data.num_joints(), 2);
+      joints << data.joint_values.col(block.pose(i - 1)),
+          data.joint_values.col(block.pose(i));
+      const Eigen::Matrix3Xd points =
+          model.Predict(values, joints, block.target(i));
+      if ((points.col(1) - points.col(0)).norm() <= kMoved * sigma) continue;
+      if (++stale.count == 1) stale.first = SourceOf(data, block.pose(i));
+      if (data.files.size() == 1 && !data.sources.empty()) {
+        stale.lines.push_back(data.sources[block.pose(i)].line);
+      }
+    }
+  }
+  if (stale.count == 0) return std::nullopt;
+  return Finding{
+      "plausibility.stale_readings", static_cast<double>(stale.count), 0.0,
+      (stale.first.empty() ? "" : stale.first + ": ") +
+          Count(stale.count, "measurement") +
+          (stale.count == 1 ? " is" : " are") +
+          " exactly the one before, although the arm had moved in between: the "
+          "instrument had not measured anew. " +
+          AsSentence(stale.Cure()),
       FindingLevel::kAttention};
 }
 

@@ -9,6 +9,7 @@
 #include "alidade/communicator.h"
 #include "alidade/dataset.h"
 #include "alidade/identifiability.h"
+#include "src/kernel/measurement_model.h"
 
 namespace alidade::internal {
 
@@ -45,14 +46,24 @@ struct InputDiagnosis {
 ///
 /// Cures are found with base and tool free. Those that explain the data with
 /// what `candidates` leave known are preferred; where none does, that is said.
+/// `held_out`: rows that were between those of `data`, or null.
 InputDiagnosis DiagnoseInput(const Arm& arm, const Dataset& data,
                              const CandidateGroups& candidates,
-                             Communicator* communicator = SingleProcess());
+                             Communicator* communicator = SingleProcess(),
+                             const Dataset* held_out = nullptr);
 
-/// Positions that are exactly 0, 0, 0, if any: the finding's statistic is their
-/// number. Collective (kernel/partition.h).
-std::optional<Finding> DiagnoseZeros(
+/// Positions whose three coordinates are the same number (0, -9999), as
+/// instruments write for a lost target, if any: the finding's statistic is
+/// their number. Collective (kernel/partition.h).
+std::optional<Finding> DiagnoseLost(
     const Dataset& data, Communicator* communicator = SingleProcess());
+
+/// Positions that are, to the bit, the one measured before although the arm,
+/// whose `values` these are, had moved by more than 10 standard deviations in
+/// between: the instrument had not measured anew. Nothing of a part.
+std::optional<Finding> DiagnoseStale(const MeasurementModel& model,
+                                     const Eigen::VectorXd& values,
+                                     const Dataset& data);
 
 }  // namespace alidade::internal
 

@@ -84,7 +84,9 @@ double SolvedMisfit(const Arm& arm, const PositionSample& sample,
         part.joint_values, part.points,
         Eigen::Matrix3Xd::Constant(3, part.size(), kSigma).eval());
   };
-  CalibrationTask task{arm, data(fitted), {}};
+  CalibrationTask task;
+  task.arm = arm;
+  task.data.training = data(fitted);
   task.options.identifiability.candidates = candidates;
   if (HasUnknownFrames(task) && !FitFrames(&task)) return kInfinity;
   const MeasurementModel model(task.arm);

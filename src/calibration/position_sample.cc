@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "alidade/rotation.h"
@@ -35,6 +36,7 @@ class Positions {
       members_.emplace_back(block);
     }
     CountAll(holders);
+    Choose(holders, data);
     Collect(holders, data);
   }
 
@@ -44,12 +46,11 @@ class Positions {
   // What is looked at: all but the first and the last, which have no row before
   // or after.
   PositionSample Sample() const {
-    const Eigen::Index rows = count_ - 2;
-    const Eigen::Index taken = std::min(kEnough, rows);
+    const auto taken = static_cast<Eigen::Index>(chosen_.size());
     const Eigen::MatrixXd none(joints_.rows(), taken);
     PositionSample sample{none, none, none, Eigen::Matrix3Xd(3, taken), {}};
     for (Eigen::Index k = 0; k < taken; ++k) {
-      const Eigen::Index i = 1 + Thinned(k, taken, rows);
+      const Eigen::Index i = chosen_[static_cast<std::size_t>(k)];
       sample.joint_values.col(k) = joints_.col(IndexOf(i));
       sample.joint_values_before.col(k) = joints_.col(IndexOf(i - 1));
       sample.joint_values_after.col(k) = joints_.col(IndexOf(i + 1));
@@ -102,12 +103,46 @@ class Positions {
     }
   }
 
-  std::vector<Eigen::Index> Wanted() const {
-    std::vector<Eigen::Index> wanted;
+  // The line of its file that a position here was read from; nothing where
+  // nobody knows.
+  PoseSource SourceAt(const Dataset& data, Eigen::Index number) const {
+    std::size_t block = first_.size() - 1;
+    while (first_[block] > number) --block;
+    return data.sources[data.blocks[block].pose(
+        members_[block][number - first_[block]])];
+  }
+
+  // Numbers of those that are looked at: with lines left out between them, the
+  // positions before and after are not those of the rows before and after.
+  void Choose(Communicator* holders, const Dataset& data) {
     const Eigen::Index rows = std::max<Eigen::Index>(0, count_ - 2);
     const Eigen::Index taken = std::min(kEnough, rows);
     for (Eigen::Index k = 0; k < taken; ++k) {
-      const Eigen::Index i = 1 + Thinned(k, taken, rows);
+      chosen_.push_back(1 + Thinned(k, taken, rows));
+    }
+    if (holders->size() > 1 || data.sources.empty()) return;
+    const auto follows = [&](Eigen::Index i) {
+      const PoseSource before = SourceAt(data, i - 1);
+      const PoseSource source = SourceAt(data, i);
+      return before.file == source.file && before.line + 1 == source.line;
+    };
+    std::vector<Eigen::Index> adjacent;
+    for (Eigen::Index k = 0; k < taken; ++k) {
+      const Eigen::Index end = 1 + Thinned(k + 1, taken, rows);
+      for (Eigen::Index i = 1 + Thinned(k, taken, rows); i < end; ++i) {
+        if (!follows(i) || !follows(i + 1)) continue;
+        adjacent.push_back(i);
+        break;
+      }
+    }
+    if (static_cast<Eigen::Index>(adjacent.size()) >= kFewest) {
+      chosen_ = std::move(adjacent);
+    }
+  }
+
+  std::vector<Eigen::Index> Wanted() const {
+    std::vector<Eigen::Index> wanted;
+    for (const Eigen::Index i : chosen_) {
       wanted.insert(wanted.end(), {i - 1, i, i + 1});
     }
     std::sort(wanted.begin(), wanted.end());
@@ -165,7 +200,8 @@ class Positions {
   std::vector<Eigen::Index> first_;  // the number of the first of them
   Eigen::Index count_ = 0;
   bool are_finite_ = false;
-  std::vector<Eigen::Index> wanted_;  // numbers, in ascending order
+  std::vector<Eigen::Index> chosen_;  // numbers of what is looked at
+  std::vector<Eigen::Index> wanted_;  // with neighbours, in ascending order
   Eigen::MatrixXd joints_;            // a column for each of them
   Eigen::Matrix3Xd points_;
 };
@@ -179,6 +215,52 @@ std::optional<PositionSample> SamplePositions(const Dataset& data,
     return std::nullopt;
   }
   return positions.Sample();
+}
+
+std::optional<Dataset> PositionsInRowOrder(const Dataset& training,
+                                           const Dataset& held_out) {
+  constexpr Eigen::Index kMost = 100000;
+  struct Row {
+    PoseSource source;
+    const Dataset* data;
+    const ObservationBlock* block;
+    Eigen::Index i;
+  };
+  std::vector<Row> rows;
+  for (const Dataset* data : {&training, &held_out}) {
+    if (data->partition || data->sources.empty() ||
+        data->files != training.files) {
+      return std::nullopt;
+    }
+    for (const ObservationBlock& block : data->blocks) {
+      if (block.size() > kMost) return std::nullopt;
+      for (Eigen::Index i = 0; i < block.size(); ++i) {
+        if (!IsTaken(block, i)) continue;
+        rows.push_back({data->sources[block.pose(i)], data, &block, i});
+      }
+    }
+  }
+  const auto place = [](const Row& row) {
+    return std::make_pair(row.source.file, row.source.line);
+  };
+  std::stable_sort(rows.begin(), rows.end(), [&](const Row& a, const Row& b) {
+    return place(a) < place(b);
+  });
+  const auto count = static_cast<Eigen::Index>(rows.size());
+  Eigen::MatrixXd joints(training.num_joints(), count);
+  Eigen::Matrix3Xd points(3, count);
+  PoseSources sources;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Row& row = rows[static_cast<std::size_t>(k)];
+    joints.col(k) = row.data->joint_values.col(row.block->pose(row.i));
+    points.col(k) = row.block->measured.col(row.i).head<3>();
+    sources.push_back(row.source);
+  }
+  Dataset all = MakePositions(std::move(joints), std::move(points), 1.0);
+  all.name = training.name;
+  all.files = training.files;
+  all.sources = std::move(sources);
+  return all;
 }
 
 std::string PlaceOfPosition(const Dataset& data, Eigen::Index number) {

@@ -32,7 +32,8 @@ StatedNoise NoiseOver(const std::array<double, 2>& stated,
 std::optional<Finding> RefuseMistakes(const CalibrationTask& task) {
   InputDiagnosis diagnosis =
       DiagnoseInput(task.arm, task.data.training,
-                    task.options.identifiability.candidates, task.communicator);
+                    task.options.identifiability.candidates, task.communicator,
+                    task.data.validation ? &*task.data.validation : nullptr);
   if (!diagnosis.is_explained) return diagnosis.finding;
   SourceLocation location;
   location.file = task.data.training.name;

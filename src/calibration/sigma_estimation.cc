@@ -1,5 +1,6 @@
 #include "src/calibration/sigma_estimation.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -142,12 +143,13 @@ SigmaChange FindChange(LossKind loss, const ErrorsOfClass& errors,
   return {1.0, high};
 }
 
+constexpr double kFewestFreedom = 3.0;
+
 // Residuals of a fit that uses up nearly all equations say nothing of sigma.
 bool TellsSigma(double freedom, Eigen::Index equations) {
-  constexpr double kFewest = 3.0;
   constexpr double kSmallestPart = 0.1;
-  return freedom >=
-         std::max(kFewest, kSmallestPart * static_cast<double>(equations));
+  return freedom >= std::max(kFewestFreedom,
+                             kSmallestPart * static_cast<double>(equations));
 }
 
 // Rounds of a fit and of the sigmas that its residuals agree with.
@@ -274,13 +276,54 @@ class SigmaRounds {
   void UseNominalResiduals() {
     Stop();
     task_ = stated_;
+    const double freedom = FreedomBesideFrames();
+    if (freedom < kFewestFreedom) return;
+    const auto equations = static_cast<double>(
+        GlobalEquations(task_.communicator, stated_.data.training));
     const double typical =
+        std::sqrt(equations / freedom) *
         TypicalResidual(model_, stated_.data.training, model_.NominalValues());
     if (!(typical > 0.0) || !std::isfinite(typical)) return;
     ScaleSigmas(typical, &task_.data.training);
     if (task_.data.validation) ScaleSigmas(typical, &*task_.data.validation);
     sigmas_ = MedianSigmas();
     sigmas_.is_bound = true;
+  }
+
+  // Equations less what base, targets and references, found from the same
+  // data, have taken: the nominal residuals have no more degrees of freedom.
+  double FreedomBesideFrames() const {
+    const CandidateGroups& candidates =
+        stated_.options.identifiability.candidates;
+    const ParameterLayout& layout = model_.layout();
+    std::vector<int> frames;
+    for (int column = 0; column < layout.size(); ++column) {
+      switch (layout.parameter(column).kind) {
+        case ParameterKind::kBaseTranslation:
+        case ParameterKind::kBaseRotation:
+          if (candidates.base) frames.push_back(column);
+          break;
+        case ParameterKind::kToolTranslation:
+        case ParameterKind::kToolRotation:
+          if (candidates.tool) frames.push_back(column);
+          break;
+        case ParameterKind::kPoint:
+        case ParameterKind::kPlaneTilt:
+        case ParameterKind::kPlaneOffset:
+          frames.push_back(column);
+          break;
+        default:
+          break;
+      }
+    }
+    const Dataset& data = stated_.data.training;
+    const auto equations =
+        static_cast<double>(GlobalEquations(task_.communicator, data));
+    if (frames.empty()) return equations;
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(
+        JacobianFactor(model_, model_.NominalValues(), data, frames));
+    qr.setThreshold(1e-9);
+    return equations - static_cast<double>(qr.rank());
   }
 
   EstimatedSigmas MedianSigmas() const {

@@ -13,6 +13,7 @@
 #include "src/cli/command.h"
 #include "src/cli/validation_data.h"
 #include "src/common/files.h"
+#include "src/common/names.h"
 #include "src/job/calibrated_arm.h"
 #include "src/job/result_directory.h"
 #include "src/report/report.h"
@@ -102,14 +103,18 @@ class Validation {
       check_ = check.check;
       return;
     }
+    Arm arm = arm_;
     CalibrationData data =
-        LoadValidationData(file, arm_, DefaultSigma(), line_.threads);
+        LoadValidationData(file, refit_, DefaultSigma(), line_.threads, &arm);
     const Dataset measured = data.training;
     const bool has_references =
         data.references.num_points() > 0 || data.references.num_planes() > 0;
-    AddRow(
-        refit_.any() ? file + ", " + refit_.Text() + " refitted" : file,
-        ValidationAccuracy(file, arm_, std::move(data), refit_, line_.threads));
+    const std::vector<std::string> unknown = UnknownReferences(data.references);
+    std::string against = file;
+    if (refit_.any()) against += ", " + refit_.Text() + " refitted";
+    if (!unknown.empty()) against += "; " + JoinNames(unknown) + " found here";
+    AddRow(against, ValidationAccuracy(file, arm, std::move(data), refit_,
+                                       line_.threads));
     // Predictions are of the arm where it stood.
     if (!calibrated_ || refit_.any() || has_references) return;
     check_ = CheckAgainst(*calibrated_, measured, line_.threads);

@@ -19,19 +19,24 @@
 namespace alidade::internal {
 namespace {
 
-void RequireSameShape(const std::string& path, const Arm& arm,
-                      const Arm& other) {
+// Other targets are those of a tool that was mounted for the check.
+void TakeTargets(const std::string& path, const Arm& other, const Refit& refit,
+                 Arm* arm) {
   std::vector<std::string> names[2];
-  for (const Target& target : arm.targets) names[0].push_back(target.name);
+  for (const Target& target : arm->targets) names[0].push_back(target.name);
   for (const Target& target : other.targets) names[1].push_back(target.name);
-  if (arm.JointDimensions() == other.JointDimensions() &&
-      names[0] == names[1]) {
+  const bool are_same = names[0] == names[1];
+  if (arm->JointDimensions() == other.JointDimensions() &&
+      (are_same || refit.tool)) {
+    if (!are_same) arm->targets = other.targets;
     return;
   }
   throw InputError({path, 0, 0, "arm"},
                    "has other joints or targets than the arm that is "
-                   "validated");
+                   "validated; --refit=tool takes other targets");
 }
+
+}  // namespace
 
 std::vector<std::string> UnknownReferences(const References& references) {
   std::vector<std::string> names;
@@ -43,8 +48,6 @@ std::vector<std::string> UnknownReferences(const References& references) {
   }
   return names;
 }
-
-}  // namespace
 
 std::string Refit::Text() const {
   std::vector<std::string> names;
@@ -108,19 +111,20 @@ void RequireKnownStations(const std::string& path, const Arm& arm,
 
 }  // namespace
 
-CalibrationData LoadValidationData(const std::string& path, const Arm& arm,
-                                   double default_sigma, int num_threads) {
+CalibrationData LoadValidationData(const std::string& path, const Refit& refit,
+                                   double default_sigma, int num_threads,
+                                   Arm* arm) {
   CalibrationData data;
   if (IsDataFile(path)) {
     DataFormat format;
     format.sigma = default_sigma;
     data.training =
-        LoadData(path, arm, format, &data.references, num_threads).data;
+        LoadData(path, *arm, format, &data.references, num_threads).data;
     return data;
   }
   JobConfig job = LoadJob(path, num_threads);
-  RequireSameShape(path, arm, job.arm);
-  RequireKnownStations(path, arm, job);
+  TakeTargets(path, job.arm, refit, arm);
+  RequireKnownStations(path, *arm, job);
   data = std::move(job.data);
   data.validation.reset();
   return data;
@@ -129,16 +133,9 @@ CalibrationData LoadValidationData(const std::string& path, const Arm& arm,
 Accuracy ValidationAccuracy(const std::string& path, const Arm& arm,
                             CalibrationData data, const Refit& refit,
                             int num_threads) {
-  const std::vector<std::string> unknown = UnknownReferences(data.references);
-  if (!unknown.empty() && !refit.references) {
-    throw InputError({path, 0, 0, ""},
-                     "measured against " + JoinNames(unknown) +
-                         ", of which nobody says where they are: "
-                         "--refit=references finds them from these data, or a "
-                         "job states them");
-  }
+  const bool has_unknown = !UnknownReferences(data.references).empty();
   const Execution execution{num_threads, SingleProcess()};
-  if (!refit.base && !refit.tool && unknown.empty()) {
+  if (!refit.base && !refit.tool && !has_unknown) {
     const MeasurementModel model(arm, data.references, execution);
     return EvaluateAccuracy(model, data.training, model.NominalValues());
   }
@@ -149,8 +146,16 @@ Accuracy ValidationAccuracy(const std::string& path, const Arm& arm,
   task.options.num_threads = num_threads;
   const CalibrationResult result = Calibrate(std::move(task));
   if (!result.IsUsable()) {
-    throw InputError({path, 0, 0, ""}, "the fit of " + refit.Text() +
-                                           " failed: " + result.message);
+    Refit fitted = refit;
+    fitted.references = has_unknown;
+    throw InputError(
+        {path, 0, 0, ""},
+        "the fit of " + fitted.Text() + " failed: " + result.message +
+            (fitted.tool && fitted.base ? ""
+                                        : ". --refit=tool finds a "
+                                          "tool that sits elsewhere, "
+                                          "--refit=base an instrument "
+                                          "that stands elsewhere"));
   }
   return result.train.after;
 }

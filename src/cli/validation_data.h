@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "alidade/accuracy.h"
 #include "alidade/arm.h"
@@ -25,14 +26,18 @@ Refit ReadRefit(const std::string& text);
 
 /// Measurements that an arm is held against: a data set, or all of the `data`
 /// of a job, whatever they are; the job's arm only says how its columns are
-/// read. @throws InputError.
-CalibrationData LoadValidationData(const std::string& path, const Arm& arm,
-                                   double default_sigma, int num_threads);
+/// read, and, where the tool is refitted, which targets there are: `arm` gets
+/// those. @throws InputError.
+CalibrationData LoadValidationData(const std::string& path, const Refit& refit,
+                                   double default_sigma, int num_threads,
+                                   Arm* arm);
 
-/// The position errors of an arm, its base, targets and references refitted to
-/// the data first where asked for, with the geometry of its joints as it is.
-/// @throws InputError where references are unknown and not refitted, or the fit
-/// fails.
+/// Names of points and planes of which nobody says where they are.
+std::vector<std::string> UnknownReferences(const References& references);
+
+/// The position errors of an arm, with the geometry of its joints as it is. Its
+/// base and targets are refitted to the data first where asked for, and so are
+/// unknown references in any case. @throws InputError where that fails.
 Accuracy ValidationAccuracy(const std::string& path, const Arm& arm,
                             CalibrationData data, const Refit& refit,
                             int num_threads);

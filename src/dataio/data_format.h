@@ -75,6 +75,9 @@ struct DataFormat {
   std::vector<std::pair<std::string, std::string>> where;
   /// Rows are left out that meet one of these.
   std::vector<RowCondition> exclude;
+  /// Where the instrument or the arm stood: names, and first and last lines of
+  /// the file; in place of a column.
+  std::vector<std::pair<std::string, std::pair<int, int>>> stations;
   /// How a text is written, and lines of it that are left out.
   StatedDialect dialect;
   /// Whether what was found and is not stated here is logged.

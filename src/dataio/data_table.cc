@@ -4,7 +4,9 @@
 #include <exception>
 #include <limits>
 #include <mutex>
+#include <string>
 
+#include "src/common/names.h"
 #include "src/common/numbers.h"
 #include "src/common/parallel.h"
 
@@ -30,8 +32,17 @@ void TableRow::Fail(int spec, const std::string& message) const {
 }
 
 void TableRow::FailNumber(const NumberColumn& column) const {
-  Fail(column.spec, DescribeBadNumber(Text(column.spec),
-                                      "state its unit in the column's name"));
+  const std::string text(Text(column.spec));
+  std::string message =
+      DescribeBadNumber(text, "state its unit in the column's name");
+  const bool is_word =
+      !text.empty() && text.find_first_of("0123456789") == std::string::npos;
+  if (is_word && column.rule != CellRule::kRequired) {
+    message += ". Where that says that nothing was measured: `missing: [" +
+               OneLine(text) + "]`, or `exclude: [" + std::to_string(line()) +
+               "]` leaves the row out, in the job's `data`";
+  }
+  Fail(column.spec, message);
 }
 
 void TableRow::FailPositive(int spec) const {

@@ -57,7 +57,9 @@ DatasetRows::DatasetRows(const DataTable& table, const DatasetColumns& columns,
       covariates_(columns.num_covariates,
                   columns.num_covariates > 0 ? table.num_rows() : 0),
       sets_(header_.Has(columns.set) ? table.num_rows() : 0),
-      stations_(header_.Has(columns.station) ? table.num_rows() : 0) {
+      stations_(header_.Has(columns.station) || !format_.stations.empty()
+                    ? table.num_rows()
+                    : 0) {
   const auto num_targets =
       static_cast<Eigen::Index>(columns.target_positions.size());
   if (groups_.position || groups_.orientation()) {
@@ -123,7 +125,7 @@ void DatasetRows::Read(const TableRow& row) {
   const std::int64_t i = row.index();
   lines_[i] = row.line();
   if (!sets_.empty()) sets_[i] = row.Text(columns_.set);
-  if (!stations_.empty()) stations_[i] = row.Text(columns_.station);
+  if (!stations_.empty()) stations_[i] = StationOf(row);
   for (int k = 0; k < columns_.num_covariates; ++k) {
     covariates_.map()(k, i) = row.Number(columns_.covariates + k);
   }
@@ -133,6 +135,16 @@ void DatasetRows::Read(const TableRow& row) {
   for (std::size_t k = 0; k < tables_.size(); ++k) {
     (this->*readers_[k])(row, &tables_[k]);
   }
+}
+
+std::string DatasetRows::StationOf(const TableRow& row) const {
+  if (format_.stations.empty()) return std::string(row.Text(columns_.station));
+  for (const auto& [name, lines] : format_.stations) {
+    if (row.line() >= lines.first && row.line() <= lines.second) return name;
+  }
+  row.Fail(columns_.station,
+           "line " + std::to_string(row.line()) +
+               " belongs to none of `stations`: expected each line in one");
 }
 
 // A row whose orientation was not measured is one of position.

@@ -51,6 +51,7 @@ class DatasetRows {
   int ReadTarget(const TableRow& row) const;
   int FindTarget(std::string_view name, int spec, const TableRow& row) const;
   std::string ReadPoint(const TableRow& row) const;
+  std::string StationOf(const TableRow& row) const;
 
   std::vector<bool> FindPoses() const;
   std::vector<ObservationBlock> MakeBlocks(RowNumbers numbers,

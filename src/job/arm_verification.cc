@@ -1,13 +1,18 @@
 #include "src/job/arm_verification.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <set>
+#include <utility>
 
 #include "alidade/calibration.h"
 #include "alidade/correction.h"
 #include "alidade/dataset_file.h"
 #include "alidade/error.h"
+#include "alidade/forward_kinematics.h"
+#include "src/calibration/input_mistakes.h"
+#include "src/common/format.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/planning/check_poses.h"
 #include "src/planning/pose_rows.h"
@@ -91,6 +96,60 @@ ArmCheckResult Check(const ArmSource& source, const Arm& arm,
                   check);
 }
 
+// The root mean square distance of positions from those of the arm (m).
+double ErrorOf(const Arm& arm, const PositionSample& sample) {
+  const Eigen::Matrix3Xd errors =
+      TargetPositions(arm, sample.joint_values) - sample.points;
+  return std::sqrt(errors.colwise().squaredNorm().mean());
+}
+
+// Units that positions or joint angles were read in by mistake, where others
+// make them agree with the arm.
+std::string UnitHint(const Arm& arm, const Dataset& data, double predicted) {
+  constexpr double kNotNoise = 20.0;  // times what is predicted
+  constexpr double kExplains = 0.02;  // of the error as read
+  PositionSample sample;
+  for (const ObservationBlock& block : data.blocks) {
+    if (!HoldsPosition(block.kind) || sample.size() > 0) continue;
+    sample.points = block.measured.map().topRows(3);
+    sample.joint_values.resize(data.num_joints(), block.size());
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      sample.joint_values.col(i) = data.joint_values.col(block.pose(i));
+    }
+  }
+  if (sample.size() == 0 || !sample.points.allFinite()) return "";
+  sample.joint_values_before = sample.joint_values_after = sample.joint_values;
+  const double as_read = ErrorOf(arm, sample);
+  if (!(as_read > kNotNoise * predicted)) return "";
+  using Kind = InputMistake::Kind;
+  std::vector<InputMistake> angles = {{Kind::kAngleUnit, "", [](auto*) {}}};
+  std::vector<InputMistake> lengths = {{Kind::kLengthUnit, "", [](auto*) {}}};
+  for (InputMistake& mistake : SingleMistakes(arm)) {
+    if (mistake.kind == Kind::kAngleUnit) angles.push_back(std::move(mistake));
+    if (mistake.kind == Kind::kLengthUnit) {
+      lengths.push_back(std::move(mistake));
+    }
+  }
+  double best = kExplains * as_read;
+  std::string hint;
+  for (const InputMistake& angle : angles) {
+    for (const InputMistake& length : lengths) {
+      PositionSample mended = sample;
+      angle.mend(&mended);
+      length.mend(&mended);
+      const double error = ErrorOf(arm, mended);
+      if (!(error < best)) continue;
+      best = error;
+      const bool are_both = !angle.text.empty() && !length.text.empty();
+      hint =
+          "This is no change of the arm: the measurements agree with it, to " +
+          FormatLength(error, 2) + ", if " + angle.text +
+          (are_both ? ", and " : "") + length.text + ".";
+    }
+  }
+  return hint;
+}
+
 // Limits narrowed to what was measured: elsewhere the calibration is an
 // extrapolation, and a check would be one too.
 Arm WithinMeasured(const ArmSource& source) {
@@ -140,6 +199,9 @@ ArmCheckResult VerifyArm(const ArmSource& source, const std::string& path,
     throw InputError({path, 0, 0, ""},
                      "too few measurements for what is found from them, "
                      "expected more poses");
+  }
+  if (!result.passes) {
+    result.hint = UnitHint(calibrated.arm, data, result.predicted_rms);
   }
   return result;
 }

@@ -1,7 +1,10 @@
 #include "src/job/import_data.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <map>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -10,6 +13,7 @@
 #include "src/calibration/position_sample.h"
 #include "src/common/format.h"
 #include "src/common/names.h"
+#include "src/common/number_text.h"
 #include "src/common/text.h"
 #include "src/dataio/column_roles.h"
 #include "src/dataio/csv_columns.h"
@@ -46,7 +50,9 @@ class Importer {
     SetFormat();
     FindUnits();
     LoadedData loaded = Load(format_);
-    if (LeaveOutLost(loaded.data)) loaded = Load(format_);
+    if (LeaveOutLost(loaded.data, ArmReach(request_.arm))) {
+      loaded = Load(format_);
+    }
     Describe(loaded);
     result_.loaded = std::move(loaded);
     return std::move(result_);
@@ -140,6 +146,11 @@ class Importer {
         Candidates(roles_.position, request_.length_unit, {"mm", "m", "in"});
     const std::vector<const Unit*> angles =
         Candidates(roles_.joints, request_.angle_unit, {"deg", "rad"});
+    if (lengths.size() * angles.size() > 1) {
+      // In no unit yet, the reach is about what positions are apart.
+      const Dataset data = LoadWith(lengths[0], angles[0]).data;
+      LeaveOutLost(data, 2.0 * TypicalDistance(data));
+    }
     std::vector<std::pair<double, std::pair<const Unit*, const Unit*>>> fits;
     for (const Unit* length : lengths) {
       for (const Unit* angle : angles) {
@@ -166,13 +177,17 @@ class Importer {
     }
   }
 
-  double MisfitWith(const Unit* length, const Unit* angle) const {
+  LoadedData LoadWith(const Unit* length, const Unit* angle) const {
     DataFormat format = format_;
     format.ignore_rotation = true;
     format.columns.orientation.clear();
     format.columns.length_unit = length;
     format.columns.angle_unit = angle;
-    const LoadedData loaded = Load(format);
+    return Load(format);
+  }
+
+  double MisfitWith(const Unit* length, const Unit* angle) const {
+    const LoadedData loaded = LoadWith(length, angle);
     const std::optional<PositionSample> sample =
         SamplePositions(loaded.data, SingleProcess());
     return sample ? Misfit(request_.arm, *sample)
@@ -188,20 +203,30 @@ class Importer {
   }
 
   // Whether there were any.
-  bool LeaveOutLost(const Dataset& data) {
+  bool LeaveOutLost(const Dataset& data, double reach) {
     constexpr double kFar = 20.0;  // reaches
-    std::vector<int> lines;
+    const double far = kFar * reach;
     const Eigen::Vector3d middle = MedianOf(data);
-    for (const ObservationBlock& block : data.blocks) {
-      if (!HoldsPosition(block.kind)) continue;
-      for (Eigen::Index i = 0; i < block.size(); ++i) {
-        const Eigen::Vector3d point = block.measured.map().col(i).head<3>();
-        const bool is_lost =
-            point.isZero(0.0) ||
-            !((point - middle).norm() < kFar * ArmReach(request_.arm));
-        if (is_lost) lines.push_back(data.sources[block.pose(i)].line);
+    const std::set<double> sentinels = SentinelsOf(data, middle, reach);
+    std::vector<int> lines;
+    std::set<std::string> written;
+    ForEachPosition(data, [&](const Eigen::Vector3d& point, int line) {
+      const bool is_one = point[0] == point[1] && point[1] == point[2];
+      const auto sentinel =
+          std::find_if(point.begin(), point.end(),
+                       [&](double x) { return sentinels.count(x) > 0; });
+      if (!is_one && sentinel == point.end() && (point - middle).norm() < far) {
+        return;
       }
-    }
+      lines.push_back(line);
+      if (is_one || sentinel != point.end()) {
+        written.insert(
+            ShortestNumber(InMillimetres(is_one ? point[0] : *sentinel)) +
+            " mm");
+      }
+    });
+    // Most of them are not lost: something else is wrong.
+    if (2 * lines.size() > data.sources.size()) return false;
     std::sort(lines.begin(), lines.end());
     std::vector<std::string> names;
     for (const int line : lines) {
@@ -210,11 +235,76 @@ class Importer {
     }
     if (!names.empty()) {
       result_.notes.push_back(
-          "the target was lost (0, 0, 0, or out of reach) and the row is left "
-          "out: line " +
-          JoinNames(names));
+          "the target was lost (" +
+          (written.empty() ? "out of reach"
+                           : JoinNames({written.begin(), written.end()}) +
+                                 " in place of a position, or out of reach") +
+          ") and the row is left out: line " + JoinNames(names));
     }
     return !names.empty();
+  }
+
+  template <typename Use>
+  static void ForEachPosition(const Dataset& data, const Use& use) {
+    for (const ObservationBlock& block : data.blocks) {
+      if (!HoldsPosition(block.kind)) continue;
+      for (Eigen::Index i = 0; i < block.size(); ++i) {
+        use(Eigen::Vector3d(block.measured.map().col(i).head<3>()),
+            data.sources[block.pose(i)].line);
+      }
+    }
+  }
+
+  // Coordinates that stand for none: out of reach, and there again and again
+  // or of nines alone.
+  static std::set<double> SentinelsOf(const Dataset& data,
+                                      const Eigen::Vector3d& middle,
+                                      double reach) {
+    constexpr double kOutOfReach = 2.5;  // reaches
+    constexpr int kOften = 3;
+    const double limit = kOutOfReach * reach;
+    std::map<double, int> counts;
+    ForEachPosition(data, [&](const Eigen::Vector3d& point, int /*line*/) {
+      for (int axis = 0; axis < 3; ++axis) {
+        if (std::abs(point[axis] - middle[axis]) > limit) {
+          ++counts[point[axis]];
+        }
+      }
+    });
+    std::set<double> sentinels;
+    for (const auto& [value, count] : counts) {
+      if (count >= kOften || IsOfNines(value)) sentinels.insert(value);
+    }
+    return sentinels;
+  }
+
+  // As it may have been written: to nine digits.
+  static double InMillimetres(double metres) {
+    constexpr int kDigits = 9;
+    return NumberOrNan(FormatSignificant(metres / kMillimetre, kDigits));
+  }
+
+  // 999, -9999.9, in mm or m.
+  static bool IsOfNines(double metres) {
+    std::string digits = ShortestNumber(std::abs(InMillimetres(metres)));
+    digits.erase(std::remove(digits.begin(), digits.end(), '.'), digits.end());
+    digits.erase(digits.find_last_not_of('0') + 1);
+    return digits.size() > 2 &&
+           digits.find_first_not_of('9') == std::string::npos;
+  }
+
+  // The median distance of positions from their middle.
+  static double TypicalDistance(const Dataset& data) {
+    const Eigen::Vector3d middle = MedianOf(data);
+    std::vector<double> distances;
+    ForEachPosition(data, [&](const Eigen::Vector3d& point, int /*line*/) {
+      distances.push_back((point - middle).norm());
+    });
+    if (distances.empty()) return 0.0;
+    const auto half =
+        distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+    std::nth_element(distances.begin(), half, distances.end());
+    return *half;
   }
 
   static Eigen::Vector3d MedianOf(const Dataset& data) {

@@ -36,8 +36,10 @@ struct ImportedData {
 /// Reads positions or poses from a text file of any form that is certain
 /// (csv_layout.h, column_roles.h). Units that neither names nor the request
 /// state are those under which the positions fit the nominal arm, where only
-/// one does so. Positions that are exactly 0, 0, 0, or farther away than an arm
-/// of this size can be, are those of a lost target and left out.
+/// one does so. Positions that are exactly 0, 0, 0 or another number three
+/// times, farther away than an arm of this size can be, or that have a number
+/// out of reach which stands there again and again or consists of nines, are
+/// those of a lost target and left out.
 /// @throws InputError where something is not certain; the message says what to
 /// state.
 ImportedData ImportData(const ImportRequest& request);

@@ -12,6 +12,7 @@
 #include "src/common/files.h"
 #include "src/job/directory_swap.h"
 #include "src/job/written_files.h"
+#include "src/report/budget_report.h"
 #include "src/serialization/result_json.h"
 
 namespace alidade::internal {
@@ -56,6 +57,8 @@ std::set<std::string> NamesOf(OutputKind kind) {
               "joint_functions.svg",
               "joint_residuals.csv",
               "joint_residuals.svg",
+              "budget.csv",
+              "iso9283.csv",
               "result.json",
               "heldout.csv",
               "heldout_z_scores.svg"};
@@ -142,6 +145,7 @@ std::vector<ReportFile> RenderResult(const CalibrationResult& result,
   Append(MakeCsvFiles(result), &files);
   Append(MakeFigures(result), &files);
   Append(MakeUncertaintyFiles(result), &files);
+  Append(MakeBudgetFiles(result), &files);
   Append(MakeErrorTermFiles(result), &files);
   Append(MakeIdentifiabilityFigures(result.identifiability), &files);
   files.emplace_back("result.json", FormatResultJson(result));

@@ -21,15 +21,6 @@ bool KeepsClear(const std::vector<HalfSpace>& half_spaces,
                      });
 }
 
-bool IsInside(const std::vector<WorkspaceBox>& boxes,
-              const Eigen::Vector3d& point) {
-  return boxes.empty() ||
-         std::any_of(boxes.begin(), boxes.end(), [&](const WorkspaceBox& box) {
-           return (point.array() >= box.lower.array()).all() &&
-                  (point.array() <= box.upper.array()).all();
-         });
-}
-
 bool IsSeen(const Visibility& visibility,
             const Eigen::Isometry3d& base_from_target) {
   const Eigen::Vector3d way =

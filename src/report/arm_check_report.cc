@@ -64,7 +64,8 @@ std::string FormatArmCheck(const Arm& arm, const ArmCheckResult& check) {
                    FormatLength(check.predicted_rms, 3) + " RMS. " + limit +
                    ". An arm that is as calibrated fails in " +
                    Percent(check.significance) + " of checks.") +
-         "\n" + FormatPower(arm, check);
+         (check.hint.empty() ? "" : "\n" + Paragraph(check.hint)) + "\n" +
+         FormatPower(arm, check);
 }
 
 std::string FormatCheckPlan(const Arm& arm, const ArmCheckResult& planned,

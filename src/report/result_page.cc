@@ -10,6 +10,7 @@
 #include "src/common/text.h"
 #include "src/report/answers.h"
 #include "src/report/arm_view.h"
+#include "src/report/budget_report.h"
 #include "src/report/figures.h"
 #include "src/report/markup.h"
 #include "src/report/report.h"
@@ -207,6 +208,7 @@ std::string RenderResultPage(const CalibrationResult& result,
            ErrorTermsSectionOf(result),
            ParametersSection(result),
            IdentifiabilitySection(result),
+           BudgetSection(result),
            SolverSection(result),
            ProvenanceSection(result),
        }) {

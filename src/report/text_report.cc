@@ -7,6 +7,7 @@
 #include "src/common/format.h"
 #include "src/common/text.h"
 #include "src/report/answers.h"
+#include "src/report/budget_report.h"
 #include "src/report/error_term_tables.h"
 #include "src/report/report.h"
 #include "src/report/result_tables.h"
@@ -218,6 +219,7 @@ std::string FormatReport(const CalibrationResult& result,
   text += Section("Parameters", FormatParameters(result) + Aliases(result));
   text +=
       Section("Identifiability", FormatIdentifiability(result.identifiability));
+  text += Section("Uncertainty budget", BudgetText(result));
   if (!result.runs.empty()) {
     text += Section("Convergence",
                     FormatComparison(result) + SolverMessages(result));

@@ -128,11 +128,10 @@ void VisitColumns(Visitor& v, const Arm& arm, ColumnMapping* mapping) {
   header("target", "a header", &mapping->target);
   header("set", "a header", &mapping->set);
   VisitCovariates(v, arm, mapping);
-  header(
-      "station",
-      "a header: texts that say where, or on which day, the row was "
-      "measured; with `errors` other than `none`, each has a base of its own",
-      &mapping->station);
+  header("station",
+         "a header: texts that say where, or on which day, the row was "
+         "measured; each has a base of its own",
+         &mapping->station);
   v.Custom(
       Key("targets").Schema(
           R"({"type": "object", "additionalProperties": {"type": "array", "items": {"type": "string"}}})"),
@@ -231,6 +230,10 @@ void VisitData(Visitor& v, const Arm& arm, DataFormat* format,
   v.Check([&](const YamlMap& map) {
     CheckTarget(map, arm, *format);
     CheckPayload(map, *format);
+    if (!format->stations.empty() && !format->columns.station.empty()) {
+      map.Required("stations")
+          .Fail("found beside a station in \"columns\", expected one of both");
+    }
   });
 }
 

@@ -1,5 +1,6 @@
 #include "src/serialization/dialect_section.h"
 
+#include <limits>
 #include <string>
 
 #include "src/common/names.h"
@@ -20,14 +21,17 @@ char MarkOf(const YamlValue& value, const std::string& what,
              Quote(value.Text()));
 }
 
-// "12" or "40-45".
+// "12", "40-45" or "46-", to the end.
 std::optional<std::pair<int, int>> LinesOf(std::string_view text) {
   const std::size_t dash = text.find('-');
   const auto first = ParseWhole<int>(text.substr(0, dash));
-  const auto last = dash == std::string_view::npos
-                        ? first
-                        : ParseWhole<int>(text.substr(dash + 1));
-  if (!first || !last) return std::nullopt;
+  auto last = first;
+  if (dash != std::string_view::npos) {
+    const std::string_view rest = text.substr(dash + 1);
+    last =
+        rest.empty() ? std::numeric_limits<int>::max() : ParseWhole<int>(rest);
+  }
+  if (!first || !last || *first < 1 || *first > *last) return std::nullopt;
   return std::pair{*first, *last};
 }
 
@@ -83,7 +87,7 @@ void ReadExclude(const YamlValue& value, DataFormat* format) {
   for (const YamlValue& entry : value.List()) {
     const std::string text = entry.Text();
     const std::optional<std::pair<int, int>> lines = LinesOf(text);
-    if (lines && lines->first >= 1 && lines->first <= lines->second) {
+    if (lines) {
       format->dialect.excluded_lines.push_back(*lines);
       continue;
     }
@@ -95,6 +99,31 @@ void ReadExclude(const YamlValue& value, DataFormat* format) {
           Quote(text));
     }
     format->exclude.push_back(*std::move(condition));
+  }
+}
+
+void ReadStations(const YamlValue& value, DataFormat* format) {
+  const YamlMap map = value.AnyMap("stations and their lines");
+  for (const auto& [name, entry] : map.entries()) {
+    std::vector<YamlValue> ranges = {entry};
+    if (entry.IsList()) ranges = entry.List();
+    for (const YamlValue& range : ranges) {
+      const auto lines = LinesOf(range.Text());
+      if (!lines) {
+        range.Fail(
+            "expected lines of the file (2-41, or 42- to its end), "
+            "found " +
+            Quote(range.Text()));
+      }
+      for (const auto& [other, taken] : format->stations) {
+        if (lines->first > taken.second || taken.first > lines->second) {
+          continue;
+        }
+        range.Fail("lines " + range.Text() + " are, in part, those of " +
+                   Quote(other) + ", expected each line in one station");
+      }
+      format->stations.emplace_back(name, *lines);
+    }
   }
 }
 

@@ -12,6 +12,8 @@ inline constexpr char kHeaderSchema[] =
     R"({"anyOf": [{"type": "integer", "minimum": 1}, {"const": "none"}]})";
 inline constexpr char kExcludeSchema[] =
     R"({"type": "array", "items": {"type": ["string", "integer"]}})";
+inline constexpr char kStationsSchema[] =
+    R"({"type": "object", "additionalProperties": {"type": ["string", "integer", "array"]}})";
 inline constexpr char kWordsSchema[] =
     R"({"type": "array", "items": {"type": ["string", "number"]}})";
 
@@ -22,6 +24,7 @@ void ReadThousands(const YamlValue& value, StatedDialect* dialect);
 void ReadHeaderLine(const YamlValue& value, StatedDialect* dialect);
 void ReadMissingWords(const YamlValue& value, StatedDialect* dialect);
 void ReadExclude(const YamlValue& value, DataFormat* format);
+void ReadStations(const YamlValue& value, DataFormat* format);
 void ReadHeaderUnits(const YamlValue& value, ColumnMapping* mapping);
 
 /// What a map of `data` says of how its text is written, and of rows that are
@@ -56,6 +59,11 @@ void VisitDialect(Visitor& v, DataFormat* format) {
            "or by conditions (`status = lost`, `rms_mm > 0.05`, with `=`, "
            "`!=`, `<`, `<=`, `>`, `>=`)",
            [=](const YamlValue& value) { ReadExclude(value, format); });
+  v.Custom(Key("stations").Schema(kStationsSchema),
+           "map from names to lines of the file (`2-41`, `42-` to its end, or "
+           "a list of some): where the instrument or the arm stood, in place "
+           "of a column `station`",
+           [=](const YamlValue& value) { ReadStations(value, format); });
 }
 
 }  // namespace alidade::internal

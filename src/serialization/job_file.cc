@@ -14,9 +14,9 @@
 #include "src/serialization/job_tree.h"
 #include "src/serialization/references_section.h"
 #include "src/serialization/validation_section.h"
+#include "src/serialization/workspace_boxes.h"
 #include "src/serialization/yaml_reader.h"
 #include "src/simulation/monte_carlo_fields.h"
-#include "src/uncertainty/uncertainty_fields.h"
 
 namespace alidade::internal {
 
@@ -237,7 +237,9 @@ void VisitStudies(Visitor& v, JobReading* reading) {
               });
             });
   v.Section(Key("uncertainty"), "how far the result is to be trusted",
-            job->options.uncertainty);
+            [&](auto& section) {
+              VisitUncertainty(section, &job->options.uncertainty);
+            });
   v.Check([&](const YamlMap& /*map*/) {
     if (job->options.true_values) {
       job->montecarlo.truth = SimulatedTruth::kGiven;
@@ -285,6 +287,22 @@ void VisitJob(Visitor& v, JobReading* reading) {
           "and `result.json` alone");
 }
 
+// An arm that is to stay rigid has a base at each station all the same.
+void EstimateStationBases(JobConfig* job) {
+  ErrorTermOptions& errors = job->options.errors;
+  const bool has_stations_alone =
+      !errors.uses.empty() &&
+      errors.uses.size() == job->data.training.covariate_names.size() &&
+      std::all_of(errors.uses.begin(), errors.uses.end(),
+                  [](const CovariateUse& use) { return use.is_station; });
+  if (errors.selection != ErrorTermSelection::kNone || !has_stations_alone ||
+      !job->arm.errors.empty()) {
+    return;
+  }
+  errors.selection = ErrorTermSelection::kStated;
+  errors.covariates = true;
+}
+
 std::vector<FieldRecord> FieldsOfJob() {
   JobConfig job;
   JobReading reading{nullptr, &job};
@@ -305,6 +323,7 @@ JobConfig Load(const YamlValue& root, bool with_validation,
   }
   JobReading reading{&context, &job, with_validation};
   ReadFields(root, context.units, [&](auto& v) { VisitJob(v, &reading); });
+  EstimateStationBases(&job);
   job.input_files = context.files.paths();
   job.readers = ReadersOf(context, job);
   return job;

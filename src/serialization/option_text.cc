@@ -6,9 +6,9 @@
 #include "src/serialization/job_options.h"
 #include "src/serialization/plan_file.h"
 #include "src/serialization/references_section.h"
+#include "src/serialization/workspace_boxes.h"
 #include "src/serialization/yaml_reader.h"
 #include "src/simulation/monte_carlo_fields.h"
-#include "src/uncertainty/uncertainty_fields.h"
 
 namespace alidade {
 namespace {
@@ -60,8 +60,9 @@ void VisitOptions(Visitor& v, JobConfig* job) {
             });
   v.Section(Key("acceptance"), "limits that the result is to keep",
             options.acceptance);
-  v.Section(Key("uncertainty"), "how far the result is to be trusted",
-            options.uncertainty);
+  v.Section(
+      Key("uncertainty"), "how far the result is to be trusted",
+      [&](auto& section) { VisitUncertainty(section, &options.uncertainty); });
 }
 
 OptionDescription Describe(const FieldRecord& field) {

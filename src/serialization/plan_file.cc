@@ -14,6 +14,7 @@
 #include "src/serialization/identifiability_section.h"
 #include "src/serialization/job_config.h"
 #include "src/serialization/references_section.h"
+#include "src/serialization/workspace_boxes.h"
 #include "src/serialization/yaml_reader.h"
 
 namespace alidade::internal {
@@ -21,17 +22,11 @@ namespace alidade::internal {
 namespace {
 
 constexpr int kMaxPoses = 10000;
+constexpr char kEachTargetInBoxes[] =
+    "boxes in the base's frame: each target that is measured is in one of them";
 
 // What is planned where only an accuracy is asked for.
 constexpr int kMostPoses = 500;
-
-// @throws InputError where a list is there that has no items.
-void RefuseEmptyList(const YamlMap& map, const std::string& key) {
-  const std::optional<YamlValue> list = map.Optional(key);
-  if (list && list->List().empty()) {
-    list->Fail("the list is empty, expected " + key);
-  }
-}
 
 // What goes with candidates that are drawn. @throws InputError.
 void RefuseDrawing(const YamlMap& map) {
@@ -56,31 +51,9 @@ std::vector<std::pair<double, double>> ReadJointLimits(const YamlValue& value,
   return limits;
 }
 
-// Boxes in the base's frame.
-template <typename Visitor>
-void VisitBoxes(Visitor& v, std::vector<WorkspaceBox>* boxes) {
-  v.Items(LengthKey("boxes").Default("anywhere"),
-          "boxes in the base's frame: each target that is measured is in one "
-          "of them",
-          *boxes, [](auto& item, WorkspaceBox& box) {
-            for (const auto& [axis, side] :
-                 {std::pair(0, "x"), std::pair(1, "y"), std::pair(2, "z")}) {
-              double* const lower = &box.lower[axis];
-              double* const upper = &box.upper[axis];
-              item.Custom(LengthKey(side).Required().Schema(kIntervalSchema),
-                          "`[lower, upper]`",
-                          [=](const YamlValue& value, const Units& units) {
-                            std::tie(*lower, *upper) =
-                                ReadInterval(value, Dimension::kLength, units);
-                          });
-            }
-          });
-  v.Check([](const YamlMap& map) { RefuseEmptyList(map, "boxes"); });
-}
-
 template <typename Visitor>
 void VisitConstraints(Visitor& v, PoseConstraints* constraints) {
-  VisitBoxes(v, &constraints->boxes);
+  VisitBoxes(v, kEachTargetInBoxes, &constraints->boxes);
   const Key margin = LengthKey("margin").AtLeast(0);
   const char* thickness = "for the thickness of the links";
   v.Section(Key("floor"),
@@ -152,7 +125,7 @@ void VisitRegion(Visitor& v, PlanConfig* plan) {
              plan->region.joint_limits =
                  ReadJointLimits(value, units, plan->job.arm);
            });
-  VisitBoxes(v, &plan->region.boxes);
+  VisitBoxes(v, kEachTargetInBoxes, &plan->region.boxes);
   v.Field(Key("count").AtLeast(1).AtMost(10000), plan->region.count,
           "poses of the region that `G` and `I` are evaluated at");
 }

@@ -140,50 +140,6 @@ void ReadFile(const YamlValue& value, const JobContext& context,
   HoldOutChosen(is_validation, value, job);
 }
 
-// Which points and planes observations are of, those of all ranks.
-struct Mentioned {
-  std::vector<bool> points;
-  std::vector<bool> planes;
-};
-
-void Mention(Communicator* communicator, const Dataset& data,
-             Mentioned* mentioned) {
-  for (const ObservationBlock& block : data.blocks) {
-    if (block.kind == MeasurementKind::kPointDistance) continue;
-    std::vector<bool>& list = block.kind == MeasurementKind::kPlane
-                                  ? mentioned->planes
-                                  : mentioned->points;
-    for (const int i : block.references) list[i] = true;
-  }
-  for (std::vector<bool>* list : {&mentioned->points, &mentioned->planes}) {
-    for (auto&& is_mentioned : *list) {
-      is_mentioned = !OnAllRanks(communicator, data, !is_mentioned);
-    }
-  }
-}
-
-// What the fit does not identify says nothing of validation poses.
-void CheckReferences(const YamlValue& value, const JobConfig& job) {
-  const References& references = job.data.references;
-  Mentioned validation{std::vector<bool>(references.points.size()),
-                       std::vector<bool>(references.planes.size())};
-  Mentioned fitted = validation;
-  Mention(job.communicator, job.data.training, &fitted);
-  Mention(job.communicator, *job.data.validation, &validation);
-  const auto check = [&value](const auto& all,
-                              const std::vector<bool>& is_validation,
-                              const std::vector<bool>& is_fitted) {
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      if (!is_validation[i] || is_fitted[i] || all[i].is_known) continue;
-      value.Fail(Quote(all[i].name) +
-                 " is measured against at validation poses alone, expected it "
-                 "among the poses of the fit too, or known in `references`");
-    }
-  };
-  check(references.points, validation.points, fitted.points);
-  check(references.planes, validation.planes, fitted.planes);
-}
-
 }  // namespace
 
 void CheckOneWay(const YamlMap& map) {
@@ -220,7 +176,6 @@ void TakeValidation(const YamlMap& map, const StatedValidation& stated,
   } else {
     TakeFraction(map.Required("fraction"), stated.holdout, job);
   }
-  if (job->data.validation) CheckReferences(map.value(), *job);
 }
 
 }  // namespace alidade::internal

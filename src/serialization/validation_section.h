@@ -27,7 +27,8 @@ struct StatedValidation {
 template <typename Visitor>
 void VisitValidation(Visitor& v, StatedValidation* stated) {
   v.Field(Key("data").Schema(kDataSchema), stated->data,
-          "other data, named as in `data`");
+          "other data, named as in `data`. Points and planes that these alone "
+          "name are found from them, the calibrated arm held, which is said");
   VisitFields(v, stated->holdout);
   VisitFields(v, stated->folds);
   v.Field(Key("seed"), stated->holdout.seed,

@@ -2,6 +2,7 @@
 #define ALIDADE_SRC_UNCERTAINTY_ARM_CHECK_H_
 
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "alidade/dataset.h"
@@ -58,6 +59,8 @@ struct ArmCheckResult {
   double found_move = 0.0;
   /// Change of each joint's zero (rad or m) likewise.
   Eigen::VectorXd found_zero;
+  /// What would explain a failure, a sentence; empty where nothing is known.
+  std::string hint;
 };
 
 /// `calibrated` has the calibrated arm as its nominal one; `uncalibrated` the

@@ -146,6 +146,17 @@ class Assessment {
                         input_.options.map_configurations, input_.options.seed,
                         input_.true_values);
     }
+    if (input_.options.region_configurations > 0) {
+      result_.budget =
+          MakeBudget({fit_.model, fit_.values, prediction_, result_.lack_of_fit,
+                      input_.measurement, input_.options});
+      if (!result_.budget) {
+        result_.warnings.emplace_back(
+            "there is no uncertainty budget: within the joint limits the "
+            "target is never in one of the boxes of `uncertainty: {region: "
+            "...}`. They are in the base's frame");
+      }
+    }
     if (input_.validation == nullptr) return;
     result_.validation =
         CheckPrediction(fit_.model, fit_.values, prediction_,

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "alidade/uncertainty.h"
+#include "src/uncertainty/budget.h"
 #include "src/uncertainty/covariance.h"
 #include "src/uncertainty/lack_of_fit.h"
 #include "src/uncertainty/nonlinearity.h"
@@ -52,6 +53,8 @@ struct AssessmentInput {
   /// The data of the fit without those that it has rejected; null where there
   /// are none.
   const Dataset* kept = nullptr;
+  /// Of single measurements, for the budget.
+  MeasurementKnowledge measurement = {};
   /// Values of the real arm, where it is known; else empty.
   Eigen::VectorXd true_values = {};
 };

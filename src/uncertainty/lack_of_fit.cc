@@ -48,8 +48,9 @@ struct ClassExcess {
   double noise = 0.0;      // of one measurement, in sigmas squared
   double precision = 0.0;  // mean of 1 / sigma^2
   double p_value = std::numeric_limits<double>::quiet_NaN();
-  double excess = 0.0;    // variance (m^2, rad^2), significant or not
-  double residual = 0.0;  // of one measurement, in sigmas squared
+  double excess = 0.0;          // variance (m^2, rad^2), significant or not
+  double excess_freedom = 0.0;  // of it
+  double residual = 0.0;        // of one measurement, in sigmas squared
 
   bool is_known() const { return source != NoiseSource::kNone; }
   bool is_taken_in() const { return p_value < kTakenIn; }
@@ -150,6 +151,10 @@ class Assessor {
                                    repeat_freedom);
     }
     one.excess = std::max(0.0, beyond) / one.precision;
+    const double of_noise = one.noise * of_mean;
+    one.excess_freedom = beyond * beyond /
+                         (one.squares * one.squares / freedom +
+                          of_noise * of_noise / repeat_freedom);
     one.residual = std::max(0.0, one.noise + beyond);
     return one;
   }
@@ -165,7 +170,10 @@ class Assessor {
       lack.residual = std::sqrt(lengths.residual / lengths.precision);
     }
     constexpr double kAxes = 3.0;
-    if (lengths.is_taken_in()) lack.excess_variance = kAxes * lengths.excess;
+    if (lengths.is_taken_in()) {
+      lack.excess_variance = kAxes * lengths.excess;
+      lack.excess_degrees_of_freedom = lengths.excess_freedom;
+    }
     if (rotations.is_taken_in()) {
       lack.rotation_excess_variance = kAxes * rotations.excess;
     }

@@ -35,6 +35,21 @@ inline constexpr std::array kWords<NoiseSource> = {
     std::pair{NoiseSource::kStructure, "structure"},
 };
 
+template <>
+inline constexpr std::array kWords<BudgetSource> = {
+    std::pair{BudgetSource::kParameters, "parameters"},
+    std::pair{BudgetSource::kModel, "model"},
+    std::pair{BudgetSource::kRepeatability, "repeatability"},
+    std::pair{BudgetSource::kResiduals, "residuals"},
+    std::pair{BudgetSource::kMeasurement, "measurement"},
+};
+
+template <>
+inline constexpr std::array kWords<EvaluationType> = {
+    std::pair{EvaluationType::kA, "A"},
+    std::pair{EvaluationType::kB, "B"},
+};
+
 template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, UncertaintyOptions>& options) {
   v.Field(Key("confidence").Above(0).Below(1), options.confidence,
@@ -135,6 +150,7 @@ void VisitFields(Visitor& v, Subject<Visitor, LackOfFit>& lack) {
   v.Field("p_value", lack.p_value);
   v.Field("excess_variance", lack.excess_variance);
   v.Field("rotation_excess_variance", lack.rotation_excess_variance);
+  v.Later("excess_degrees_of_freedom", lack.excess_degrees_of_freedom);
   v.Field("looks", lack.looks);
   v.Field("sample", lack.is_sample);
   v.Field("structure", lack.structure);
@@ -169,6 +185,55 @@ void VisitFields(Visitor& v, Subject<Visitor, PredictedMap>& map) {
 }
 
 template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, WorkspaceBox>& box) {
+  v.Field("lower", box.lower);
+  v.Field("upper", box.upper);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, BudgetContribution>& one) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  v.Field("source", one.source);
+  v.Field("type", one.type);
+  v.Field("std", one.std, kInfinity);
+  v.Field("degrees_of_freedom", one.degrees_of_freedom, kInfinity);
+  v.Field("basis", one.basis);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, ParameterContribution>& one) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  v.Field("name", one.name);
+  v.Field("unit", one.dimension);
+  v.Field("std", one.std, kInfinity);
+  v.Field("sensitivity", one.sensitivity);
+  v.Computed("contribution", one.contribution());
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, CombinedUncertainty>& combined) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  v.Field("std", combined.std, kInfinity);
+  v.Field("degrees_of_freedom", combined.degrees_of_freedom, kInfinity);
+  v.Field("coverage_factor", combined.coverage_factor, kInfinity);
+  v.Field("expanded", combined.expanded, kInfinity);
+  v.Field("expanded_distance", combined.expanded_distance, kInfinity);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& v, Subject<Visitor, UncertaintyBudget>& budget) {
+  v.Field("region", budget.region);
+  v.Field("configurations", budget.configurations);
+  v.Field("confidence", budget.confidence);
+  v.Field("contributions", budget.contributions);
+  v.Field("parameters", budget.parameters);
+  v.Field("position", budget.position);
+  v.Field("measured", budget.measured);
+  v.Field("worst_std", budget.worst_std,
+          std::numeric_limits<double>::infinity());
+}
+
+template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, UncertaintyResult>& result) {
   v.Field("confidence", result.confidence);
   v.Field("degrees_of_freedom", result.degrees_of_freedom,
@@ -182,6 +247,7 @@ void VisitFields(Visitor& v, Subject<Visitor, UncertaintyResult>& result) {
   v.Later("lack_of_fit", result.lack_of_fit);
   v.Optional("workspace", result.workspace);
   v.Optional("validation", result.validation);
+  v.Optional("budget", result.budget);
   v.Field("warnings", result.warnings);
 }
 

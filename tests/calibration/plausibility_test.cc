@@ -368,6 +368,81 @@ TEST(PlausibilityTest, LostTargetsAndTheWorstMeasurementAreNamed) {
       IsWarnedOf(spoilt, "tracker.csv:5: the measurement that fits worst is"));
 }
 
+// What stands for a lost target where it is no zero, and an instrument that
+// gives its last number again.
+TEST(PlausibilityTest, SentinelsAndStaleReadingsAreNamed) {
+  const Arm real = RealArm();
+  JobConfig job =
+      WholeJobOf(Bench(real, DrawJointValues(real, 60, 5)).Positions(0).data());
+  job.data.training.files = {"tracker.csv"};
+  job.data.training.sources.Append({0, 2}, 60);
+  JobConfig far = job;
+  testing::Edit(&far.data.training.positions())->col(3).setConstant(-9.999);
+  testing::Edit(&far.data.training.positions())->col(9).setConstant(-9.999);
+  const std::string refusal = RefusalOf(far.data.training);
+  EXPECT_NE(refusal.find("`missing: [-9999]`"), std::string::npos) << refusal;
+  EXPECT_NE(refusal.find("`exclude: [5, 11]` in `data`"), std::string::npos)
+      << refusal;
+  Arm here = real;
+  here.instrument_from_base.setIdentity();
+  JobConfig near = job;
+  near.data.training.positions() =
+      Bench(here, DrawJointValues(real, 60, 5)).Positions(0).data().positions();
+  testing::Edit(&near.data.training.positions())->col(3).setConstant(0.99999);
+  const CalibrationResult spoilt = RunJob(near, "test");
+  EXPECT_TRUE(IsWarnedOf(spoilt, "`missing: [999.99]`"));
+  EXPECT_TRUE(IsWarnedOf(spoilt, "`exclude: [5]` in `data`"));
+  {
+    auto points = testing::Edit(&job.data.training.positions());
+    points->col(20) = points->col(19).eval();
+  }
+  EXPECT_TRUE(IsWarnedOf(RunJob(job, "test"),
+                         "tracker.csv:22: 1 measurement is exactly the one "
+                         "before"));
+}
+
+// Every row has the position of the one before, of 60 of which 40 % are held
+// out: neighbours are rarely neighbours in the file.
+TEST(PlausibilityTest, RowsThatAreOffByOneAreFoundThroughAHoldOut) {
+  const Arm real = RealArm();
+  Dataset data = Bench(real, DrawJointValues(real, 60, 5)).Positions(0).data();
+  {
+    auto points = testing::Edit(&data.positions());
+    points->rightCols(59) = points->leftCols(59).eval();
+  }
+  data.files = {"tracker.csv"};
+  data.sources.Append({0, 2}, 60);
+  JobConfig job = WholeJobOf(data);
+  job.options.holdout = HoldOutOptions{HoldOutBy::kPose, 0.4, 1};
+  try {
+    RunJob(job, "test");
+    FAIL() << "expected an error";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("one row late"), std::string::npos)
+        << error.what();
+  }
+  // Where the other rows are lost, those that have neighbours tell it.
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < 60; ++i) {
+    if (i % 5 != 0) kept.push_back(i);
+  }
+  const std::string refusal = RefusalOf(SelectPoses(data, kept));
+  EXPECT_NE(refusal.find("one row late"), std::string::npos) << refusal;
+}
+
+// Nine equations, of which base and target take nine.
+TEST(PlausibilityTest, SigmaOfThreePosesIsUnknown) {
+  const Arm real = RealArm();
+  JobConfig job =
+      WholeJobOf(Bench(real, DrawJointValues(real, 3, 5)).Positions(0).data());
+  job.options.estimate_sigma = true;
+  const CalibrationResult result = RunJob(job, "test");
+  EXPECT_EQ(result.status, CalibrationStatus::kRefused);
+  EXPECT_NE(result.message.find("sigma is unknown"), std::string::npos)
+      << result.message;
+  EXPECT_EQ(result.estimated_sigma, 0.0);
+}
+
 // One wrong position in 42: the solver wanders until it is stopped, and what it
 // ends with is further off elsewhere.
 TEST(PlausibilityTest, AStoppedSolverIsAFailure) {

@@ -152,6 +152,28 @@ TEST_F(TrackerPathTest, ThreeCommandsLeadFromAnExportToAResult) {
   EXPECT_THAT(identify.out, HasSubstr("62 poses"));
 }
 
+// Numbers in place of lost targets: three times the same, of any size; beyond
+// all reach; in one column alone.
+TEST_F(TrackerPathTest, SentinelsAreLeftOut) {
+  std::vector<std::vector<std::string>> rows = rows_;
+  for (const auto& [row, text] :
+       {std::pair(4, "-9999"), std::pair(8, "999.99"), std::pair(11, "1e30")}) {
+    for (int axis = 6; axis < 9; ++axis) rows[row][axis] = text;
+  }
+  rows[19][8] = "-9999";
+  std::string text = "A1,A2,A3,A4,A5,A6,X,Y,Z\n";
+  for (const std::vector<std::string>& row : rows) {
+    for (int i = 0; i < 9; ++i) text += row[i] + (i < 8 ? "," : "\n");
+  }
+  WriteWhole(Path("export.csv"), text);
+  const ProcessResult imported =
+      Alidade("import export.csv --arm=arm.yaml --out=imported");
+  ASSERT_EQ(imported.status, 0) << imported.err;
+  EXPECT_THAT(imported.out, HasSubstr("line 6, 10, 13, 21"));
+  EXPECT_THAT(imported.out, HasSubstr("-9999 mm"));
+  EXPECT_THAT(imported.out, HasSubstr("76 poses"));
+}
+
 TEST_F(TrackerPathTest, UnitsComeFromTheArm) {
   // No header, no units, a counter in front: metres and radians.
   std::string text;

@@ -59,9 +59,12 @@ class VerifyTest : public ::testing::Test {
 
   // The filled-in file of an arm, measured with 0.02 mm, and what is said of
   // it.
-  testing::ProcessResult Check(const Arm& arm, const std::string& flags = "") {
+  testing::ProcessResult Check(const Arm& arm, const std::string& flags = "",
+                               const std::string& header =
+                                   "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,x_mm,"
+                                   "y_mm,z_mm\n") {
     const testing::ErrorTermKinematics kinematics(arm);
-    std::string text = "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,x_mm,y_mm,z_mm\n";
+    std::string text = header;
     Random random(1);
     for (const Eigen::VectorXd& q : joints_) {
       const Eigen::Vector3d point =
@@ -124,6 +127,20 @@ TEST_F(VerifyTest, AnInstrumentThatWasSetUpAnewIsNoFault) {
   EXPECT_EQ(refitted.status, 0) << refitted.out << refitted.err;
   moved.joints[2].theta += 0.2 * kDegree;
   EXPECT_EQ(Check(moved, "--refit=base").status, 1);
+}
+
+TEST_F(VerifyTest, WrongUnitsAreNamed) {
+  const auto metres =
+      Check(real_, "", "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,x_m,y_m,z_m\n");
+  EXPECT_EQ(metres.status, 1) << metres.err;
+  // Lines are wrapped.
+  EXPECT_THAT(metres.out, HasSubstr("but read as m: state"));
+  const auto radians =
+      Check(real_, "", "q1_rad,q2_rad,q3_rad,q4_rad,q5_rad,x_mm,y_mm,z_mm\n");
+  EXPECT_EQ(radians.status, 1) << radians.err;
+  EXPECT_THAT(radians.out,
+              ::testing::ContainsRegex("in.degrees.but.read.as.radians"));
+  EXPECT_THAT(Check(nominal_).out, ::testing::Not(HasSubstr("read as")));
 }
 
 TEST_F(VerifyTest, WhatIsMeasuredIsNotOverwritten) {

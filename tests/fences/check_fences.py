@@ -47,6 +47,7 @@ HEADER_ONLY = {
     'plan': 'planning',
     'rotation': 'model',
     'units': 'common',
+    'workspace_box': 'model',
 }
 
 # Sources of a function of a public header whose types have a source of their

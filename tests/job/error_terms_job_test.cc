@@ -156,6 +156,35 @@ TEST_F(ErrorTermsJobTest, CovariatesAndStationsOfACsvMoveWhatTheyShould) {
   EXPECT_THROW(alidade::RunJob(JobWith(columns, ""), "test"), InputError);
 }
 
+// The tracker was moved by metres between two rows, and nobody edits the file.
+TEST_F(ErrorTermsJobTest, StationsAreLinesOfTheFile) {
+  AddEffect("second", 0.0).base << 2.0, -1.0, 0.5, 0.0, 0.0, 1.0;
+  Eigen::MatrixXd covariates = Eigen::MatrixXd::Zero(1, kPoses);
+  covariates.rightCols(60).setOnes();
+  WriteData("note", std::vector<std::string>(kPoses, "-"), covariates);
+  const std::string rest = "errors: none\nvalidation: {fraction: 0.3}\n";
+  const CalibrationResult result = alidade::RunJob(
+      JobWith("  stations: {first: 2-91, second: 92-}\n", rest), "test");
+  ASSERT_TRUE(result.IsUsable()) << result.message;
+  EXPECT_LT(result.validation->after.rms, 1.3 * std::sqrt(3.0) * kSigma);
+  EXPECT_GT(result.validation->after.rms, 0.8 * std::sqrt(3.0) * kSigma);
+  ASSERT_EQ(result.arm.errors.covariates.size(), 1U);
+  EXPECT_EQ(result.arm.errors.covariates[0].name, "station second");
+  // Without, the place is found, and what to state said.
+  try {
+    alidade::RunJob(JobWith("", rest), "test");
+    FAIL() << "expected an error";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("`stations: {first: 1-9"));
+  }
+  EXPECT_THAT(LoadingError("  stations: {first: 2-91, second: 93-}\n"),
+              HasSubstr("line 92 belongs to none of `stations`"));
+  EXPECT_THAT(LoadingError("  stations: {first: 2-91, second: 90-}\n"),
+              HasSubstr("in part, those of \"first\""));
+  EXPECT_THAT(LoadingError("  stations: {first: 2 to 91}\n"),
+              HasSubstr("expected lines of the file"));
+}
+
 TEST_F(ErrorTermsJobTest, PayloadAndApproachHaveColumns) {
   for (JointErrors& joint : real_.errors.joints) {
     joint.compliance = Eigen::Vector3d(4e-6, -3e-6, 8e-6);

@@ -449,10 +449,6 @@ TEST(JobDataErrorTest, Validation) {
   files.ExpectError(
       "data: {file: b.csv, target: ball}\nvalidation: {set: a}\n",
       {8, 19, "validation.set", "no data set has a column \"set\""});
-  files.ExpectError(
-      "data: [a.csv, {file: b.csv, target: ball}]\nvalidation: {file: 2}\n",
-      {8, 13, "validation",
-       "\"P\" is measured against at validation poses alone"});
 }
 
 TEST(JobDataTest, StationsOfValidationDataAreThoseOfTheFit) {
