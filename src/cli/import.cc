@@ -13,6 +13,7 @@
 #include "src/job/import_data.h"
 #include "src/job/result_directory.h"
 #include "src/report/table.h"
+#include "src/serialization/robot_files.h"
 
 namespace alidade::internal {
 namespace {
@@ -51,7 +52,11 @@ void Show(const ImportedData& imported) {
   }
 }
 
-std::string SeenFrom(const fs::path& directory, const std::string& path) {
+// As a job in the directory names it: arms that come with the program are found
+// by their names wherever job and program go.
+std::string ArmIn(const fs::path& directory, const std::string& path) {
+  const std::string name = RobotNameOf(path);
+  if (!name.empty()) return name;
   return fs::proximate(fs::absolute(path), fs::absolute(directory)).string();
 }
 
@@ -84,9 +89,9 @@ ExitStatus RunImport(const CommandLine& line) {
                      {"imported from " + fs::path(file).filename().string()},
                      sink);
   });
-  WriteFileAtomically(job, JobText(fs::path(file).stem().string(),
-                                   SeenFrom(directory, line.arm), "data.csv",
-                                   poses.num_poses()));
+  WriteFileAtomically(
+      job, JobText(fs::path(file).stem().string(), ArmIn(directory, line.arm),
+                   "data.csv", poses.num_poses()));
   std::cout << poses.num_poses() << " poses\n";
   PrintResults({data, job});
   std::cout << "\nNext: alidade calibrate " << job << " --report\n";

@@ -2,8 +2,10 @@
 
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "alidade/arm_file.h"
@@ -32,6 +34,13 @@ constexpr std::uint64_t kDefaultSeed = 1;
 // Where data state no sigma and none was found by a fit: for errors in mm it
 // plays no part.
 constexpr double kAnySigma = kMillimetre;
+
+// Errors of so many times the predicted ones, which go where instrument or tool
+// are refitted, are theirs. Tried of poses enough and not so many that it takes
+// long.
+constexpr double kFarOff = 10.0;
+constexpr Eigen::Index kFewestPoses = 10;
+constexpr Eigen::Index kMostPoses = 20000;
 
 class Validation {
  public:
@@ -106,20 +115,55 @@ class Validation {
     Arm arm = arm_;
     CalibrationData data =
         LoadValidationData(file, refit_, DefaultSigma(), line_.threads, &arm);
-    const Dataset measured = data.training;
+    const CalibrationData stated = data;
+    const Dataset& measured = stated.training;
     const bool has_references =
         data.references.num_points() > 0 || data.references.num_planes() > 0;
     const std::vector<std::string> unknown = UnknownReferences(data.references);
     std::string against = file;
     if (refit_.any()) against += ", " + refit_.Text() + " refitted";
     if (!unknown.empty()) against += "; " + JoinNames(unknown) + " found here";
-    AddRow(against, ValidationAccuracy(file, arm, std::move(data), refit_,
-                                       line_.threads));
+    const Accuracy accuracy =
+        ValidationAccuracy(file, arm, std::move(data), refit_, line_.threads);
+    AddRow(against, accuracy);
     // Predictions are of the arm where it stood.
     if (!calibrated_ || refit_.any() || has_references) return;
     check_ = CheckAgainst(*calibrated_, measured, line_.threads);
     checks->push_back(FormatPredictionCheck(file, *check_));
     WarnIfFitted(file);
+    if (check_->rms_z > kFarOff) WarnIfMoved(file, arm, stated, accuracy.rms);
+  }
+
+  // Whether the errors are those of an instrument or a tool that stands
+  // elsewhere now, which is tried.
+  void WarnIfMoved(const std::string& file, const Arm& arm,
+                   const CalibrationData& data, double rms) const {
+    const Eigen::Index poses = data.training.num_poses();
+    if (poses < kFewestPoses || poses > kMostPoses) return;
+    const std::vector<std::pair<const char*, const char*>> kCures = {
+        {"base", "the instrument seems"},
+        {"tool", "the tool or its target seems"},
+        {"base,tool", "instrument and tool seem"}};
+    for (const auto& [parts, what] : kCures) {
+      const double refitted = RmsRefitted(file, arm, data, ReadRefit(parts));
+      if (refitted * kFarOff > rms) continue;
+      LOG(WARNING) << "warning: " << file << ": with --refit=" << parts
+                   << " the errors are " << Millimetres(refitted)
+                   << " mm (root mean square) and not " << Millimetres(rms)
+                   << ": " << what
+                   << " to be elsewhere than when the arm was calibrated";
+      return;
+    }
+  }
+
+  // Infinite where it cannot be done.
+  double RmsRefitted(const std::string& file, const Arm& arm,
+                     const CalibrationData& data, const Refit& refit) const {
+    try {
+      return ValidationAccuracy(file, arm, data, refit, line_.threads).rms;
+    } catch (const InputError&) {
+      return std::numeric_limits<double>::infinity();
+    }
   }
 
   void WarnIfFitted(const std::string& file) const {

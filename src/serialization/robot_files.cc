@@ -84,6 +84,18 @@ std::vector<RobotFile> ListRobots() {
   return files;
 }
 
+std::string RobotNameOf(const std::string& path) {
+  const fs::path file = path;
+  const std::string name = kPrefix + file.stem().string();
+  for (const std::string& folder : RobotFolders()) {
+    const fs::path first = fs::path(folder) / (file.stem().string() + kEnding);
+    std::error_code error;
+    // A file of an earlier folder hides the others of its name.
+    if (fs::exists(first, error)) return first == file ? name : "";
+  }
+  return "";
+}
+
 std::string ArmPath(const std::string& text, const std::string& path,
                     const SourceLocation& location) {
   const std::string stem = StemOf(text);

@@ -23,6 +23,9 @@ struct RobotFile {
 /// All of them by name. One of an earlier folder hides those of its name.
 std::vector<RobotFile> ListRobots();
 
+/// "robots/NAME" of a path that ArmPath gave for it; nothing of others.
+std::string RobotNameOf(const std::string& path);
+
 /// The path of an arm: `path`, which `text` stands for as a file's name, or,
 /// where there is no such file and `text` is "robots/NAME", that arm file.
 /// @throws InputError at `location` where no folder has it.

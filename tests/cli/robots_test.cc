@@ -75,6 +75,21 @@ TEST_F(RobotsTest, CommandsTakeTheirNames) {
       0);
 }
 
+// Job and program may go elsewhere; a file of one's own has its path.
+TEST_F(RobotsTest, ImportedJobsKeepTheirNames) {
+  Write("export.csv",
+        "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,x_mm,y_mm,z_mm\n"
+        "1,2,3,4,5,6,700,8,9\n");
+  ASSERT_EQ(Alidade("import export.csv --arm=robots/ur10e --out=a").status, 0);
+  EXPECT_THAT(ReadWhole(directory_ / "a/job.yaml"),
+              HasSubstr("arm: 'robots/ur10e'\n"));
+  std::filesystem::copy_file(kSource + "/configs/robots/ur10e.yaml",
+                             directory_.path() / "ur10e.yaml");
+  ASSERT_EQ(Alidade("import export.csv --arm=ur10e.yaml --out=b").status, 0);
+  EXPECT_THAT(ReadWhole(directory_ / "b/job.yaml"),
+              HasSubstr("arm: '../ur10e.yaml'\n"));
+}
+
 TEST_F(RobotsTest, JobsAndSimulationsTakeTheirNames) {
   Write("simulation.yaml", R"(format: alidade-simulation-1
 units: {length: mm, angle: deg}

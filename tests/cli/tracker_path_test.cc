@@ -251,6 +251,29 @@ TEST_F(TrackerPathTest, ValidationFindsFramesAnewWhereAsked) {
   EXPECT_NEAR(row.at(1), mean, 0.1 * mean);
 }
 
+TEST_F(TrackerPathTest, AnInstrumentThatWasMovedIsNamed) {
+  WriteWhole(Path("moved.yaml"),
+             std::string(kNominal) +
+                 "base: {x: -420, y: 1930, z: 380, rx: 0, ry: 1, rz: -35}\n"
+                 "tool: {x: 41, y: -17, z: 63}\n");
+  std::string simulation = kSimulation;
+  simulation.replace(simulation.find("real.yaml"), 9, "moved.yaml");
+  simulation.replace(simulation.find("seed: 5"), 7, "seed: 6");
+  simulation.replace(simulation.find("measured.csv"), 12, "later.csv");
+  WriteWhole(Path("later.yaml"), simulation);
+  ASSERT_EQ(Alidade("simulate later.yaml").status, 0);
+  ASSERT_EQ(Alidade("import measured.csv --arm=arm.yaml --out=imported").status,
+            0);
+  ASSERT_EQ(Alidade("calibrate imported/job.yaml --out=result").status, 0);
+
+  const ProcessResult later = Alidade("validate result later.csv");
+  ASSERT_EQ(later.status, 0) << later.err;
+  EXPECT_THAT(later.err, HasSubstr("with --refit=base the errors are 0.0"));
+  EXPECT_THAT(later.err, HasSubstr("the instrument seems to be elsewhere"));
+  const ProcessResult same = Alidade("validate result measured.csv");
+  EXPECT_THAT(same.err, ::testing::Not(HasSubstr("elsewhere")));
+}
+
 TEST_F(TrackerPathTest, ArmsAreComparedWithFramesAligned) {
   // They differ in base and tool alone.
   const ProcessResult same = Alidade("validate arm.yaml real.yaml");
