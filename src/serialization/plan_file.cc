@@ -27,8 +27,7 @@ constexpr int kMostPoses = 500;
 
 // @throws InputError where a list is there that has no items.
 void RefuseEmptyList(const YamlMap& map, const std::string& key) {
-  const std::optional<YamlValue> list = map.Optional(key);
-  if (list && list->List().empty()) {
+  if (const auto list = map.Optional(key); list && list->List().empty()) {
     list->Fail("the list is empty, expected " + key);
   }
 }
@@ -261,8 +260,8 @@ void ReadMeasured(const YamlValue& value, PlanReading* reading) {
   JobConfig job;
   job.arm = plan->job.arm;
   job.data.references = reading->references.references;
-  const MeasurementSigmas sigmas = {plan->measurement.sigma,
-                                    plan->measurement.rotation_sigma};
+  const PoseMeasurement& stated = plan->measurement;
+  const MeasurementSigmas sigmas = {stated.sigma, stated.rotation_sigma};
   std::string first_station;
   job.data.training =
       ReadData(value, sigmas, &first_station, reading->context, &job).data;
