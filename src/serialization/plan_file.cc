@@ -234,8 +234,8 @@ void ReadMeasured(const YamlValue& value, PlanReading* reading) {
   JobConfig job;
   job.arm = plan->job.arm;
   job.data.references = reading->references.references;
-  const MeasurementSigmas sigmas = {plan->measurement.sigma,
-                                    plan->measurement.rotation_sigma};
+  const PoseMeasurement& stated = plan->measurement;
+  const MeasurementSigmas sigmas = {stated.sigma, stated.rotation_sigma};
   std::string first_station;
   job.data.training =
       ReadData(value, sigmas, &first_station, reading->context, &job).data;
