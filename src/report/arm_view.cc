@@ -8,6 +8,7 @@
 #include "alidade/units.h"
 #include "src/common/format.h"
 #include "src/common/number_text.h"
+#include "src/common/text.h"
 #include "src/model/chain_axes.h"
 #include "src/report/chart_frame.h"
 #include "src/report/markup.h"
@@ -282,9 +283,13 @@ ArmView ViewOf(const PlanResult& result, ArmShapes shapes) {
   for (std::size_t k = 0; k < view.poses.size(); ++k) {
     view.notes[k] =
         FormatLength(result.pose_std[view.poses[k] - 1], 3) + " predicted";
+    std::vector<std::string> pairs;
     for (const LinkOverlap& overlap : result.links.overlaps) {
       if (overlap.pose != view.poses[k]) continue;
-      view.notes[k] += "; caution: " + overlap.first + " and " + overlap.second;
+      pairs.push_back(overlap.first + " and " + overlap.second);
+    }
+    if (!pairs.empty()) {
+      view.notes[k] += "; may touch: " + Join(pairs, ", ");
     }
   }
   return view;

@@ -95,6 +95,25 @@ TEST(LinkCapsulesTest, FoldedArmIsNamed) {
                                             overlap("link 2", 0.16 * beside)));
 }
 
+// The flange hangs on the upper arm by the forearm of 160 mm: capsules of more
+// than half of it overlap there at any pose.
+TEST(LinkCapsulesTest, LinksThatHangTogetherAreLeftOut) {
+  const Arm arm = testing::Rv2ajFlange();
+  Eigen::MatrixXd folded = Eigen::MatrixXd::Zero(5, 1);
+  folded(2, 0) = 170.0 * kDegree;
+  const auto has_upper_arm = [&](double radius) {
+    const LinkCaution caution = FindLinkOverlaps(arm, folded, radius);
+    return std::any_of(caution.overlaps.begin(), caution.overlaps.end(),
+                       [](const LinkOverlap& each) {
+                         return each.first == "link 2" &&
+                                each.second == "link 4";
+                       });
+  };
+  EXPECT_TRUE(has_upper_arm(0.079));
+  EXPECT_FALSE(has_upper_arm(0.081));
+  EXPECT_FALSE(FindLinkOverlaps(arm, folded, 0.081).overlaps.empty());
+}
+
 TEST(LinkCapsulesTest, LooksOnlyWhereLinksAreApart) {
   const Arm arm = testing::Rv2ajFlange();
   const Eigen::MatrixXd up = Eigen::MatrixXd::Zero(5, 1);
