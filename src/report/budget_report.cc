@@ -7,6 +7,7 @@
 #include "src/common/fields.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
+#include "src/report/markup.h"
 #include "src/report/rows.h"
 #include "src/report/table.h"
 #include "src/uncertainty/uncertainty_fields.h"
@@ -46,8 +47,12 @@ Table ContributionTable(const UncertaintyBudget& budget) {
        Table::Column("~from").Wrapped(34)});
   for (const BudgetContribution& one : budget.contributions) {
     const double ratio = one.std / budget.measured.std;
+    TableCell source(WordOf(one.source));
+    // The longest word would be broken.
+    source.markup =
+        Element("span", {{"style", "white-space: nowrap"}}, source.text);
     table.AddRow(
-        {WordOf(one.source), WordOf(one.type), LengthCell(one.std),
+        {source, WordOf(one.type), LengthCell(one.std),
          FreedomCell(one.degrees_of_freedom),
          one.source == BudgetSource::kParameters ? "each its own" : "1",
          FixedCell(100.0 * ratio * ratio, 1), one.basis});

@@ -10,6 +10,7 @@
 
 #include "src/common/distributions.h"
 #include "src/common/format.h"
+#include "src/common/number_text.h"
 #include "src/model/joint_draw.h"
 #include "src/uncertainty/prediction.h"
 
@@ -170,8 +171,7 @@ class BudgetMaker {
           repeat > 0.0 ? known.repeat_freedom * part : kInfinity,
           "spread of repeated configurations (" +
               FormatLength(known.repeat_std, 2) + ", " +
-              FormatSignificant(known.repeat_freedom, 4) +
-              " degrees of freedom)" +
+              FixedNumber(known.repeat_freedom, 0) + " degrees of freedom)" +
               (known.stated_sigma ? " less the stated sigma"
                                   : ", the instrument included"));
     } else {

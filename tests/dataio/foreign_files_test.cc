@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "alidade/rotation.h"
 #include "alidade/units.h"
 #include "src/common/random.h"
 #include "src/dataio/dataset_csv.h"
@@ -261,6 +262,7 @@ DataFormat FormatOf(const Style& style) {
   }
   format.columns.length_unit = FindUnit("mm");
   format.columns.angle_unit = FindUnit("deg");
+  if (style.missing == "-9999") format.dialect.missing = {style.missing};
   return format;
 }
 
@@ -299,6 +301,12 @@ Outcome Check(const Style& style, std::uint64_t seed, DataFormat format) {
     for (int axis = 0; axis < 3; ++axis) {
       EXPECT_NEAR(block.measured(axis, at), truth.points(axis, i) * 1e-3, 1e-12)
           << "row " << i << ", axis " << axis;
+    }
+    if (style.has_matrix) {
+      // Nine numbers are written to so many decimals.
+      const Eigen::Matrix3d read = RotationFromVector<double>(
+          Eigen::Vector3d(block.measured.col(at).tail<3>()));
+      EXPECT_LT((read - truth.rotations[i]).norm(), 1e-8) << "row " << i;
     }
     ++at;
   }
@@ -373,6 +381,7 @@ std::vector<Property> Properties() {
       {"NotAvailable", [](Style* s) { s->missing = "#N/A"; }},
       {"Dashes", [](Style* s) { s->missing = "---"; }},
       {"Null", [](Style* s) { s->missing = "null"; }},
+      {"StatedNumber", [](Style* s) { s->missing = "-9999"; }},
       {"Matrix", [](Style* s) { s->has_matrix = true; }},
   };
 }
