@@ -156,8 +156,9 @@ class Guide {
   // largest error.
   std::string MeasuredWorst() const {
     const Eigen::Index size = judged_.residual_after.cols();
-    if (errors_.after.n == 0 || size == 0 || size > kMostObservations)
+    if (errors_.after.n == 0 || size == 0 || size > kMostObservations) {
       return "";
+    }
     Eigen::Index worst = -1;
     double nearest = std::numeric_limits<double>::infinity();
     for (Eigen::Index i = 0; i < size; ++i) {
