@@ -106,7 +106,7 @@ std::vector<std::size_t> Table::Shown() const {
   for (std::size_t k = 0; k < columns_.size(); ++k) {
     const auto says_something = [k](const Row& row) {
       const std::string& text = row.cells[k].text;
-      return !text.empty() && text != "-";
+      return !text.empty() && text != "-" && text != "–";
     };
     if (columns_[k].medium != Medium::kText &&
         std::any_of(rows_.begin(), rows_.end(), says_something)) {
