@@ -23,7 +23,7 @@ struct StatedPoses {
   /// was not measured.
   Eigen::MatrixXd sigmas = {};
   /// Of small turns about the instrument's axes, 3 x M (rad) ...
-  Eigen::MatrixXd turn_sigmas = {};
+  Eigen::MatrixXd rotation_sigmas = {};
   /// ... or of rx, ry, rz themselves, 3 x M (rad), in place of these.
   Eigen::MatrixXd angle_sigmas = {};
   /// Covariances of positions, 9 x M (m^2), or of positions and turns, 36 x M,

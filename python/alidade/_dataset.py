@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import os
 import re
 import tempfile
@@ -425,7 +426,7 @@ class Dataset(Measuring):
 
     def _repr_html_(self) -> str:
         frame = self.to_pandas()
-        return f"<b>{self!r}</b>{frame.head()._repr_html_()}"
+        return f"<b>{html.escape(repr(self))}</b>{frame.head()._repr_html_()}"
 
     def __getstate__(self) -> dict[str, Any]:
         core = self._core

@@ -21,7 +21,7 @@ Use = tuple[str, bool, bool, list[int], str]
 
 _ARGUMENTS = {"positions": "positions", "orientations": "rotations",
               "convention": "convention", "sigmas": "sigma",
-              "turn_sigmas": "sigma_rotation", "angle_sigmas": "sigma_angles",
+              "rotation_sigmas": "sigma_rotation", "angle_sigmas": "sigma_angles",
               "covariances": "covariance", "is_inverse": "inverse"}
 
 
@@ -121,17 +121,17 @@ def observe(points: Array, sigma: Any, rotations: Any, convention: Any,
             if is_whole:
                 raise wrong("sigma_rotation", "found beside a covariance of "
                             "positions and turns, expected one of both")
-            noise["turn_sigmas"] = sigmas_of(sigma_rotation, "sigma_rotation",
+            noise["rotation_sigmas"] = sigmas_of(sigma_rotation, "sigma_rotation",
                                              count, 3)
         elif not is_whole:
             if "sigmas" not in noise:
                 raise wrong("sigma_rotation", "found None beside a covariance "
                             "of positions, expected it (rad)")
-            noise["turn_sigmas"] = noise["sigmas"] / LEVER
+            noise["rotation_sigmas"] = noise["sigmas"] / LEVER
     try:
         return _core.observe(points, turns, name, noise, inverse)
     except InputError as error:
-        raise InputError(error.message.replace("turn_sigmas", "sigma_rotation"),
+        raise InputError(error.message.replace("rotation_sigmas", "sigma_rotation"),
                          key=_ARGUMENTS.get(error.key, error.key)) from None
 
 

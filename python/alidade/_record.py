@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from typing import Any, Iterator
 
 
@@ -55,8 +56,9 @@ class Svg:
         self.note = note
 
     def _repr_html_(self) -> str:
-        return (f"<figure style='margin:0'><figcaption><b>{self.title}</b> "
-                f"{self.note}</figcaption>{self.svg}</figure>")
+        return (f"<figure style='margin:0'><figcaption>"
+                f"<b>{html.escape(self.title)}</b> {html.escape(self.note)}"
+                f"</figcaption>{self.svg}</figure>")
 
     def __repr__(self) -> str:
         return f"Svg({self.name!r}, {self.title!r})"

@@ -80,7 +80,7 @@ py::dict Observe(const Rows& positions, const Rows& orientations,
     return AsMatrix(noise[name].cast<Rows>());
   };
   stated.sigmas = matrix("sigmas");
-  stated.turn_sigmas = matrix("turn_sigmas");
+  stated.rotation_sigmas = matrix("rotation_sigmas");
   stated.angle_sigmas = matrix("angle_sigmas");
   stated.covariances = matrix("covariances");
   stated.is_inverse = is_inverse;

@@ -10,7 +10,9 @@ import pytest
 import alidade
 from conftest import DATA, PROGRAM, ROOT
 
-JOBS = sorted((ROOT / 'configs/jobs').glob('*.yaml'))
+JOBS = [path for folder in ('jobs', 'tutorials')
+        for path in sorted((ROOT / 'configs' / folder).glob('*.yaml'))
+        if 'format: alidade-job' in path.read_text()]
 REAL = sorted((ROOT / 'configs/real_arms').glob('*.yaml'))
 # Minutes with sanitizers.
 if os.environ.get('ALIDADE_ALL_JOBS', '1') == '0':

@@ -141,11 +141,11 @@ std::string SentenceOf(const ErrorTermsResult& result, bool is_stated) {
            " configurations decide nothing";
   }
   if (!(result.share > 0.0)) {
-    return "no error terms: training poses that a fit has not seen are not "
-           "predicted better with them";
+    return "no error terms: held-out training poses are not predicted better "
+           "with them";
   }
   return "error terms are estimated: within the training poses they make the "
-         "error of what a fit has not seen " +
+         "error of held-out ones " +
          FormatSignificant(result.rungs.front().region_error /
                                std::max(1e-12, LeastRegionError(result)),
                            2) +

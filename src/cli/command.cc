@@ -137,7 +137,7 @@ std::vector<Command> CalibrationCommands() {
            "arm that the job identifies (a parametric bootstrap). Prints how "
            "far estimates stray, how often their intervals hold the truth, and "
            "how accurate the arm becomes over its workspace. With --out=DIR "
-           "also as CSV and figures."},
+           "also as CSV, figures and a page, montecarlo.html."},
           {"out", "seed"}, 1, 1, RunMonteCarlo),
   };
 }

@@ -202,10 +202,11 @@ class HeaderCheck {
           FirstName(Spec(columns_.angles)));
     }
     const bool has_angle_sigmas = HasAll(columns_.angle_sigma, 3);
-    const bool has_turn_sigmas = HasAll(columns_.turn_sigma, 3);
+    const bool has_rotation_sigmas = HasAll(columns_.turn_sigma, 3);
     if (has_angle_sigmas && !groups_.angles) FailMissing(columns_.angles);
-    if (has_turn_sigmas && !groups_.orientation()) FailMissing(columns_.vector);
-    if (has_angle_sigmas && has_turn_sigmas) {
+    if (has_rotation_sigmas && !groups_.orientation())
+      FailMissing(columns_.vector);
+    if (has_angle_sigmas && has_rotation_sigmas) {
       header_.Fail("found beside std_rx, expected one of both",
                    FirstName(Spec(columns_.turn_sigma)));
     }

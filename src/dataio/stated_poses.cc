@@ -145,12 +145,12 @@ class ObservationMaker {
     if (has_angle_sigmas_ && (!convention_ || convention_->is_vector)) {
       Fail("angle_sigmas",
            "found with the convention \"" + stated_.convention +
-               "\", expected Euler angles: turn_sigmas are about the "
+               "\", expected Euler angles: rotation_sigmas are about the "
                "instrument's axes");
     }
-    const char* key = has_angle_sigmas_ ? "angle_sigmas" : "turn_sigmas";
+    const char* key = has_angle_sigmas_ ? "angle_sigmas" : "rotation_sigmas";
     const Eigen::MatrixXd& sigmas =
-        has_angle_sigmas_ ? stated_.angle_sigmas : stated_.turn_sigmas;
+        has_angle_sigmas_ ? stated_.angle_sigmas : stated_.rotation_sigmas;
     RequireSize(sigmas, key, 3, size_);
     RequirePositive(sigmas, key);
   }
@@ -233,7 +233,7 @@ class ObservationMaker {
 
   Noise TurnNoise(Eigen::Index i) const {
     if (!has_angle_sigmas_) {
-      return IndependentNoise(ColumnOf(stated_.turn_sigmas, i));
+      return IndependentNoise(ColumnOf(stated_.rotation_sigmas, i));
     }
     const Eigen::Vector3d sigmas = ColumnOf(stated_.angle_sigmas, i);
     const Eigen::Matrix3d turns =
@@ -244,7 +244,7 @@ class ObservationMaker {
     if (!noise) {
       FailAt(i, "angle_sigmas",
              "the angles are in gimbal lock, where they leave a direction "
-             "without noise, expected turn_sigmas instead");
+             "without noise, expected rotation_sigmas instead");
     }
     return *noise;
   }

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "alidade/error.h"
 #include "src/common/files.h"
 #include "src/dataio/urdf_file.h"
 
@@ -22,24 +23,37 @@ std::string Attribute(const XMLElement* element, const char* name) {
   return text == nullptr ? "" : text;
 }
 
-Eigen::Vector3d VectorOr(const XMLElement* element, const char* name,
-                         const Eigen::Vector3d& otherwise) {
-  std::istringstream words(Attribute(element, name));
+// As many numbers as `otherwise`, which stands where the attribute is missing.
+Eigen::VectorXd NumbersOr(const XMLElement* element, const char* name,
+                          const Eigen::VectorXd& otherwise) {
+  const std::string text = Attribute(element, name);
+  if (text.empty()) return otherwise;
+  std::istringstream words(text);
   words.imbue(std::locale::classic());
-  Eigen::Vector3d read;
+  Eigen::VectorXd read(otherwise.size());
   for (double& each : read) words >> each;
-  return words && read.allFinite() ? read : otherwise;
+  std::string more;
+  if (!words || words >> more || !read.allFinite()) {
+    throw InputError({"", element->GetLineNum(), 0, ""},
+                     "expected " + std::to_string(otherwise.size()) +
+                         " numbers as " + name + ", found \"" + text + "\"");
+  }
+  return read;
 }
 
 Eigen::Affine3d OriginOf(const XMLElement& shape) {
   const XMLElement* const origin = shape.FirstChildElement("origin");
   const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
-  const Eigen::Vector3d rpy = VectorOr(origin, "rpy", zero);
-  return Eigen::Translation3d(VectorOr(origin, "xyz", zero)) *
+  const Eigen::Vector3d rpy = NumbersOr(origin, "rpy", zero);
+  const Eigen::Vector4d xyzw =
+      NumbersOr(origin, "quat_xyzw", Eigen::Vector4d(0.0, 0.0, 0.0, 1.0));
+  const Eigen::Vector3d place = NumbersOr(origin, "xyz", zero);
+  // One of both is stated.
+  return Eigen::Translation3d(place) *
          Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) *
          Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
          Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()) *
-         Eigen::Affine3d::Identity();
+         Eigen::Quaterniond(xyzw).normalized() * Eigen::Affine3d::Identity();
 }
 
 std::vector<UrdfMesh> MeshesOf(const XMLElement& link, const char* kind,
@@ -53,7 +67,7 @@ std::vector<UrdfMesh> MeshesOf(const XMLElement& link, const char* kind,
     const std::string file = Attribute(mesh, "filename");
     if (file.empty()) continue;
     const Eigen::Vector3d scale =
-        VectorOr(mesh, "scale", Eigen::Vector3d::Ones());
+        NumbersOr(mesh, "scale", Eigen::Vector3d::Ones());
     meshes.push_back(
         {file, base_from_link * OriginOf(*shape) * Eigen::Scaling(scale)});
   }

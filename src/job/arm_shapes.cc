@@ -56,10 +56,13 @@ std::optional<UrdfSource> UrdfOf(const std::string& path) {
   }
 }
 
-// Where a mesh is: packages are folders beside the URDF or above it.
+// Where a mesh is: packages are folders beside the URDF or above it, as far as
+// the folder that holds several packages. What a name leads to elsewhere, by
+// itself or by "..", is not looked at: a page is sent to others, and a URDF
+// that came from others must not choose what is in it.
 std::optional<std::string> FindMesh(const std::string& urdf,
                                     const std::string& name) {
-  constexpr int kMostFolders = 8;
+  constexpr int kMostFolders = 4;
   std::string rest = name;
   for (const char* scheme : {"package://", "model://", "file://"}) {
     const std::string prefix = scheme;
@@ -67,15 +70,20 @@ std::optional<std::string> FindMesh(const std::string& urdf,
       rest = rest.substr(prefix.size());
     }
   }
-  const fs::path whole = rest;
+  const fs::path whole = fs::path(rest).lexically_normal();
+  if (whole.is_absolute()) return std::nullopt;
   const fs::path inside =
       whole.lexically_relative(whole.empty() ? "" : *whole.begin());
-  fs::path folder = fs::absolute(urdf).lexically_normal().parent_path();
-  std::error_code ignored;
+  std::error_code error;
+  fs::path folder = fs::canonical(urdf, error).parent_path();
+  if (error) return std::nullopt;
+  fs::path top = folder;
+  for (int i = 1; i < kMostFolders; ++i) top = top.parent_path();
   for (int i = 0; i < kMostFolders; ++i, folder = folder.parent_path()) {
-    // An absolute name stays as it is.
     for (const fs::path& each : {folder / whole, folder / inside}) {
-      if (fs::is_regular_file(each, ignored)) return each.string();
+      const fs::path file = fs::canonical(each, error);
+      if (error || !fs::is_regular_file(file, error)) continue;
+      if (*file.lexically_relative(top).begin() != "..") return file.string();
     }
     if (!folder.has_relative_path()) break;
   }
@@ -125,7 +133,9 @@ class ShapeReader {
   LinkShape ReadMesh(const UrdfMesh& mesh, int frame, int most) {
     const std::optional<std::string> path = FindMesh(source_.file, mesh.file);
     if (!path) throw InputError({}, mesh.file + " is not there");
-    bytes_ += fs::file_size(*path);
+    std::error_code error;
+    bytes_ += fs::file_size(*path, error);
+    if (error) throw InputError({}, mesh.file + ": " + error.message());
     if (bytes_ > kMostBytes) {
       throw InputError({}, "all meshes together are larger than 100 MB");
     }
@@ -133,8 +143,13 @@ class ShapeReader {
     const auto place = static_cast<std::size_t>(frame);
     const Eigen::Affine3d frame_from_mesh =
         frames_[place].inverse() * mesh.base_from_mesh;
-    return {frame, (frame_from_mesh * small.vertices).eval() / kMillimetre,
-            small.triangles};
+    LinkShape shape = {frame,
+                       (frame_from_mesh * small.vertices).eval() / kMillimetre,
+                       small.triangles};
+    if (!shape.vertices.allFinite()) {
+      throw InputError({}, mesh.file + " has numbers that are too large");
+    }
+    return shape;
   }
 
   void Note() {
@@ -161,8 +176,9 @@ class ShapeReader {
 ArmShapes ShapesOf(const std::vector<InputFile>& inputs, const Arm& arm) {
   try {
     for (const InputFile& input : inputs) {
+      if (!IsAsItWas(input)) continue;
       const std::optional<UrdfSource> source = UrdfOf(input.path);
-      if (!source || !IsAsItWas(input)) continue;
+      if (!source) continue;
       const bool is_known = std::any_of(
           inputs.begin(), inputs.end(), [&](const InputFile& other) {
             std::error_code error;

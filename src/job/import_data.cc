@@ -411,7 +411,7 @@ std::string JobText(const std::string& title, const std::string& arm,
       "identifiability: {parameters: [joints, base, tool]}\n";
   if (num_poses >= kPosesToHoldOut) {
     text +=
-        "# Poses that the fit does not see and the result is judged by.\n"
+        "# Held-out poses, which the result is judged by.\n"
         "validation: {fraction: 0.2}\n";
   }
   return text;

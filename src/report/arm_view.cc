@@ -209,9 +209,13 @@ std::string ShapeJson(const LinkShape& shape) {
   return json + "]}";
 }
 
-// Notes are numbers and words of our own, without quotation marks.
 std::string NoteJson(const std::string& note) {
-  return "\"" + Typeset(note) + "\"";
+  std::string text = "\"";
+  for (const char c : Typeset(CleanUtf8(note))) {
+    if (c == '"' || c == '\\') text += '\\';
+    text += c;
+  }
+  return text + "\"";
 }
 
 }  // namespace

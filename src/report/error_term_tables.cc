@@ -372,8 +372,8 @@ std::string DescribeErrorTerms(const CalibrationResult& result) {
                   ShownAccuracy(result, delivered).mean);
   if (errors.region_error > 0.0) {
     text +=
-        "; in regions of joint space that a fit to the other training "
-        "poses has not seen it is " +
+        "; in regions of joint space held out of a fit to the other "
+        "training poses it is " +
         compare(geometry.region_error, errors.region_error);
   }
   text += ".";

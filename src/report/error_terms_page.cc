@@ -56,7 +56,7 @@ std::string ErrorStagesPart(const CalibrationResult& result) {
   return HtmlPair(
              {HtmlFigure("stages-figure", ErrorStagesFigure(result),
                          "Regions left out of the fit are training poses in "
-                         "parts of joint space that it has not seen."),
+                         "held-out parts of joint space."),
               PriorTable(errors).ToHtml()}) +
          RungTable(errors, result).ToHtml();
 }

@@ -42,22 +42,14 @@ ManyRuns RunsOf(const MonteCarloResult& result) {
   return runs;
 }
 
-std::string Fact(const std::string& title, const std::string& value,
-                 const std::string& remark) {
-  return Element("div", {},
-                 Element("div", {{"class", "small"}}, Words(title)) +
-                     Element("div", {{"class", "big"}}, Words(value)) +
-                     Element("div", {{"class", "small"}}, Words(remark)));
-}
-
 std::string Percent(double rate) { return FixedNumber(100.0 * rate, 1) + " %"; }
 
 std::string Rate(const std::string& title, const Coverage& coverage,
                  double wanted) {
-  return Fact(title, Percent(coverage.rate()),
-              "wanted " + Percent(wanted) + "; " + Percent(coverage.lower) +
-                  " to " + Percent(coverage.upper) +
-                  " by the number of trials");
+  return HtmlFact(title, Percent(coverage.rate()),
+                  "wanted " + Percent(wanted) + "; " + Percent(coverage.lower) +
+                      " to " + Percent(coverage.upper) +
+                      " by the number of trials");
 }
 
 std::string Summary(const MonteCarloResult& result, const ManyRuns& runs) {
@@ -69,7 +61,7 @@ std::string Summary(const MonteCarloResult& result, const ManyRuns& runs) {
                   "Calibration takes the arm from " +
                       FormatLength(result.workspace_before, 3) + " to " +
                       FormatLength(result.workspace.mean, 3) +
-                      " over its workspace in the mean trial, and to " +
+                      " over its workspace in the mean over trials, and to " +
                       FormatLength(result.workspace.p95, 3) +
                       " or less in 95 % of them; predicted were " +
                       FormatLength(result.workspace_predicted, 3) + ".") +
@@ -78,9 +70,9 @@ std::string Summary(const MonteCarloResult& result, const ManyRuns& runs) {
                        result.confidence) +
                       Rate("positions within their ellipsoids",
                            result.ellipsoids, result.confidence) +
-                      Fact("spread over the least possible",
-                           FormatSignificant(result.inefficiency, 4),
-                           "1: as good as sigmas and priors allow")) +
+                      HtmlFact("spread over the least possible",
+                               FormatSignificant(result.inefficiency, 4),
+                               "1: as good as sigmas and priors allow")) +
           HtmlParagraph(MonteCarloOpening(result)) +
           HtmlParagraph(MonteCarloCoverage(result)));
 }

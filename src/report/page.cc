@@ -94,6 +94,14 @@ std::string HtmlFigure(const std::string& id, const Figure& figure,
          "\n";
 }
 
+std::string HtmlFact(const std::string& title, const std::string& value,
+                     const std::string& remark) {
+  return Element("div", {},
+                 Element("div", {{"class", "small"}}, Words(title)) +
+                     Element("div", {{"class", "big"}}, Words(value)) +
+                     Element("div", {{"class", "small"}}, Words(remark)));
+}
+
 std::string HtmlPair(const std::vector<std::string>& parts) {
   std::string pair;
   for (const std::string& part : parts) {

@@ -54,6 +54,9 @@ std::string HtmlVerdict(FindingLevel level, const std::string& title,
 std::string HtmlFigure(const std::string& id, const Figure& figure,
                        const std::string& note = "");
 /// Side by side where there is room; empty parts are left out.
+/// A number of the first screen: what it is, itself, and a remark.
+std::string HtmlFact(const std::string& title, const std::string& value,
+                     const std::string& remark);
 std::string HtmlPair(const std::vector<std::string>& parts);
 /// A row of buttons, one for each choice, which need no script.
 std::string HtmlChoices(const std::string& id, const std::string& label,

@@ -36,14 +36,6 @@ std::string Number(const std::string& title, double random, double planned) {
   return Element("div", {}, html);
 }
 
-std::string Fact(const std::string& title, const std::string& value,
-                 const std::string& remark) {
-  return Element("div", {},
-                 Element("div", {{"class", "small"}}, Words(title)) +
-                     Element("div", {{"class", "big"}}, Words(value)) +
-                     Element("div", {{"class", "small"}}, Words(remark)));
-}
-
 std::string Numbers(const PlanResult& result) {
   const PredictedAccuracy& planned = result.evaluations.front().region;
   const PredictedAccuracy& random = result.evaluations[2].region;
@@ -55,11 +47,11 @@ std::string Numbers(const PlanResult& result) {
       "div", {{"class", "numbers"}, {"id", "headline"}},
       Number("typical (rms) over the region", random.rms, planned.rms) +
           Number("worst over the region", random.worst, planned.worst) +
-          Fact("parameters determined",
-               std::to_string(result.parameters.size()),
-               combined == 0
-                   ? "each by itself"
-                   : std::to_string(combined) + " stand for a combination"));
+          HtmlFact("parameters determined",
+                   std::to_string(result.parameters.size()),
+                   combined == 0
+                       ? "each by itself"
+                       : std::to_string(combined) + " identify a combination"));
 }
 
 std::string Promise(const PlanResult& result) {

@@ -90,7 +90,8 @@ std::string Workspace(const MonteCarloResult& result) {
              " drawn within the joint limits the error (root mean square) "
              "goes from " +
              FormatLength(result.workspace_before, 3) + " to " +
-             FormatLength(result.workspace.mean, 3) + " in the mean trial, " +
+             FormatLength(result.workspace.mean, 3) +
+             " in the mean over trials, " +
              FormatLength(result.workspace.p95, 3) +
              " in 95 % of the trials; predicted: " +
              FormatLength(result.workspace_predicted, 3) + ".") +
@@ -157,7 +158,7 @@ namespace {
 
 std::string ParameterCsv(const MonteCarloResult& result) {
   std::string csv =
-      "parameter,unit,truth,bias,bias_error,spread,told_std,least_std,"
+      "parameter,unit,truth,bias,bias_error,spread,predicted_std,least_std,"
       "coverage,coverage_lower,coverage_upper,interval\n";
   for (const SimulatedParameter& one : result.parameters) {
     AppendCsvCells(&csv, one.name, WordOf(one.dimension), one.truth, one.bias,

@@ -48,7 +48,7 @@ StatedPoses Stated() {
   stated.positions = poses.points;
   stated.orientations = poses.vectors;
   stated.sigmas = Eigen::Vector3d(1e-5, 2e-5, 3e-5);
-  stated.turn_sigmas = Eigen::Vector3d(1e-4, 2e-4, 3e-4);
+  stated.rotation_sigmas = Eigen::Vector3d(1e-4, 2e-4, 3e-4);
   return stated;
 }
 
@@ -115,7 +115,7 @@ TEST(MakeObservationsTest, SigmasOfAllOrOfEach) {
   StatedPoses stated = Stated();
   const ObservationBlock one = MakeObservations(stated);
   stated.sigmas = stated.sigmas.replicate(1, kCount).eval();
-  stated.turn_sigmas = stated.turn_sigmas.replicate(1, kCount).eval();
+  stated.rotation_sigmas = stated.rotation_sigmas.replicate(1, kCount).eval();
   EXPECT_EQ(MakeObservations(stated).sigmas.map(), one.sigmas.map());
   stated.sigmas(1, 3) = kInfinity;
   EXPECT_EQ(MakeObservations(stated).Dimension(3), 5);
@@ -150,7 +150,7 @@ TEST(MakeObservationsTest, SigmasOfAnglesArePropagated) {
   StatedPoses stated = Stated();
   stated.convention = "extrinsic_xyz";
   stated.orientations = 0.7 * stated.positions;
-  stated.turn_sigmas.resize(0, 0);
+  stated.rotation_sigmas.resize(0, 0);
   stated.angle_sigmas = Eigen::Vector3d(1e-4, 2e-4, 5e-4);
   const ObservationBlock block = MakeObservations(stated);
   const auto rotation = [](const Eigen::Vector3d& angles) -> Matrix3l {
@@ -195,7 +195,7 @@ TEST(MakeObservationsTest, InversePosesCarryTheirNoise) {
       Eigen::Vector3d shift, turn;
       for (int k = 0; k < 3; ++k) {
         shift[k] = stated.sigmas(k, 0) * random.Normal();
-        turn[k] = stated.turn_sigmas(k, 0) * random.Normal();
+        turn[k] = stated.rotation_sigmas(k, 0) * random.Normal();
       }
       const Eigen::Matrix3d noisy = MatrixOf(turn) * rotation;
       const Eigen::Matrix3d turned = noisy.transpose() * rotation;
@@ -246,8 +246,8 @@ TEST(MakeObservationsTest, RefusesWhatIsWrongByItsName) {
       {"sigmas", [](auto* s) { s->sigmas(0, 0) = 0.0; }},
       {"sigmas", [](auto* s) { s->sigmas(0, 0) = NAN; }},
       {"sigmas", [](auto* s) { s->sigmas = Eigen::MatrixXd::Ones(3, 2); }},
-      {"turn_sigmas", [](auto* s) { s->turn_sigmas.resize(0, 0); }},
-      {"turn_sigmas", [](auto* s) { s->turn_sigmas(2, 0) = -1.0; }},
+      {"rotation_sigmas", [](auto* s) { s->rotation_sigmas.resize(0, 0); }},
+      {"rotation_sigmas", [](auto* s) { s->rotation_sigmas(2, 0) = -1.0; }},
       {"angle_sigmas",
        [](auto* s) { s->angle_sigmas = Eigen::Vector3d::Ones(); }},
       {"angle_sigmas",

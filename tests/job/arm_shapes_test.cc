@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -73,6 +74,16 @@ class ArmShapesTest : public ::testing::Test {
     arm_ = LoadArm(inputs_[0].path);
   }
 
+  // Of the URDF; the inputs are what they then are.
+  void Rewrite(const std::string& old_text, const std::string& new_text) {
+    std::string urdf = ReadFile(inputs_[1].path);
+    const std::size_t at = urdf.find(old_text);
+    ASSERT_NE(at, std::string::npos) << old_text;
+    testing::WriteWhole(inputs_[1].path,
+                        urdf.replace(at, old_text.size(), new_text));
+    for (InputFile& input : inputs_) input.sha256 = Sha256OfFile(input.path);
+  }
+
   testing::TemporaryDirectory directory_;
   std::vector<InputFile> inputs_;
   Arm arm_;
@@ -102,6 +113,59 @@ TEST_F(ArmShapesTest, LinksMoveAsTheUrdfSays) {
   EXPECT_TRUE(drawn(shapes.links[0]).isApprox(corners, kRounding));
   EXPECT_TRUE(
       drawn(shapes.links[1]).isApprox((hand * corners).eval(), kRounding));
+}
+
+// The same turn as roll, pitch and yaw of 0.3, 0.2 and 0.1, by Eigen.
+TEST_F(ArmShapesTest, OriginsMayBeQuaternions) {
+  const ArmShapes before = ShapesOf(inputs_, arm_);
+  const Eigen::Quaterniond turn(Pose(0, 0, 0, 0.3, 0.2, 0.1).linear());
+  std::string quaternion = "quat_xyzw=\"";
+  for (const double number : {turn.x(), turn.y(), turn.z(), turn.w()}) {
+    quaternion += std::to_string(number) + " ";
+  }
+  Rewrite("rpy=\"0.3 0.2 0.1\"", quaternion + "\"");
+  const ArmShapes shapes = ShapesOf(inputs_, arm_);
+  ASSERT_THAT(shapes.links, SizeIs(2));
+  constexpr double kSixDecimals = 1e-5;
+  EXPECT_TRUE(shapes.links[1].vertices.isApprox(before.links[1].vertices,
+                                                kSixDecimals));
+}
+
+TEST_F(ArmShapesTest, UnreadableOriginsAreSaid) {
+  Rewrite("xyz=\"0.1 0.2 0.3\"", "xyz=\"0.1 much 0.3\"");
+  EXPECT_THAT(ShapesOf(inputs_, arm_).note,
+              HasSubstr("expected 3 numbers as xyz, found \"0.1 much 0.3\""));
+}
+
+// A page is sent to others: a URDF that came from others does not choose which
+// files are in it.
+TEST_F(ArmShapesTest, FilesOutsideOfThePackageStayWhereTheyAre) {
+  testing::WriteWhole(directory_ / "secret.stl",
+                      ReadFile(directory_ / "askew/meshes/tri.stl"));
+  std::filesystem::create_directories(directory_ / "deep/a/b/c/d");
+  std::filesystem::rename(directory_ / "askew",
+                          directory_ / "deep/a/b/c/askew");
+  testing::WriteWhole(directory_ / "arm.yaml",
+                      "format: alidade-arm-1\nname: askew\n"
+                      "units: {length: mm, angle: deg}\n"
+                      "urdf: {file: deep/a/b/c/askew/urdf/askew.urdf, "
+                      "base_link: base, tip_link: hand}\n");
+  inputs_[1].path = directory_ / "deep/a/b/c/askew/urdf/askew.urdf";
+  const std::string mesh = "package://askew/meshes/tri.stl";
+  Rewrite(mesh, mesh);
+  EXPECT_THAT(ShapesOf(inputs_, arm_).links, SizeIs(2));
+  std::string now = mesh;
+  for (const std::string& other :
+       {"file://" + std::string(directory_ / "secret.stl"),
+        std::string(directory_ / "secret.stl"),
+        std::string("../../../../../../secret.stl"),
+        std::string("package://askew/../../../../../secret.stl")}) {
+    Rewrite(now, other);
+    now = other;
+    const ArmShapes shapes = ShapesOf(inputs_, arm_);
+    EXPECT_THAT(shapes.links, SizeIs(1)) << other;
+    EXPECT_THAT(shapes.note, HasSubstr("is not there")) << other;
+  }
 }
 
 TEST_F(ArmShapesTest, WhatIsMissingIsSaid) {

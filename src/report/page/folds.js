@@ -11,7 +11,12 @@ addEventListener('afterprint', () => {
 });
 
 const openAround = () => {
-  const id = decodeURIComponent(location.hash.slice(1));
+  let id = location.hash.slice(1);
+  try {
+    id = decodeURIComponent(id);
+  } catch (error) {
+    // No name of ours then: nothing to open.
+  }
   const target = id && document.getElementById(id);
   const fold = target && target.closest('details');
   if (fold) fold.open = true;
