@@ -103,37 +103,53 @@ class Positions {
     }
   }
 
-  // The line of its file that a position here was read from; nothing where
-  // nobody knows.
-  PoseSource SourceAt(const Dataset& data, Eigen::Index number) const {
-    std::size_t block = first_.size() - 1;
-    while (first_[block] > number) --block;
-    return data.sources[data.blocks[block].pose(
-        members_[block][number - first_[block]])];
+  // Whether position k of a block here has the line after that of the one
+  // before it.
+  bool Follows(const Dataset& data, std::size_t block, Eigen::Index k) const {
+    const auto source = [&](Eigen::Index at) {
+      return data.sources[data.blocks[block].pose(members_[block][at])];
+    };
+    const PoseSource before = source(k - 1);
+    const PoseSource here = source(k);
+    return before.file == here.file && before.line + 1 == here.line;
   }
 
   // Numbers of those that are looked at: with lines left out between them, the
-  // positions before and after are not those of the rows before and after.
+  // positions before and after are not those of the rows before and after. A
+  // file is read by one rank, so that neighbours are never apart.
   void Choose(Communicator* holders, const Dataset& data) {
     const Eigen::Index rows = std::max<Eigen::Index>(0, count_ - 2);
     const Eigen::Index taken = std::min(kEnough, rows);
+    std::vector<std::int64_t> mine(static_cast<std::size_t>(taken), count_);
     for (Eigen::Index k = 0; k < taken; ++k) {
       chosen_.push_back(1 + Thinned(k, taken, rows));
-    }
-    if (holders->size() > 1 || data.sources.empty()) return;
-    const auto follows = [&](Eigen::Index i) {
-      const PoseSource before = SourceAt(data, i - 1);
-      const PoseSource source = SourceAt(data, i);
-      return before.file == source.file && before.line + 1 == source.line;
-    };
-    std::vector<Eigen::Index> adjacent;
-    for (Eigen::Index k = 0; k < taken; ++k) {
-      const Eigen::Index end = 1 + Thinned(k + 1, taken, rows);
-      for (Eigen::Index i = 1 + Thinned(k, taken, rows); i < end; ++i) {
-        if (!follows(i) || !follows(i + 1)) continue;
-        adjacent.push_back(i);
-        break;
+      for (std::size_t block = 0; block < members_.size(); ++block) {
+        const Eigen::Index first = first_[block];
+        const Eigen::Index end =
+            std::min<Eigen::Index>(1 + Thinned(k + 1, taken, rows) - first,
+                                   members_[block].size() - 1);
+        for (Eigen::Index i = std::max<Eigen::Index>(1, chosen_.back() - first);
+             i < end && !data.sources.empty(); ++i) {
+          if (!Follows(data, block, i) || !Follows(data, block, i + 1)) {
+            continue;
+          }
+          mine[k] = std::min<std::int64_t>(mine[k], first + i);
+          break;
+        }
       }
+    }
+    ByteWriter writer;
+    writer.PutList(mine);
+    std::vector<std::int64_t> nearest(static_cast<std::size_t>(taken), count_);
+    for (const std::string& bytes : holders->Gather(writer.Take())) {
+      const auto list = ByteReader(bytes).GetList<std::int64_t>();
+      for (std::size_t k = 0; k < list.size(); ++k) {
+        nearest[k] = std::min(nearest[k], list[k]);
+      }
+    }
+    std::vector<Eigen::Index> adjacent;
+    for (const std::int64_t number : nearest) {
+      if (number < count_) adjacent.push_back(number);
     }
     if (static_cast<Eigen::Index>(adjacent.size()) >= kFewest) {
       chosen_ = std::move(adjacent);
@@ -219,7 +235,13 @@ std::optional<PositionSample> SamplePositions(const Dataset& data,
 
 std::optional<Dataset> PositionsInRowOrder(const Dataset& training,
                                            const Dataset& held_out) {
-  constexpr Eigen::Index kMost = 100000;
+  constexpr std::int64_t kMost = 100000;
+  for (const Dataset* data : {&training, &held_out}) {
+    if (data->partition || data->sources.empty() ||
+        data->files != training.files || data->num_observations() > kMost) {
+      return std::nullopt;
+    }
+  }
   struct Row {
     PoseSource source;
     const Dataset* data;
@@ -228,12 +250,7 @@ std::optional<Dataset> PositionsInRowOrder(const Dataset& training,
   };
   std::vector<Row> rows;
   for (const Dataset* data : {&training, &held_out}) {
-    if (data->partition || data->sources.empty() ||
-        data->files != training.files) {
-      return std::nullopt;
-    }
     for (const ObservationBlock& block : data->blocks) {
-      if (block.size() > kMost) return std::nullopt;
       for (Eigen::Index i = 0; i < block.size(); ++i) {
         if (!IsTaken(block, i)) continue;
         rows.push_back({data->sources[block.pose(i)], data, &block, i});

@@ -26,15 +26,15 @@ struct PositionSample {
 
 /// At most 60 fully measured positions of the first target, evenly taken from
 /// those of all ranks, the same on all of them. Nothing where there are fewer
-/// than twelve, or one that is not finite. Of a single rank those are taken
-/// whose neighbours are the lines before and after in their file, where there
-/// are twelve of them. Collective.
+/// than twelve, or one that is not finite. Those are taken whose neighbours are
+/// the lines before and after in their file, where there are twelve of them.
+/// Collective.
 std::optional<PositionSample> SamplePositions(const Dataset& data,
                                               Communicator* communicator);
 
 /// The positions of the first target of two data sets that a hold-out has
 /// parted, in the order of their rows; nothing where that is not known, or of
-/// more than 100 000.
+/// more than 100 000, or of a part.
 std::optional<Dataset> PositionsInRowOrder(const Dataset& training,
                                            const Dataset& held_out);
 

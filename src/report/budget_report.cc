@@ -252,12 +252,12 @@ void AppendCombined(const std::string& of, const CombinedUncertainty& one,
                     double confidence, std::string* csv) {
   const double freedom = one.degrees_of_freedom;
   const std::string rate = Percent(confidence);
-  AppendLength("combined, " + of, one.std, freedom, "", csv);
-  AppendLength("expanded, " + of, one.expanded, freedom,
+  AppendLength("combined: " + of, one.std, freedom, "", csv);
+  AppendLength("expanded: " + of, one.expanded, freedom,
                "coverage factor " + FormatSignificant(one.coverage_factor, 4) +
-                   ", " + rate + " of coordinates",
+                   "; " + rate + " of coordinates",
                csv);
-  AppendLength("radius, " + of, one.expanded_distance, freedom,
+  AppendLength("radius: " + of, one.expanded_distance, freedom,
                rate + " of positions", csv);
 }
 
@@ -276,7 +276,7 @@ std::string BudgetCsv(const UncertaintyBudget& budget) {
     AppendRow({one.name, "A", UnitForPeople(one.dimension), one.std / unit,
                budget.contributions.front().degrees_of_freedom,
                one.sensitivity * unit / kMillimetre, one.contribution(),
-               "part of parameters, without correlations"},
+               "part of parameters without correlations"},
               &csv);
   }
   AppendCombined("the arm's position", budget.position, budget.confidence,

@@ -98,7 +98,7 @@ class BudgetMaker {
     if (input_.measurement.stated_sigma) {
       with_instrument.push_back({BudgetSource::kMeasurement, EvaluationType::kB,
                                  *input_.measurement.stated_sigma, kInfinity,
-                                 "sigma of the instrument, as stated"});
+                                 "sigma of the instrument as stated"});
     }
     budget_.measured = Combine(with_instrument);
     budget_.contributions = std::move(with_instrument);
@@ -124,7 +124,7 @@ class BudgetMaker {
         sum / (kAxes * static_cast<double>(predicted_.size())),
         parameters.degrees_of_freedom,
         "covariance of the fit" +
-            std::string(parameters.terms ? ", with its error terms" : ""));
+            std::string(parameters.terms ? " and its error terms" : ""));
     ListParameters(parameters);
   }
 
@@ -170,23 +170,22 @@ class BudgetMaker {
       Add(BudgetSource::kRepeatability, repeat,
           repeat > 0.0 ? known.repeat_freedom * part : kInfinity,
           "spread of repeated configurations (" +
-              FormatLength(known.repeat_std, 2) + ", " +
+              FormatLength(known.repeat_std, 2) + "; " +
               FixedNumber(known.repeat_freedom, 0) + " degrees of freedom)" +
               (known.stated_sigma ? " less the stated sigma"
-                                  : ", the instrument included"));
+                                  : " with the instrument"));
     } else {
       Add(BudgetSource::kRepeatability, 0.0, kInfinity,
-          std::string("unknown, as no configuration was measured twice: part "
-                      "of the ") +
-              (known.stated_sigma ? "model's" : "residuals"));
+          std::string("unknown: no configuration was measured twice (part of "
+                      "the ") +
+              (known.stated_sigma ? "model's)" : "residuals)"));
     }
     if (known.stated_sigma || lack.source == NoiseSource::kRepeats) return;
     const bool is_split = lack.source == NoiseSource::kStructure;
     const double residual = Square(is_split ? lack.noise : lack.residual);
     Add(BudgetSource::kResiduals, residual - repeat, lack.degrees_of_freedom,
-        "residuals, of which noise and errors of the model cannot be "
-        "separated: state the instrument's sigma, or measure some poses "
-        "several times");
+        "residuals: noise and errors of the model cannot be separated. State "
+        "the instrument's sigma or measure some poses several times");
   }
 
   std::string ModelBasis(double variance) const {

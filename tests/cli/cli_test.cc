@@ -171,14 +171,15 @@ TEST_F(StudyTest, CalibrateWritesTheWholeResultDirectory) {
     EXPECT_EQ(WhatIsWrongWith(entry.path()), "");
     EXPECT_THAT(result.out, HasSubstr(entry.path().string()));
   }
-  EXPECT_EQ(names,
-            (std::set<std::string>{
-                "arm.yaml", "convergence.svg", "error_after.svg",
-                "error_before.svg", "validation.csv", "validation_z_scores.svg",
-                "influence.csv", "iterations.csv", "predicted_map.csv",
-                "predicted_map.svg", "report.txt", "residual_histogram.svg",
-                "residuals.csv", "result.json", "singular_values.svg",
-                "validation_after.svg", "validation_before.svg"}));
+  EXPECT_EQ(
+      names,
+      (std::set<std::string>{
+          "arm.yaml", "convergence.svg", "error_after.svg", "error_before.svg",
+          "validation.csv", "validation_z_scores.svg", "influence.csv",
+          "iterations.csv", "budget.csv", "predicted_map.csv",
+          "predicted_map.svg", "report.txt", "residual_histogram.svg",
+          "residuals.csv", "result.json", "singular_values.svg",
+          "validation_after.svg", "validation_before.svg"}));
 }
 
 TEST_F(StudyTest, CalibrateEndsOnPublishedAgainstObtainedAndThePaths) {

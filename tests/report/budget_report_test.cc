@@ -27,7 +27,7 @@ CalibrationResult Budgeted() {
   budget.configurations = 500;
   budget.contributions = {
       {BudgetSource::kParameters, EvaluationType::kA, 3e-5, 40.0,
-       "covariance, of the fit"},
+       "covariance of the fit"},
       {BudgetSource::kMeasurement, EvaluationType::kB, 4e-5,
        std::numeric_limits<double>::infinity(), "as stated"}};
   budget.parameters = {{"theta2", Dimension::kAngle, 1e-4, 0.25},
@@ -83,13 +83,11 @@ TEST(BudgetReportTest, FilesHoldAllNumbers) {
   const std::vector<ReportFile> files = MakeBudgetFiles(Budgeted());
   const std::vector<std::string> budget = Lines(ContentOf(files, "budget.csv"));
   ASSERT_EQ(budget.size(), 11U);
-  EXPECT_EQ(budget[1],
-            "parameters,A,mm,0.03,40,1,0.03,\"covariance, of the fit\"");
+  EXPECT_EQ(budget[1], "parameters,A,mm,0.03,40,1,0.03,covariance of the fit");
   EXPECT_EQ(budget[4],
             "d3,A,mm,0.02,40,0.5,0.01,"
-            "\"part of parameters, without correlations\"");
-  EXPECT_EQ(budget[5].rfind("\"combined, the arm's position\",,mm,0.03,40", 0),
-            0U)
+            "part of parameters without correlations");
+  EXPECT_EQ(budget[5].rfind("combined: the arm's position,,mm,0.03,40", 0), 0U)
       << budget[5];
   const std::vector<std::string> iso = Lines(ContentOf(files, "iso9283.csv"));
   ASSERT_EQ(iso.size(), 2U);
