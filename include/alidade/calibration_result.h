@@ -330,7 +330,7 @@ struct PosePerformance {
 /// The same over all configurations of a data set that were repeated.
 struct PosePerformanceSummary {
   std::string poses;                ///< "training" or "validation"
-  std::int64_t configurations = 0;  ///< that were measured more than once
+  std::int64_t configurations = 0;  ///< measured at least three times
   std::int64_t fewest = 0;          ///< measurements of one of them
   Accuracy before;                  ///< of AP_p (m)
   Accuracy accuracy;

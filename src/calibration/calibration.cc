@@ -112,6 +112,14 @@ class Calibrator {
     result_.message = std::move(message);
   }
 
+  void DescribeRepeats(const Dataset& data) {
+    result_.repeats =
+        MeasureRepeats(data, task().communicator, task().options.errors.uses);
+    measurement_.repeat_std = result_.repeats.length;
+    measurement_.repeat_freedom =
+        static_cast<double>(result_.repeats.length_degrees_of_freedom);
+  }
+
   void DescribeData() {
     const Dataset& data = task().data.training;
     result_.version = Version();
@@ -121,10 +129,7 @@ class Calibrator {
     result_.estimated_sigma = prepared_.sigmas.length;
     result_.estimated_rotation_sigma = prepared_.sigmas.rotation;
     result_.prior_scaling = prepared_.prior_scaling;
-    result_.repeats = MeasureRepeats(data, task().communicator);
-    measurement_.repeat_std = result_.repeats.length;
-    measurement_.repeat_freedom =
-        static_cast<double>(result_.repeats.length_degrees_of_freedom);
+    DescribeRepeats(data);
     if (prepared_.stated_noise && result_.sigma > 0.0) {
       measurement_.stated_sigma =
           result_.sigma * std::sqrt(prepared_.stated_noise->front());
@@ -303,6 +308,7 @@ class Calibrator {
     training_ = FindOutliers(fit);
     result_.outliers = training_.outliers;
     result_.outlier_limit = training_.limit;
+    if (training_.kept) DescribeRepeats(*training_.kept);
     for (SolverRun& run : result_.runs) {
       CountKeptAlone(fit, training_, &run.summary);
     }
@@ -340,13 +346,16 @@ class Calibrator {
   }
 
   void DescribePosePerformance() {
-    const auto add = [&](const char* poses, const EvaluatedSet& set) {
-      if (auto found = MeasurePosePerformance(poses, set)) {
+    const auto add = [&](const char* poses, const EvaluatedSet& set,
+                         const std::vector<Outlier>& outliers) {
+      if (auto found = MeasurePosePerformance(poses, set, outliers)) {
         result_.pose_performance.push_back(*std::move(found));
       }
     };
-    if (HasRepeats()) add("training", result_.train);
-    if (result_.validation) add("validation", *result_.validation);
+    if (HasRepeats()) add("training", result_.train, result_.outliers);
+    if (result_.validation) {
+      add("validation", *result_.validation, result_.validation_outliers);
+    }
   }
 
   void Assess(const CalibrationSolution& fit) {

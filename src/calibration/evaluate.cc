@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -365,15 +367,47 @@ Accuracy EvaluateRotations(const MeasurementModel& model, const Dataset& data,
                    RotationLists(model.Errors(values, data), data));
 }
 
-RepeatSpread MeasureRepeats(const Dataset& data, Communicator* communicator) {
+namespace {
+
+// The station of each pose, counted from 0: poses whose columns of stations
+// have the same values are of one.
+std::vector<int> NumberStations(const Dataset& data,
+                                const std::vector<CovariateUse>& covariates) {
+  std::vector<Eigen::Index> rows;
+  for (const CovariateUse& use : covariates) {
+    if (!use.is_station) continue;
+    const auto& names = data.covariate_names;
+    const auto found = std::find(names.begin(), names.end(), use.name);
+    if (found != names.end()) rows.push_back(found - names.begin());
+  }
+  std::map<std::vector<double>, int> known;
+  std::vector<int> stations(static_cast<std::size_t>(data.num_poses()), 0);
+  for (std::size_t pose = 0; pose < stations.size(); ++pose) {
+    std::vector<double> values;
+    for (const Eigen::Index row : rows) {
+      values.push_back(data.covariates(row, static_cast<Eigen::Index>(pose)));
+    }
+    stations[pose] =
+        known.emplace(std::move(values), static_cast<int>(known.size()))
+            .first->second;
+  }
+  return stations;
+}
+
+}  // namespace
+
+RepeatSpread MeasureRepeats(const Dataset& data, Communicator* communicator,
+                            const std::vector<CovariateUse>& covariates) {
   const Dataset poses = GatherData(
       communicator, data, SelectPoses(data, RepeatedPoses(communicator, data)));
   const std::vector<int> groups = GroupByJointValues(poses);
+  const std::vector<int> stations = NumberStations(poses, covariates);
   RepeatSpread spread;
   for (const ObservationBlock& block : poses.blocks) {
     if (!HoldsPosition(block.kind)) continue;
     const auto key = [&](Eigen::Index i) {
-      return std::make_pair(groups[block.pose(i)], block.target(i));
+      const auto pose = static_cast<std::size_t>(block.pose(i));
+      return std::make_tuple(groups[pose], stations[pose], block.target(i));
     };
     std::vector<Eigen::Index> full;
     for (Eigen::Index i = 0; i < block.size(); ++i) {

@@ -46,12 +46,14 @@ Accuracy EvaluateAccuracy(const MeasurementModel& model, const Dataset& data,
 Accuracy EvaluateRotations(const MeasurementModel& model, const Dataset& data,
                            const Eigen::VectorXd& values);
 
-/// What measurements of one configuration, target and kind differ by, pooled
-/// over all configurations measured more than once: the square root of the sum
-/// of squares about their means over the degrees of freedom. Orientations about
-/// the first of each. Positions and poses only.
+/// What measurements of one configuration, target, station and kind differ by,
+/// pooled over all configurations measured more than once: the square root of
+/// the sum of squares about their means over the degrees of freedom.
+/// Orientations about the first of each. Positions and poses only. `covariates`
+/// say which columns are stations.
 RepeatSpread MeasureRepeats(const Dataset& data,
-                            Communicator* communicator = SingleProcess());
+                            Communicator* communicator = SingleProcess(),
+                            const std::vector<CovariateUse>& covariates = {});
 
 /// Distance between the targets of two arms with the same joint types, both
 /// given the same commands (motors' values), at `count` joint values drawn

@@ -225,8 +225,11 @@ class Guide {
       const Joint& joint = result_.arm.joints[static_cast<std::size_t>(j)];
       if (!HasLimits(joint)) continue;
       const auto row = values.map().row(j);
-      const double part =
-          (row.maxCoeff() - row.minCoeff()) / (joint.upper - joint.lower);
+      // Beyond a turn the geometry is the same again.
+      const double range = joint.type == JointType::kRevolute
+                               ? std::min(joint.upper - joint.lower, 2.0 * kPi)
+                               : joint.upper - joint.lower;
+      const double part = (row.maxCoeff() - row.minCoeff()) / range;
       if (!(part < kFullEnough)) continue;
       joints.push_back(std::to_string(j + 1) + " (" +
                        FixedNumber(100.0 * part, 0) + " %)");
@@ -234,9 +237,9 @@ class Guide {
     }
     if (joints.empty()) return;
     AddNext(least,
-            "Of the range of " +
+            "Only a part of the range was measured of " +
                 std::string(joints.size() == 1 ? "joint " : "joints ") +
-                Join(joints, ", ") + " only so much was measured.",
+                Join(joints, ", ") + ".",
             "Measure where the arm works beyond it, or do not rely on the "
             "arm there.");
   }

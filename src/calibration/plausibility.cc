@@ -373,13 +373,17 @@ std::optional<Finding> DiagnoseStill(const Arm& arm,
                  FindingLevel::kFailed};
 }
 
+// Of "file:line"; 0 of nothing.
+int LineOf(const std::string& where) {
+  return where.empty() ? 0 : std::stoi(where.substr(where.rfind(':') + 1));
+}
+
 // Where the second station begins, if this rank knows it.
 void AddStations(const Dataset& data, InputDiagnosis* diagnosis) {
   const Eigen::Index number = diagnosis->first_of_second_station;
   std::string where = PlaceOfPosition(data, number);
-  // "file:line"
-  const std::size_t colon = where.rfind(':');
-  const int line = where.empty() ? 0 : std::stoi(where.substr(colon + 1));
+  const int line = LineOf(where);
+  const int before = number > 0 ? LineOf(PlaceOfPosition(data, number - 1)) : 0;
   if (where.empty()) where = "position " + std::to_string(number + 1);
   diagnosis->finding->sentence +=
       " (from about " + where +
@@ -388,6 +392,12 @@ void AddStations(const Dataset& data, InputDiagnosis* diagnosis) {
       (line > 1 ? "`stations: {first: 1-" + std::to_string(line - 1) +
                       ", second: " + std::to_string(line) + "-}` in `data`"
                 : std::string("`stations` in `data`, or a column of them"));
+  if (before > 0 && before + 1 < line) {
+    diagnosis->finding->sentence +=
+        ". Rows between lines " + std::to_string(before) + " and " +
+        std::to_string(line) +
+        " are held out or left out, and may be of either";
+  }
 }
 
 }  // namespace

@@ -10,6 +10,7 @@ namespace {
 
 constexpr Eigen::Index kMostObservations = 200'000;
 constexpr std::size_t kMostListed = 1000;
+constexpr std::ptrdiff_t kFewestRepeats = 3;
 
 // Observations of one target at one configuration.
 using Repeats = std::vector<Eigen::Index>;
@@ -38,11 +39,27 @@ int Compare(const EvaluatedSet& set, Eigen::Index a, Eigen::Index b) {
              : set.labels[a].target.compare(set.labels[b].target);
 }
 
-// Those of at least two, in the order of their first observations.
-std::vector<Repeats> FindRepeats(const EvaluatedSet& set) {
+// In ascending order.
+std::vector<Eigen::Index> RejectedOf(const std::vector<Outlier>& outliers) {
+  constexpr double kRejected = 0.5;
+  std::vector<Eigen::Index> rejected;
+  for (const Outlier& outlier : outliers) {
+    if (outlier.weight < kRejected) rejected.push_back(outlier.observation);
+  }
+  std::sort(rejected.begin(), rejected.end());
+  return rejected;
+}
+
+// Those of enough, in the order of their first observations.
+std::vector<Repeats> FindRepeats(const EvaluatedSet& set,
+                                 const std::vector<Outlier>& outliers) {
+  const std::vector<Eigen::Index> rejected = RejectedOf(outliers);
   std::vector<Eigen::Index> sorted;
   for (Eigen::Index i = 0; i < set.residual_after.cols(); ++i) {
-    if (IsWholePosition(set, i)) sorted.push_back(i);
+    if (IsWholePosition(set, i) &&
+        !std::binary_search(rejected.begin(), rejected.end(), i)) {
+      sorted.push_back(i);
+    }
   }
   std::sort(sorted.begin(), sorted.end(), [&](Eigen::Index a, Eigen::Index b) {
     const int order = Compare(set, a, b);
@@ -53,7 +70,7 @@ std::vector<Repeats> FindRepeats(const EvaluatedSet& set) {
     const auto end = std::find_if(first, sorted.end(), [&](Eigen::Index i) {
       return Compare(set, *first, i) != 0;
     });
-    if (end - first > 1) repeats.emplace_back(first, end);
+    if (end - first >= kFewestRepeats) repeats.emplace_back(first, end);
     first = end;
   }
   std::sort(repeats.begin(), repeats.end());
@@ -106,10 +123,11 @@ PosePerformance Measure(const EvaluatedSet& set, const Repeats& repeats) {
 }  // namespace
 
 std::optional<PosePerformanceSummary> MeasurePosePerformance(
-    const std::string& poses, const EvaluatedSet& set) {
+    const std::string& poses, const EvaluatedSet& set,
+    const std::vector<Outlier>& outliers) {
   if (set.residual_after.cols() > kMostObservations) return std::nullopt;
   std::vector<PosePerformance> all;
-  for (const Repeats& repeats : FindRepeats(set)) {
+  for (const Repeats& repeats : FindRepeats(set, outliers)) {
     all.push_back(Measure(set, repeats));
   }
   if (all.empty()) return std::nullopt;

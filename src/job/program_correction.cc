@@ -78,7 +78,8 @@ void Put(const Correction& one, Eigen::Index i, Correction* all) {
       Count(static_cast<std::int64_t>(notes.size()), "position") +
       " cannot be corrected:";
   for (std::size_t i = 0; i < std::min(notes.size(), kMostListed); ++i) {
-    text += "\n  line " + std::to_string(notes[i].line) + ": " + notes[i].text;
+    text += (i == 0 ? " line " : "; line ") + std::to_string(notes[i].line) +
+            ": " + notes[i].text;
   }
   throw InputError({program.path, notes.front().line, 0, ""}, text);
 }

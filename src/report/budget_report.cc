@@ -108,6 +108,24 @@ std::string DescribeRegion(const UncertaintyBudget& budget) {
   return Join(boxes, "; or ") + ", in the base's frame";
 }
 
+// Of an arm whose residuals are no more than the instrument's noise.
+std::string UnknownRepeatability(const UncertaintyBudget& budget) {
+  bool is_unknown = false;
+  bool has_model = false;
+  for (const BudgetContribution& one : budget.contributions) {
+    if (one.source == BudgetSource::kRepeatability) {
+      is_unknown = one.basis.rfind("unknown", 0) == 0;
+    } else if (one.source != BudgetSource::kParameters &&
+               one.source != BudgetSource::kMeasurement) {
+      has_model = has_model || one.std > 0.0;
+    }
+  }
+  return is_unknown && !has_model
+             ? " The arm's own repeatability is not in it: no configuration "
+               "was measured twice, and the residuals show none."
+             : "";
+}
+
 std::string DescribeBudget(const UncertaintyBudget& budget) {
   return "Task region: " + DescribeRegion(budget) + " (" +
          Count(budget.configurations, "configuration") +
@@ -121,7 +139,7 @@ std::string DescribeBudget(const UncertaintyBudget& budget) {
          Percent(budget.confidence) + " of positions are within " +
          FormatLength(budget.position.expanded_distance, 3) +
          ". Largest combined standard uncertainty of a coordinate: " +
-         FormatLength(budget.worst_std, 3) + ".";
+         FormatLength(budget.worst_std, 3) + "." + UnknownRepeatability(budget);
 }
 
 constexpr char kCorrelated[] =

@@ -222,6 +222,27 @@ TEST(MeasureRepeatsTest, PoolsTheSpreadOfPositions) {
   EXPECT_EQ(spread.rotation, 0.0);
 }
 
+// What the tracker was moved by is no spread; a temperature is no station.
+TEST(MeasureRepeatsTest, StationsAreKeptApart) {
+  Dataset data = RepeatedPositions();
+  data.covariate_names = {"moved", "temperature"};
+  Eigen::MatrixXd covariates(2, 7);
+  covariates << 0, 0, 0, 0, 1, 0, 1,  //
+      20, 21, 22, 23, 24, 25, 26;
+  data.covariates = covariates;
+  EXPECT_EQ(MeasureRepeats(data).length_degrees_of_freedom, 9);
+  CovariateUse moved;
+  moved.name = "moved";
+  moved.is_station = true;
+  CovariateUse temperature;
+  temperature.name = "temperature";
+  const RepeatSpread spread =
+      MeasureRepeats(data, SingleProcess(), {moved, temperature});
+  // Left: configuration 0 twice, a step and 0.
+  EXPECT_EQ(spread.length_degrees_of_freedom, 3);
+  EXPECT_NEAR(spread.length / kStep, std::sqrt(0.5 / 3.0), 1e-14);
+}
+
 TEST(MeasureRepeatsTest, OfNothingRepeatedIsZero) {
   Dataset data = PosesOf({0, 1, 2});
   data.blocks = {BlockOf(MeasurementKind::kPosition, 3)};

@@ -100,7 +100,7 @@ TEST(GuidanceTest, JointsThatHardlyMovedAreNamed) {
   result.train.joint_values = values;
   const Finding finding = FindingsOf(result, "next_measurement").at(0);
   EXPECT_EQ(finding.sentence,
-            "Of the range of joint 1 (50 %) only so much was measured.");
+            "Only a part of the range was measured of joint 1 (50 %).");
   EXPECT_NEAR(finding.statistic, 0.5, 1e-12);
 }
 

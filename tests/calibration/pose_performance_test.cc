@@ -37,7 +37,7 @@ EvaluatedSet ThreeAndOne() {
 }
 
 TEST(PosePerformanceTest, IsThatOfTheStandard) {
-  const auto summary = MeasurePosePerformance("training", ThreeAndOne());
+  const auto summary = MeasurePosePerformance("training", ThreeAndOne(), {});
   ASSERT_TRUE(summary);
   EXPECT_EQ(summary->configurations, 1);
   EXPECT_EQ(summary->fewest, 3);
@@ -63,7 +63,7 @@ TEST(PosePerformanceTest, OrientationsHaveTheirOwn) {
   for (int i = 0; i < 4; ++i) {
     set.labels.push_back({"pose", i, "", "", true, true});
   }
-  const auto summary = MeasurePosePerformance("training", set);
+  const auto summary = MeasurePosePerformance("training", set, {});
   ASSERT_TRUE(summary);
   const PosePerformance& one = summary->each.at(0);
   EXPECT_NEAR(one.rotation_accuracy[0], 2e-3, 1e-15);
@@ -76,13 +76,27 @@ TEST(PosePerformanceTest, OrientationsHaveTheirOwn) {
 TEST(PosePerformanceTest, TargetsAndPartsOfPositionsAreNotRepeats) {
   EvaluatedSet set = ThreeAndOne();
   for (int i = 0; i < 4; ++i) {
-    set.labels.push_back({"position", i, i == 0 ? "a" : "b", "", true, false});
+    set.labels.push_back({"position", i, "b", "", true, false});
   }
-  EXPECT_EQ(MeasurePosePerformance("training", set)->each.at(0).n, 2);
+  EXPECT_EQ(MeasurePosePerformance("training", set, {})->each.at(0).n, 3);
+  set.labels[0].target = "a";
+  EXPECT_FALSE(MeasurePosePerformance("training", set, {}));
+  set.labels[0].target = "b";
   Eigen::MatrixXd positions = set.positions.map();
   positions(2, 3) = std::nan("");
   set.positions = positions;
-  EXPECT_FALSE(MeasurePosePerformance("training", set));
+  EXPECT_FALSE(MeasurePosePerformance("training", set, {}));
+}
+
+// Of two, RP would be the half of their distance, whatever the arm does.
+TEST(PosePerformanceTest, RejectedObservationsAreNotRepeats) {
+  const EvaluatedSet set = ThreeAndOne();
+  Outlier outlier;
+  outlier.observation = 2;
+  outlier.weight = 0.9;
+  EXPECT_TRUE(MeasurePosePerformance("training", set, {outlier}));
+  outlier.weight = 0.0;
+  EXPECT_FALSE(MeasurePosePerformance("training", set, {outlier}));
 }
 
 }  // namespace
