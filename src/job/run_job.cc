@@ -105,9 +105,12 @@ std::vector<ReportFile> RenderPlan(const PlanResult& result) {
     files.push_back(std::move(file));
   }
   const std::string json = FormatPlanJson(result);
-  files.emplace_back(
-      "plan.html", RenderPlanPage(result, json,
-                                  ShapesOf(result.inputs, result.planned_arm)));
+  if (result.status == PlanStatus::kDone) {
+    files.emplace_back(
+        "plan.html",
+        RenderPlanPage(result, json,
+                       ShapesOf(result.inputs, result.planned_arm)));
+  }
   files.emplace_back("plan.json", json);
   return files;
 }

@@ -111,7 +111,7 @@ class Views(unittest.TestCase):
         self.assertIn("The arm stands at pose", self.text("#arm figcaption"))
         self.open(self.study / "report.html")
         # The script draws the same figure, corner by corner.
-        self.js("document.querySelector('#arm [aria-label=\"first view\"]')"
+        self.js("document.querySelector('#arm [aria-label=\"reset the view\"]')"
                 ".click()")
         self.assertEqual(still.keys(), self.layers().keys())
         for name, path in self.layers().items():

@@ -344,7 +344,7 @@ function zoomButtons(view) {
     button('+', 'zoom in', () => zoomBy(view, 1.25)),
     button('−', 'zoom out', () => zoomBy(view, 0.8)),
     button(
-        'reset', 'first view',
+        'reset', 'reset the view',
         () => {
           resetView(view);
           drawView(view);
