@@ -25,7 +25,9 @@ TEST(OnOneLineTest, EscapesWhatATerminalWouldObey) {
 }
 
 TEST(OnOneLineTest, EscapesWhatIsNoUtf8) {
-  EXPECT_EQ(OnOneLine("Me\xDFarm"), "Me\\xdfarm");          // ISO 8859-1
+  EXPECT_EQ(OnOneLine("Me\xDF"
+                      "arm"),
+            "Me\\xdfarm");                                  // ISO 8859-1
   EXPECT_EQ(OnOneLine("\xC0\xAF"), "\\xc0\\xaf");           // overlong
   EXPECT_EQ(OnOneLine("\xED\xA0\x80"), "\\xed\\xa0\\x80");  // a surrogate
   EXPECT_EQ(OnOneLine("\xE2\x82"), "\\xe2\\x82");           // cut off
