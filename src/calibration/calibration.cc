@@ -30,8 +30,10 @@
 #include "src/calibration/rejection.h"
 #include "src/calibration/sigma_change.h"
 #include "src/calibration/sigma_estimation.h"
+#include "src/calibration/station_frames.h"
 #include "src/calibration/verdict.h"
 #include "src/common/format.h"
+#include "src/common/names.h"
 #include "src/common/text.h"
 #include "src/identifiability/analysis.h"
 #include "src/kernel/partition.h"
@@ -130,6 +132,14 @@ class Calibrator {
     result_.estimated_rotation_sigma = prepared_.sigmas.rotation;
     result_.prior_scaling = prepared_.prior_scaling;
     DescribeRepeats(data);
+    const std::vector<std::string> small = SmallStations(task());
+    if (!small.empty()) {
+      AddWarning("fewer than three training poses were measured from " +
+                     JoinNames(small) +
+                     ": its base cannot be found from them. Leave these rows "
+                     "out (`exclude`), or measure more there",
+                 &result_);
+    }
     if (prepared_.stated_noise && result_.sigma > 0.0) {
       measurement_.stated_sigma =
           result_.sigma * std::sqrt(prepared_.stated_noise->front());

@@ -216,6 +216,16 @@ class Search {
 
 }  // namespace
 
+std::vector<Eigen::Index> RejectedObservations(
+    const std::vector<Outlier>& outliers) {
+  std::vector<Eigen::Index> rejected;
+  for (const Outlier& outlier : outliers) {
+    if (outlier.weight < kRejected) rejected.push_back(outlier.observation);
+  }
+  std::sort(rejected.begin(), rejected.end());
+  return rejected;
+}
+
 OutlierSearch FindOutliers(const CalibrationSolution& fit) {
   Search search(fit, fit.task.data.training);
   search.Run();

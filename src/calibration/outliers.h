@@ -29,6 +29,10 @@ struct OutlierSearch {
   std::optional<Dataset> ordinary;
 };
 
+/// The observations of a list that are rejected, in ascending order.
+std::vector<Eigen::Index> RejectedObservations(
+    const std::vector<Outlier>& outliers);
+
 /// Of the training data, by the norm of the whitened residual.
 OutlierSearch FindOutliers(const CalibrationSolution& fit);
 

@@ -84,6 +84,29 @@ CalibrationTask ReferencesTask(const CalibrationTask& task, const Arm& arm,
   return fit;
 }
 
+// Measurements against the point or plane of a name.
+Eigen::Index CountEquations(const CalibrationData& data,
+                            const std::string& name) {
+  Eigen::Index count = 0;
+  for (const ObservationBlock& block : data.validation->blocks) {
+    const bool is_plane = block.kind == MeasurementKind::kPlane;
+    const auto is_it = [&](const std::vector<int>& indices, Eigen::Index i) {
+      if (indices.empty()) return false;
+      const int at = indices[static_cast<std::size_t>(i)];
+      return (is_plane ? data.references.planes[at].name
+                       : data.references.points[at].name) == name;
+    };
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      if (is_it(block.references, i)) count += block.Dimension(i);
+    }
+    if (block.kind != MeasurementKind::kPointDistance) continue;
+    for (Eigen::Index i = 0; i < block.size(); ++i) {
+      if (is_it(block.seconds, i)) count += block.Dimension(i);
+    }
+  }
+  return count;
+}
+
 [[noreturn]] void Fail(const CalibrationTask& task, const std::string& names,
                        const std::string& reason) {
   SourceLocation location;
@@ -93,6 +116,19 @@ CalibrationTask ReferencesTask(const CalibrationTask& task, const Arm& arm,
                        ", measured against at validation poses alone, "
                        "cannot be found from them: " +
                        reason + ". State `known: true` of it in `references`");
+}
+
+// A point that was touched once lies wherever the arm says: its error is zero
+// and says nothing.
+void RefuseUnchecked(const CalibrationTask& task,
+                     const std::vector<std::string>& names) {
+  constexpr Eigen::Index kUnknowns = 3;  // of a point as of a plane
+  for (const std::string& name : names) {
+    if (CountEquations(task.data, name) > kUnknowns) continue;
+    Fail(task, name,
+         "it is found from as many numbers as it has, which any arm would fit. "
+         "Measure it more often");
+  }
 }
 
 }  // namespace
@@ -111,6 +147,7 @@ std::string FitOwnReferences(CalibrationTask* task) {
   ForEachOwn(task,
              [&names](auto* reference) { names.push_back(reference->name); });
   if (names.empty()) return "";
+  if (!task->data.validation->partition) RefuseUnchecked(*task, names);
   CalibrationTask training = *task;
   HoldOwnReferences(&training);
   training.data.validation.reset();

@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "src/calibration/outliers.h"
+
 namespace alidade::internal {
 namespace {
 
@@ -39,21 +41,10 @@ int Compare(const EvaluatedSet& set, Eigen::Index a, Eigen::Index b) {
              : set.labels[a].target.compare(set.labels[b].target);
 }
 
-// In ascending order.
-std::vector<Eigen::Index> RejectedOf(const std::vector<Outlier>& outliers) {
-  constexpr double kRejected = 0.5;
-  std::vector<Eigen::Index> rejected;
-  for (const Outlier& outlier : outliers) {
-    if (outlier.weight < kRejected) rejected.push_back(outlier.observation);
-  }
-  std::sort(rejected.begin(), rejected.end());
-  return rejected;
-}
-
 // Those of enough, in the order of their first observations.
 std::vector<Repeats> FindRepeats(const EvaluatedSet& set,
                                  const std::vector<Outlier>& outliers) {
-  const std::vector<Eigen::Index> rejected = RejectedOf(outliers);
+  const std::vector<Eigen::Index> rejected = RejectedObservations(outliers);
   std::vector<Eigen::Index> sorted;
   for (Eigen::Index i = 0; i < set.residual_after.cols(); ++i) {
     if (IsWholePosition(set, i) &&

@@ -165,6 +165,19 @@ void RefuseMovedBases(const Dataset& data,
 
 }  // namespace
 
+std::vector<std::string> SmallStations(const CalibrationTask& task) {
+  const Dataset& data = task.data.training;
+  const std::vector<Station> stations =
+      ListStations(data, task.options.errors.uses);
+  std::vector<std::string> small;
+  for (std::size_t k = 0; k < stations.size() && stations.size() > 1; ++k) {
+    if (stations[k].poses.size() >= kFewest) continue;
+    small.push_back(k == 0 ? "the first station"
+                           : data.covariate_names[stations[k].row]);
+  }
+  return small;
+}
+
 std::vector<MovedStation> AlignStations(CalibrationTask* task) {
   const CalibrationOptions& options = task->options;
   CandidateGroups candidates = options.identifiability.candidates;

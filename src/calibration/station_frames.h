@@ -29,6 +29,11 @@ struct MovedStation {
 /// or other things than positions and poses were measured. O(N).
 std::vector<MovedStation> AlignStations(CalibrationTask* task);
 
+/// Names of stations of which fewer than three training poses are here: their
+/// base cannot be found, so that they are taken to stand where the first one
+/// does.
+std::vector<std::string> SmallStations(const CalibrationTask& task);
+
 /// The effects of `arm` for the measurements as they were: what a station's
 /// covariate moves the base by, times the motion that AlignStations undid. A
 /// station that has no effect yet gets one.

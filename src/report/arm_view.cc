@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "alidade/units.h"
+#include "src/calibration/outliers.h"
 #include "src/common/format.h"
 #include "src/common/number_text.h"
 #include "src/common/text.h"
@@ -63,12 +64,19 @@ Eigen::Index StepOver(Eigen::Index count, Eigen::Index most) {
 }
 
 // Those with a whole position.
-std::vector<ViewPlace> PlacesOf(const Arm& arm, const EvaluatedSet& set) {
+// Without rejected observations, beside which the others' errors would be
+// points.
+std::vector<ViewPlace> PlacesOf(const Arm& arm, const EvaluatedSet& set,
+                                const std::vector<Outlier>& outliers) {
+  const std::vector<Eigen::Index> rejected = RejectedObservations(outliers);
   const Eigen::Isometry3d base_from_instrument =
       Eigen::Isometry3d(arm.instrument_from_base).inverse();
   std::vector<Eigen::Index> whole;
   for (Eigen::Index i = 0; i < set.residual_after.cols(); ++i) {
-    if (set.positions.col(i).allFinite()) whole.push_back(i);
+    if (set.positions.col(i).allFinite() &&
+        !std::binary_search(rejected.begin(), rejected.end(), i)) {
+      whole.push_back(i);
+    }
   }
   const auto step = static_cast<std::size_t>(
       StepOver(static_cast<Eigen::Index>(whole.size()), kMostPlaces));
@@ -254,7 +262,7 @@ std::vector<Eigen::Isometry3d> LinkFrames(const Arm& arm,
 
 ArmView ViewOf(const CalibrationResult& result, ArmShapes shapes) {
   ArmView view;
-  view.places = PlacesOf(result.arm, result.train);
+  view.places = PlacesOf(result.arm, result.train, result.outliers);
   TakePicture(result.arm, result.train, std::move(shapes), &view);
   NoteErrors(&view);
   if (result.uncertainty && result.uncertainty->workspace) {

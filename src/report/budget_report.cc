@@ -121,8 +121,8 @@ std::string UnknownRepeatability(const UncertaintyBudget& budget) {
     }
   }
   return is_unknown && !has_model
-             ? " The arm's own repeatability is not in it: no configuration "
-               "was measured twice, and the residuals show none."
+             ? " The arm's own repeatability is not in it: neither repeated "
+               "configurations nor residuals show any."
              : "";
 }
 

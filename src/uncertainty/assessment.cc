@@ -152,9 +152,10 @@ class Assessment {
                       input_.measurement, input_.options});
       if (!result_.budget) {
         result_.warnings.emplace_back(
-            "there is no uncertainty budget: within the joint limits the "
-            "target is never in one of the boxes of `uncertainty: {region: "
-            "...}`. They are in the base's frame");
+            "there is no uncertainty budget: of the configurations that were "
+            "drawn within the joint limits, none has the target in a box of "
+            "`uncertainty: {region: ...}`. They are in the base's frame; a box "
+            "that is reached may be too small to be found so");
       }
     }
     if (input_.validation == nullptr) return;

@@ -19,6 +19,9 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kAxes = 3.0;
+// Of repeats, as for the lack of fit: fewer say little of a spread.
+constexpr double kFewestRepeats = 10.0;
+constexpr double kSignificant = 0.05;
 // Draws for each configuration of the region before it counts as out of reach.
 constexpr int kDrawsEach = 200;
 // Of a sorted list this many even quantiles stand for all, which moves the
@@ -154,18 +157,28 @@ class BudgetMaker {
   void AddUnexplained() {
     const LackOfFit& lack = input_.lack;
     const MeasurementKnowledge& known = input_.measurement;
-    const bool has_repeats = known.repeat_freedom > 0.0;
+    const bool has_repeats = known.repeat_freedom >= kFewestRepeats;
     const double spread = Square(known.repeat_std);
     const double stated =
         known.stated_sigma ? Square(*known.stated_sigma) : 0.0;
-    const double repeat = has_repeats ? std::max(0.0, spread - stated) : 0.0;
+    // A spread that the instrument explains says nothing of the arm, and the
+    // degrees of freedom of so small a difference would be hardly any.
+    const bool is_larger =
+        has_repeats &&
+        (stated == 0.0 || FisherSurvival(spread / stated, known.repeat_freedom,
+                                         kInfinity) < kSignificant);
+    const double repeat = is_larger ? spread - stated : 0.0;
     double model = lack.excess_variance / kAxes;
     const bool holds_repeatability = lack.source == NoiseSource::kStated;
     if (holds_repeatability) model = std::max(0.0, model - repeat);
     Add(BudgetSource::kModel, model,
         model > 0.0 ? lack.excess_degrees_of_freedom : kInfinity,
         ModelBasis(model));
-    if (has_repeats) {
+    if (has_repeats && !is_larger) {
+      Add(BudgetSource::kRepeatability, 0.0, kInfinity,
+          "unknown: repeated configurations differ by no more than the "
+          "instrument explains (part of the model's)");
+    } else if (has_repeats) {
       const double part = spread > 0.0 ? Square(repeat / spread) : 1.0;
       Add(BudgetSource::kRepeatability, repeat,
           repeat > 0.0 ? known.repeat_freedom * part : kInfinity,
@@ -176,8 +189,8 @@ class BudgetMaker {
                                   : " with the instrument"));
     } else {
       Add(BudgetSource::kRepeatability, 0.0, kInfinity,
-          std::string("unknown: no configuration was measured twice (part of "
-                      "the ") +
+          std::string("unknown: too few configurations were measured more "
+                      "than once (part of the ") +
               (known.stated_sigma ? "model's)" : "residuals)"));
     }
     if (known.stated_sigma || lack.source == NoiseSource::kRepeats) return;

@@ -188,6 +188,14 @@ class Assessor {
                      : one.noise;
   }
 
+  // Whether repeats scatter by more than the stated sigma explains: each
+  // measurement then says less, even where the model lacks nothing.
+  bool IsNoisier(int which, const ClassExcess& one) const {
+    return one.source == NoiseSource::kRepeats && one.noise > 1.0 &&
+           FisherSurvival(one.noise, looks_.repeat_freedom[which], kInfinity) <
+               kTakenIn;
+  }
+
   // Into predictions.
   void TakeIn(const ClassExcess& lengths, const ClassExcess& rotations) {
     ModelExcess& excess = result_.prediction.excess;
@@ -203,10 +211,12 @@ class Assessor {
     }
     // With error terms the parameters' own part is no inverse information, and
     // predictions take the root of both together.
-    result_.differs = excess.is_there() && !covariance_.is_sandwich &&
-                      covariance_.terms == nullptr;
+    const bool is_noisier = IsNoisier(kLengths, lengths);
+    result_.differs = (excess.is_there() || is_noisier) &&
+                      !covariance_.is_sandwich && covariance_.terms == nullptr;
     if (!result_.differs) return;
-    const double noise = lengths.is_taken_in() ? lengths.noise : 1.0;
+    const double noise =
+        lengths.is_taken_in() || is_noisier ? lengths.noise : 1.0;
     const double sample = SampleFactor();
     Eigen::MatrixXd filling =
         sample *
