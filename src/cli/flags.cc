@@ -9,6 +9,7 @@
 #include "alidade/error.h"
 #include "src/cli/launch.h"
 #include "src/common/memory.h"
+#include "src/common/names.h"
 #include "src/serialization/described_formats.h"
 #include "src/serialization/job_config.h"
 #include "src/serialization/robot_files.h"
@@ -148,7 +149,10 @@ class ArgumentParser {
       return;
     }
     if (!Accepts(command_, name)) {
-      ThrowUsage(command_, "unknown flag " + argument);
+      const auto nearest = NearestName(name, NamesOf(command_));
+      ThrowUsage(command_,
+                 "unknown flag " + argument +
+                     (nearest ? ", did you mean --" + *nearest + "?" : ""));
     }
     const gflags::CommandLineFlagInfo flag = FlagNamed(name);
     const std::string value = equals != std::string::npos
@@ -187,6 +191,12 @@ void CheckLine(const Command& command, const CommandLine& line) {
                             ? "takes no files"
                             : "too many files, expected " +
                                   std::string(command.arguments));
+  }
+  if (std::string(command.arguments).rfind("JOB.yaml", 0) == 0 && count > 0 &&
+      IsDataFile(line.files.front())) {
+    ThrowUsage(command, line.files.front() +
+                            " is a table of measurements, expected a job: "
+                            "'alidade import' makes one of it");
   }
   if (FLAGS_threads < 1 || FLAGS_threads > 1024) {
     ThrowUsage(command, "--threads = " + std::to_string(FLAGS_threads) +

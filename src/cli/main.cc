@@ -17,6 +17,7 @@
 #include "src/cli/command.h"
 #include "src/cli/flags.h"
 #include "src/cli/launch.h"
+#include "src/common/names.h"
 #include "src/common/text.h"
 #include "src/serialization/described_formats.h"
 
@@ -85,8 +86,13 @@ const Command& FindCommand(const std::string& name) {
   for (const Command& command : Commands()) {
     if (command.name == name) return command;
   }
-  throw InputError({}, "unknown command \"" + name +
-                           "\"; 'alidade --help' lists the commands");
+  std::vector<std::string> names;
+  for (const Command& command : Commands()) names.emplace_back(command.name);
+  const std::optional<std::string> nearest = NearestName(name, names);
+  throw InputError({}, "unknown command \"" + name + "\"" +
+                           (nearest ? ", did you mean \"" + *nearest + "\"?"
+                                    : std::string(";")) +
+                           " 'alidade --help' lists the commands");
 }
 
 ExitStatus RunCommand(const std::string& name,
