@@ -135,7 +135,7 @@ Figure CoverageFigure(const PlanResult& result) {
         result.joint_dimensions[static_cast<std::size_t>(j)];
     CoverageRow& row = chart.rows.emplace_back();
     row.label = "joint " + std::to_string(j + 1);
-    row.unit = UnitName(dimension);
+    row.unit = UnitForPeople(dimension);
     row.has_limits = HasLimits(joint);
     const Eigen::VectorXd values =
         result.joint_values.row(j).transpose() / UnitOf(dimension);
@@ -172,7 +172,7 @@ PageSection PosesSection(const PlanResult& result) {
 
 // Of the parameters of one kind; nothing where there are none.
 std::string DeviationFigure(const PlanResult& result, Dimension dimension) {
-  const std::string unit = UnitName(dimension);
+  const std::string unit = UnitForPeople(dimension);
   const bool is_angle = dimension == Dimension::kAngle;
   RowChart chart{
       is_angle ? "Angles" : "Lengths", "",
@@ -194,7 +194,7 @@ std::string DeviationFigure(const PlanResult& result, Dimension dimension) {
       mark.series = k;
       mark.at = values[k] / UnitOf(dimension);
       mark.tip = parameter.name + ", " + chart.looks[k].label + ": " +
-                 FormatSignificant(mark.at, 3) + (is_angle ? "°" : " mm");
+                 FormatSignificant(mark.at, 3) + " " + unit;
     }
   }
   if (chart.rows.empty()) return "";

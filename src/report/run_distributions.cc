@@ -228,7 +228,7 @@ LineChart ErrorDistribution(const ManyRuns& runs) {
 }
 
 LineChart SpreadChart(const ManyRuns& runs, Dimension dimension) {
-  const std::string unit = std::string(" [") + UnitName(dimension) + "]";
+  const std::string unit = std::string(" [") + UnitForPeople(dimension) + "]";
   const bool is_angle = dimension == Dimension::kAngle;
   LineChart chart;
   chart.title = std::string("Spread against prediction, ") +
@@ -270,7 +270,8 @@ LineChart PairChart(const ManyRuns& runs, const ParameterPair& pair) {
   const RunParameter& second = runs.parameters[pair.second];
   const auto axis = [](const RunParameter& parameter) {
     ChartAxis shown;
-    shown.label = parameter.name + " [" + UnitName(parameter.dimension) + "]";
+    shown.label =
+        parameter.name + " [" + UnitForPeople(parameter.dimension) + "]";
     return shown;
   };
   LineChart chart;
