@@ -33,7 +33,7 @@ std::vector<int> CountsOf(const CoverageRow& row) {
 }
 
 std::string Shown(double value, const std::string& unit) {
-  return FormatSignificant(value, 3) + (unit == "mm" ? " mm" : unit);
+  return FormatSignificant(value, 3) + " " + unit;
 }
 
 void DrawRow(SvgWriter* svg, const CoverageRow& row, const SvgBox& box) {

@@ -12,7 +12,7 @@ namespace alidade::internal {
 /// The values of one joint, in the unit of people, over its range.
 struct CoverageRow {
   std::string label;
-  std::string unit;  ///< "°", "mm"
+  std::string unit;  ///< "deg", "mm"
   double lower = 0.0;
   double upper = 0.0;
   bool has_limits = false;  ///< lower and upper are joint limits

@@ -186,7 +186,7 @@ std::string DeviationFigure(const PlanResult& result, Dimension dimension) {
       mark.series = k;
       mark.at = values[k] / UnitOf(dimension);
       mark.tip = parameter.name + ", " + chart.looks[k].label + ": " +
-                 FormatSignificant(mark.at, 3) + (is_angle ? "°" : " mm");
+                 FormatSignificant(mark.at, 3) + " " + unit;
     }
   }
   if (chart.rows.empty()) return "";
