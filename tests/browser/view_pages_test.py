@@ -9,14 +9,10 @@ import csv
 import io
 import json
 import math
-import pathlib
 import re
-import shutil
 import statistics
-import sys
-import unittest
 
-import report_pages_test as pages
+import pages
 from made_results import MAP_ROWS, add_uncertainty
 
 # Few candidates, for the sake of time, and thick links, so that some overlap.
@@ -48,30 +44,19 @@ TRIALS = MADE_UP + "montecarlo: {{trials: 200, seed: 1}}\n"
 SEEDS = MADE_UP + "matrix: {{data.simulate.seed: {{range: 40}}}}\n"
 
 
-class Views(unittest.TestCase):
-    # How pages are opened and read.
-    cdp = pages.Pages.cdp
-    js = pages.Pages.js
-    open = pages.Pages.open
-    requests = pages.Pages.requests
-    table = pages.Pages.table
-    text = pages.Pages.text
-    marks = pages.Pages.marks
-    assert_near = pages.Pages.assert_near
-
+class Views(pages.PageTest):
     @classmethod
-    def setUpClass(cls):
-        work = pages.WORK
-        shutil.rmtree(work, ignore_errors=True)
-        work.mkdir(parents=True)
+    def make_results(cls):
+        work = cls.work
 
         def write(name, text):
             path = work / name
-            path.write_text(text.format(robots=pages.SOURCE / "configs/robots"),
-                            encoding="utf-8")
+            path.write_text(
+                text.format(robots=pages.ENVIRONMENT.source / "configs/robots"),
+                encoding="utf-8")
             return path
         cls.study = work / "study"
-        pages.make_study(cls.study)
+        pages.calibrate("rv2aj_study", cls.study)
         cls.mapped = pages.copy_result(cls.study, work / "mapped",
                                        add_uncertainty)
         (cls.mapped / "predicted_map.csv").write_text("\n".join(MAP_ROWS) + "\n",
@@ -85,11 +70,6 @@ class Views(unittest.TestCase):
         cls.runs = work / "runs"
         pages.run_alidade("batch", write("seeds.yaml", SEEDS),
                           f"--out={cls.runs}", "--outputs=minimal")
-        cls.browser = pages.start_browser()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.browser.quit()
 
     def layers(self):
         """What each part of the arm's view draws, by its name."""
@@ -265,7 +245,7 @@ class Views(unittest.TestCase):
                                    for row in rows)
         said = re.search(r"([0-9.]+) mm in the median trial",
                          self.text("#error-histogram figcaption"))
-        self.assert_near(median, float(said[1]), pages.SHOWN)
+        self.assert_near(median, float(said[1]), 0.006)
         self.assertLess(page.stat().st_size, 5e5)
         self.open(page, width=390, scheme="dark")
         self.assertLessEqual(self.js("document.documentElement.scrollWidth"), 390)
@@ -284,8 +264,4 @@ class Views(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    pages.ALIDADE = str(pathlib.Path(sys.argv[1]).resolve())
-    pages.STUDY = str(pathlib.Path(sys.argv[2]).resolve())
-    pages.SOURCE = pathlib.Path(sys.argv[3]).resolve()
-    pages.WORK = pathlib.Path(sys.argv[4]).resolve()
-    unittest.main(argv=sys.argv[:1])
+    pages.main()
