@@ -30,6 +30,10 @@ function(alidade_compile_options target)
     if(ALIDADE_SANITIZE MATCHES address)
       target_compile_options(${target} PRIVATE
         -fno-sanitize-address-use-after-scope)
+      # Eigen would allocate in another way than the distribution's Ceres, with
+      # which matrices and weak symbols are shared.
+      target_compile_definitions(${target} PRIVATE
+        EIGEN_MALLOC_ALREADY_ALIGNED=1)
     endif()
     target_link_options(${target} PUBLIC -fsanitize=${ALIDADE_SANITIZE})
   endif()
