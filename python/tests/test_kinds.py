@@ -230,6 +230,11 @@ KINDS = {
         AT_PROBE + '\n    columns: {station: day}',
         lambda: Dataset(Q, PROBE, sigma=2e-5,
                         target='probe').with_stations(DAYS)),
+    'stations by lines': (
+        columns((XYZ, PROBE)),
+        AT_PROBE + '\n    stations: {monday: 2-31, tuesday: 32-}',
+        lambda: Dataset(Q, PROBE, sigma=2e-5, target='probe').with_stations(
+            ['monday'] * 30 + ['tuesday'] * (N - 30))),
 }
 
 

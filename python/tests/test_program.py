@@ -55,7 +55,7 @@ def test_the_same_bits(job, tmp_path):
 
 
 def test_a_job_can_be_looked_at_and_changed():
-  job = alidade.Job(JOBS[0])
+  job = alidade.Job(ROOT / 'configs/jobs/rv2aj_flange.yaml')
   assert job.data.num_observations == 56 and job.arm.num_joints == 5
   assert len(job.validation) == 3600
   one = alidade.calibrate(job, max_iterations=1, check=False)

@@ -93,6 +93,15 @@ class Guide {
   const char* Set() const { return is_validated_ ? "validation" : "training"; }
   std::string Poses() const { return std::string(Set()) + " poses"; }
 
+  // The budget of a region that the job states; null where it states none.
+  const UncertaintyBudget* StatedRegion() const {
+    if (!result_.uncertainty || !result_.uncertainty->budget ||
+        result_.uncertainty->budget->region.empty()) {
+      return nullptr;
+    }
+    return &*result_.uncertainty->budget;
+  }
+
   void AddAccuracy() {
     const bool has_lengths = errors_.after.n > 0;
     if (!has_lengths && errors_.rotation_after.n == 0) return;
@@ -107,6 +116,15 @@ class Guide {
                                                    Dimension::kAngle);
     }
     text += ", the noise of the measurement included.";
+    if (const UncertaintyBudget* const budget = StatedRegion()) {
+      text += " In the task region that the job states, " +
+              FormatSignificant(100.0 * budget->confidence, 3) +
+              " of 100 positions are within " +
+              FormatLength(budget->position.expanded_distance, 3) +
+              " of where the calibrated arm says, and no coordinate has a "
+              "standard uncertainty above " +
+              FormatLength(budget->worst_std, 3) + ".";
+    }
     if (map_ != nullptr && map_->summary.n > 0) {
       text += " Over the whole workspace a standard deviation of " +
               FormatLength(map_->summary.median, 3) +

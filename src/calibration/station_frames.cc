@@ -178,7 +178,24 @@ std::vector<std::string> SmallStations(const CalibrationTask& task) {
   return small;
 }
 
+// An arm that is to stay rigid has a base at each station all the same.
+void EstimateStationBases(CalibrationTask* task) {
+  ErrorTermOptions& errors = task->options.errors;
+  const bool has_stations_alone =
+      !errors.uses.empty() &&
+      errors.uses.size() == task->data.training.covariate_names.size() &&
+      std::all_of(errors.uses.begin(), errors.uses.end(),
+                  [](const CovariateUse& use) { return use.is_station; });
+  if (errors.selection != ErrorTermSelection::kNone || !has_stations_alone ||
+      !task->arm.errors.empty()) {
+    return;
+  }
+  errors.selection = ErrorTermSelection::kStated;
+  errors.covariates = true;
+}
+
 std::vector<MovedStation> AlignStations(CalibrationTask* task) {
+  EstimateStationBases(task);
   const CalibrationOptions& options = task->options;
   CandidateGroups candidates = options.identifiability.candidates;
   Dataset& training = task->data.training;

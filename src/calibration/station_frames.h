@@ -27,6 +27,8 @@ struct MovedStation {
 /// in it. Training and validation data change. Stations near the first stay;
 /// and so do all where the base is not to be identified, no error terms are,
 /// or other things than positions and poses were measured. O(N).
+/// An arm that is to stay rigid (`errors: none`) gets what stations move its
+/// base by as its only error terms.
 std::vector<MovedStation> AlignStations(CalibrationTask* task);
 
 /// Names of stations of which fewer than three training poses are here: their

@@ -54,11 +54,39 @@ class Importer {
       loaded = Load(format_);
     }
     Describe(loaded);
+    NoteUnused();
     result_.loaded = std::move(loaded);
     return std::move(result_);
   }
 
  private:
+  // Columns that are passed over and look as if they said something of use.
+  void NoteUnused() {
+    const auto is_unused = [&](const std::string& name) {
+      return std::any_of(result_.columns.begin(), result_.columns.end(),
+                         [&](const ImportedData::Column& column) {
+                           return column.use.empty() && column.name == name;
+                         });
+    };
+    for (const ImportedData::Column& column : result_.columns) {
+      const std::string& name = column.name;
+      if (!column.use.empty() ||
+          (name != "station" && name != "Station" && name != "STATION")) {
+        continue;
+      }
+      result_.notes.push_back(
+          "where the instrument stood is passed over: in the job, `data: "
+          "{file: "
+          "data.csv, stations: {NAME: FIRST-LAST, ...}}` gives each place a "
+          "base of its own, by lines of that file");
+    }
+    if (is_unused("A") && is_unused("B") && is_unused("C")) {
+      result_.notes.emplace_back(
+          "A, B and C are passed over: where they are KUKA's angles, rename "
+          "them rz, ry and rx, and state --rotation=intrinsic_zyx");
+    }
+  }
+
   void ReadLayout() {
     const TextFile text = OpenText(request_.path);
     const std::string_view all = text.file.text().substr(text.begin);

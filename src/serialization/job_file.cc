@@ -287,22 +287,6 @@ void VisitJob(Visitor& v, JobReading* reading) {
           "and `result.json` alone");
 }
 
-// An arm that is to stay rigid has a base at each station all the same.
-void EstimateStationBases(JobConfig* job) {
-  ErrorTermOptions& errors = job->options.errors;
-  const bool has_stations_alone =
-      !errors.uses.empty() &&
-      errors.uses.size() == job->data.training.covariate_names.size() &&
-      std::all_of(errors.uses.begin(), errors.uses.end(),
-                  [](const CovariateUse& use) { return use.is_station; });
-  if (errors.selection != ErrorTermSelection::kNone || !has_stations_alone ||
-      !job->arm.errors.empty()) {
-    return;
-  }
-  errors.selection = ErrorTermSelection::kStated;
-  errors.covariates = true;
-}
-
 std::vector<FieldRecord> FieldsOfJob() {
   JobConfig job;
   JobReading reading{nullptr, &job};
@@ -323,7 +307,6 @@ JobConfig Load(const YamlValue& root, bool with_validation,
   }
   JobReading reading{&context, &job, with_validation};
   ReadFields(root, context.units, [&](auto& v) { VisitJob(v, &reading); });
-  EstimateStationBases(&job);
   job.input_files = context.files.paths();
   job.readers = ReadersOf(context, job);
   return job;

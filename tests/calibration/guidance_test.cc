@@ -92,6 +92,20 @@ TEST(GuidanceTest, WorstMeasurementIsOneThatWasKept) {
               HasSubstr("all within 0.400 mm"));
 }
 
+TEST(GuidanceTest, AStatedRegionHasItsOwnAccuracy) {
+  CalibrationResult result = MakeMapped();
+  UncertaintyBudget& budget = result.uncertainty->budget.emplace();
+  budget.position.expanded_distance = 0.123e-3;
+  budget.worst_std = 0.045e-3;
+  EXPECT_THAT(FindingsOf(result, "accuracy").at(0).sentence,
+              ::testing::Not(HasSubstr("task region")));
+  budget.region.resize(1);
+  EXPECT_THAT(FindingsOf(result, "accuracy").at(0).sentence,
+              HasSubstr("95 of 100 positions are within 0.123 mm of where the "
+                        "calibrated arm says, and no coordinate has a standard "
+                        "uncertainty above 0.045 mm."));
+}
+
 TEST(GuidanceTest, JointsThatHardlyMovedAreNamed) {
   CalibrationResult result = MakeMapped();
   Eigen::MatrixXd values = Eigen::MatrixXd::Zero(2, 3);

@@ -146,8 +146,7 @@ TEST_F(OverwriteTest, CopiesAndOldDirectoriesAreReplaced) {
   Run("calibrate job.yaml --out=copy");
   Write("res/.alidade-files", "arm.yaml\nreport.txt\n");
   Write("res/report.txt", "old");
-  ExpectRefused("calibrate job.yaml --out=res", "res/convergence.svg",
-                kForeign);
+  ExpectRefused("calibrate job.yaml --out=res", "res/budget.csv", kForeign);
   std::string names;
   for (const auto& entry : fs::directory_iterator(directory_ / "res")) {
     names += entry.path().filename().string() + "\n";

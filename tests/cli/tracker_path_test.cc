@@ -210,6 +210,20 @@ TEST_F(TrackerPathTest, WhatIsNotCertainIsRefused) {
   EXPECT_EQ(Alidade("import few.csv --arm=arm.yaml --units=mm,deg").status, 0);
 }
 
+TEST_F(TrackerPathTest, ColumnsThatMayBeOfUseAreNamed) {
+  std::string text = "A1;A2;A3;A4;A5;A6;X;Y;Z;A;B;C;Station\n";
+  for (std::size_t k = 0; k < 30; ++k) {
+    for (std::size_t i = 0; i < 9; ++i) text += rows_[k][i] + ";";
+    text += "10;20;30;S1\n";
+  }
+  WriteWhole(Path("stations.csv"), text);
+  const ProcessResult imported =
+      Alidade("import stations.csv --arm=arm.yaml --out=named");
+  ASSERT_EQ(imported.status, 0) << imported.err;
+  EXPECT_THAT(imported.out, HasSubstr("rename them rz, ry and rx"));
+  EXPECT_THAT(imported.out, HasSubstr("gives each place a base of its own"));
+}
+
 // The numbers of the row of a table that begins with `name`.
 std::vector<double> RowOf(const std::string& table, const std::string& name) {
   const std::size_t at = table.find("\n" + name + " ");

@@ -64,7 +64,7 @@ TEST_F(ExtendsTest, AChainOfManyFilesIsRefused) {
                                  std::to_string(k + 1) + ".yaml\n");
   }
   ExpectInputError([&] { LoadJob(Write("extends: link1.yaml\n")); },
-                   {0, 0, "", "more than 32 files extend each other"});
+                   {2, 10, "extends", "more than 32 files extend each other"});
 }
 
 TEST_F(ExtendsTest, EveryFileIsAnInput) {

@@ -179,15 +179,25 @@ TEST(BudgetTest, NothingCountsTwice) {
   EXPECT_NEAR(ur10.Std(Source::kModel), 5e-5, 1e-15);
   EXPECT_EQ(ur10.Std(Source::kRepeatability), 0.0);
   EXPECT_EQ(ur10.Std(Source::kMeasurement), kSigma);
-  // A few repeats: it is taken out of there, and the instrument out of it.
+  // So few repeats that they say nothing, or of a spread that the instrument
+  // explains: as none.
   ur10.measurement.repeat_std = std::hypot(kSigma, 3e-5);
   ur10.measurement.repeat_freedom = 6.0;
+  EXPECT_EQ(ur10.Std(Source::kRepeatability), 0.0);
+  EXPECT_NEAR(ur10.Std(Source::kModel), 5e-5, 1e-15);
+  ur10.measurement.repeat_std = 1.2 * kSigma;  // chi-square: p = 0.15
+  ur10.measurement.repeat_freedom = 12.0;
+  EXPECT_EQ(ur10.Std(Source::kRepeatability), 0.0);
+  EXPECT_NEAR(ur10.Std(Source::kModel), 5e-5, 1e-15);
+  // Enough of them: it is taken out of there, and the instrument out of it.
+  ur10.measurement.repeat_std = std::hypot(kSigma, 3e-5);
+  ur10.measurement.repeat_freedom = 60.0;
   EXPECT_NEAR(ur10.Std(Source::kRepeatability), 3e-5, 1e-15);
   EXPECT_NEAR(ur10.Std(Source::kModel), 4e-5, 1e-15);
   const std::optional<UncertaintyBudget> few = ur10.Make();
-  // 6 (9 / 34)^2.
-  EXPECT_NEAR(few->contributions[2].degrees_of_freedom, 6.0 * 81.0 / 1156.0,
-              1e-9);
+  // 60 (9 / 34)^2.
+  EXPECT_NEAR(few->contributions[2].degrees_of_freedom, 60.0 * 81.0 / 1156.0,
+              1e-8);
   // Many: the model's part is beyond them already.
   ur10.lack.source = NoiseSource::kRepeats;
   EXPECT_NEAR(ur10.Std(Source::kModel), 5e-5, 1e-15);
