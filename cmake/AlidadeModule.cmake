@@ -31,8 +31,9 @@ function(alidade_compile_options target)
       target_compile_options(${target} PRIVATE
         -fno-sanitize-address-use-after-scope)
       # Eigen would allocate in another way than the distribution's Ceres, with
-      # which matrices and weak symbols are shared.
-      target_compile_definitions(${target} PRIVATE
+      # which matrices and weak symbols are shared; programs that link a sanitized
+      # library share them, too.
+      target_compile_definitions(${target} PUBLIC
         EIGEN_MALLOC_ALREADY_ALIGNED=1)
     endif()
     target_link_options(${target} PUBLIC -fsanitize=${ALIDADE_SANITIZE})

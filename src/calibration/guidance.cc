@@ -119,7 +119,7 @@ class Guide {
     if (const UncertaintyBudget* const budget = StatedRegion()) {
       text += " In the task region that the job states, " +
               FormatSignificant(100.0 * budget->confidence, 3) +
-              " of 100 positions are within " +
+              " % of positions are within " +
               FormatLength(budget->position.expanded_distance, 3) +
               " of where the calibrated arm says, and no coordinate has a "
               "standard uncertainty above " +

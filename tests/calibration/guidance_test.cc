@@ -101,7 +101,7 @@ TEST(GuidanceTest, AStatedRegionHasItsOwnAccuracy) {
               ::testing::Not(HasSubstr("task region")));
   budget.region.resize(1);
   EXPECT_THAT(FindingsOf(result, "accuracy").at(0).sentence,
-              HasSubstr("95 of 100 positions are within 0.123 mm of where the "
+              HasSubstr("95.0 % of positions are within 0.123 mm of where the "
                         "calibrated arm says, and no coordinate has a standard "
                         "uncertainty above 0.045 mm."));
 }

@@ -139,12 +139,14 @@ INSTANTIATE_TEST_SUITE_P(
                        ::testing::Values(ErrorTermSelection::kAuto,
                                          ErrorTermSelection::kStated)));
 
-TEST(StationsTest, WithoutErrorTermsDataDoNotFit) {
+// `errors: none` leaves the arm rigid, and each station has its base.
+TEST(StationsTest, RigidArmsHaveABaseAtEachStation) {
   const Arm real = testing::WithRv2ajDeviations(NominalArm());
   const CalibrationData data(Measure(real, FarStations(), false, 1));
   const CalibrationResult result =
       Calibrate(NominalArm(), data, Options(3, ErrorTermSelection::kNone));
-  EXPECT_GT(result.train.after.rms, 0.1);
+  EXPECT_LT(result.train.after.rms, 1.1 * std::sqrt(3.0) * kSigma);
+  EXPECT_EQ(result.arm.errors.covariates.size(), 2U);
 }
 
 TEST(StationsTest, NearOnesAreNotMoved) {
