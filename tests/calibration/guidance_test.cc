@@ -103,7 +103,7 @@ TEST(GuidanceTest, AStatedRegionHasItsOwnAccuracy) {
   EXPECT_THAT(FindingsOf(result, "accuracy").at(0).sentence,
               HasSubstr("95.0 % of positions are within 0.123 mm of where the "
                         "calibrated arm says, and no coordinate has a standard "
-                        "uncertainty above 0.045 mm."));
+                        "uncertainty above 0.0450 mm."));
 }
 
 TEST(GuidanceTest, JointsThatHardlyMovedAreNamed) {
