@@ -89,7 +89,7 @@ std::string RenderSvg(const CoverageChart& chart, FigureMedium medium) {
     const auto widen = [](const std::string& text, double* width) {
       *width = std::max(*width, SvgTextWidth(text, kTickSize));
     };
-    constexpr double kBold = 1.1;
+    constexpr double kBold = 1.3;
     label = std::max(label, kBold * SvgTextWidth(row.label, kTickSize));
     widen(Shown(row.lower, row.unit), &lower);
     widen(Shown(row.upper, row.unit), &upper);

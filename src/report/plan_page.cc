@@ -112,7 +112,7 @@ PageSection AccuracySection(const PlanResult& result) {
   std::string html = PlanEvaluationTable(result).ToHtml();
   if (!result.curve.empty()) {
     html += HtmlPair({HtmlFigure("curve", PlanCurveChart(result),
-                                 "blue: planned, orange: random; full lines: "
+                                 "Blue: planned, orange: random; full lines: "
                                  "the worst over the region, dashed ones: rms"),
                       PlanCurveTable(result).ToHtml()});
   }
