@@ -186,4 +186,17 @@ std::string FillPage(const std::string& title, const std::string& content,
   return page + source.substr(from);
 }
 
+std::string CompletePage(const std::string& title, std::string content,
+                         const std::vector<PageSection>& sections,
+                         const std::string& version,
+                         const std::string& arm_json, const std::string& json) {
+  constexpr std::size_t kLargestJson = 500'000;
+  for (const PageSection& section : sections) content += HtmlSection(section);
+  content += HtmlFooter(version);
+  std::vector<PageData> data;
+  if (!arm_json.empty()) data.push_back({"arm-data", arm_json});
+  if (json.size() <= kLargestJson) data.push_back({"alidade-data", json});
+  return FillPage(title + " – Alidade", content, data);
+}
+
 }  // namespace alidade::internal

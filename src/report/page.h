@@ -72,6 +72,14 @@ std::string HtmlFooter(const std::string& version);
 std::string FillPage(const std::string& title, const std::string& content,
                      const std::vector<PageData>& data);
 
+/// The page of one thing: `content`, which begins it, its sections, and the
+/// data that scripts draw the arm from (`arm_json`, may be empty) and that the
+/// page saves (`json`, left out where it is longer than 500 kB).
+std::string CompletePage(const std::string& title, std::string content,
+                         const std::vector<PageSection>& sections,
+                         const std::string& version,
+                         const std::string& arm_json, const std::string& json);
+
 }  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_REPORT_PAGE_H_

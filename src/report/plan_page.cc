@@ -19,7 +19,6 @@ namespace alidade::internal {
 namespace {
 
 constexpr std::size_t kMostRows = 1000;
-constexpr std::size_t kLargestJson = 500'000;
 
 std::string Determined(double metres) {
   return std::isfinite(metres) ? FormatLength(metres, 3) : "not determined";
@@ -238,14 +237,9 @@ std::string RenderPlanPage(const PlanResult& result,
               Element("h1", {}, EscapeXml(result.title)) +
                   Element("div", {{"class", "small"}}, EscapeXml(result.arm))) +
       Summary(result, view) + HtmlContents(sections);
-  for (const PageSection& section : sections) content += HtmlSection(section);
-  content += HtmlFooter(result.version);
-  std::vector<PageData> data;
-  if (!view.empty()) data.push_back({"arm-data", ArmViewJson(view)});
-  if (plan_json.size() <= kLargestJson) {
-    data.push_back({"alidade-data", plan_json});
-  }
-  return FillPage(result.title + " – Alidade", content, data);
+  return CompletePage(result.title, std::move(content), sections,
+                      result.version, view.empty() ? "" : ArmViewJson(view),
+                      plan_json);
 }
 
 }  // namespace alidade::internal

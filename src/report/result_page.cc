@@ -24,7 +24,6 @@ namespace {
 constexpr std::size_t kMostRows = 1000;
 // All are in the files.
 constexpr std::size_t kMostOutliers = 20;
-constexpr std::size_t kLargestJson = 500'000;
 
 Table RelationTable(const std::vector<Relation>& relations) {
   static const std::vector<std::pair<std::string, std::string>> kLevels = {
@@ -221,14 +220,9 @@ std::string RenderResultPage(const CalibrationResult& result,
                                                 ? ""
                                                 : EscapeXml(result.arm_name))) +
                         FirstScreen(result, view) + HtmlContents(sections);
-  for (const PageSection& section : sections) content += HtmlSection(section);
-  content += HtmlFooter(result.version);
-  std::vector<PageData> data;
-  if (!view.empty()) data.push_back({"arm-data", ArmViewJson(view)});
-  if (result_json.size() <= kLargestJson) {
-    data.push_back({"alidade-data", result_json});
-  }
-  return FillPage(result.title + " – Alidade", content, data);
+  return CompletePage(result.title, std::move(content), sections,
+                      result.version, view.empty() ? "" : ArmViewJson(view),
+                      result_json);
 }
 
 }  // namespace alidade::internal
