@@ -435,7 +435,7 @@ MethodSummary CompareMethods(const std::vector<ComparedResult>& results) {
   if (methods.are_runs()) {
     const auto error = [&](double share) {
       const auto place = static_cast<std::size_t>(
-          share * static_cast<double>(number - 1) + 0.5);
+          std::lround(share * static_cast<double>(number - 1)));
       return FormatLength(results[methods.ranking[place]].after.mean, 3);
     };
     methods.sentence = std::to_string(number) +

@@ -243,6 +243,24 @@ void AddWarning(const Finding& finding, CalibrationResult* result) {
   AddWarning(finding.sentence, result);
 }
 
+namespace {
+
+// Rows that were never measured, and copies.
+void WarnOfRows(const CalibrationSolution& fit, CalibrationResult* added) {
+  const Dataset& data = fit.task.data.training;
+  if (const auto lost = DiagnoseLost(data, fit.task.communicator)) {
+    AddWarning(*lost, added);
+  }
+  if (const auto stale = DiagnoseStale(fit.model(), fit.values, data)) {
+    AddWarning(*stale, added);
+  }
+  for (const Finding& copies : DiagnoseSameData(fit.task)) {
+    AddWarning(copies, added);
+  }
+}
+
+}  // namespace
+
 void WarnOfFit(const CalibrationSolution& fit, const FitHistory& history,
                CalibrationResult* added) {
   const CalibrationResult& result = *added;
@@ -250,23 +268,13 @@ void WarnOfFit(const CalibrationSolution& fit, const FitHistory& history,
     if (!text.empty()) AddWarning(text, added);
   };
   const SolverSummary& summary = result.runs.front().summary;
-  if (const auto lost =
-          DiagnoseLost(fit.task.data.training, fit.task.communicator)) {
-    AddWarning(*lost, added);
-  }
-  if (const auto stale =
-          DiagnoseStale(fit.model(), fit.values, fit.task.data.training)) {
-    AddWarning(*stale, added);
-  }
+  WarnOfRows(fit, added);
   warn(WarnOfMeaninglessLimits(fit.task.arm));
   warn(WarnOfLimits(fit.task));
   if (summary.status == SolverStatus::kIterationLimit) {
     warn("the solver " + summary.solver +
          " was stopped by the number of iterations and may be far from the "
          "minimum: allow more, or identify fewer parameters");
-  }
-  for (const Finding& copies : DiagnoseSameData(fit.task)) {
-    AddWarning(copies, added);
   }
   warn(WarnOfResiduals(fit, result));
   if (!history.input_was_suspect) {

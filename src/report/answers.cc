@@ -33,7 +33,7 @@ Answer MayItBeUsed(const CalibrationResult& result) {
       std::count_if(verdict.findings.begin(), verdict.findings.end(), IsReason);
   switch (verdict.decision()) {
     case VerdictDecision::kAccepted:
-      answer.sentences.push_back(
+      answer.sentences.emplace_back(
           !IsValidated(result)
               ? "Probably: nothing speaks against it, but there are no "
                 "validation poses that would have shown it."

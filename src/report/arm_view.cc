@@ -115,7 +115,7 @@ void TakePicture(const Arm& arm, const EvaluatedSet& set, ArmShapes shapes,
   }
   view->poses = std::move(picture.poses);
   for (const Eigen::Matrix3Xd& line : picture.lines) {
-    view->lines.push_back((base_from_instrument * line) / kMillimetre);
+    view->lines.emplace_back((base_from_instrument * line) / kMillimetre);
   }
   view->notes.resize(view->poses.size());
 }
@@ -149,8 +149,8 @@ void TakeCloud(const Arm& arm, const Eigen::Matrix3Xd& positions,
     if (!positions.col(i).allFinite() || !std::isfinite(deviations[i])) {
       continue;
     }
-    cloud->points.push_back(base_from_instrument *
-                            Eigen::Vector3d(positions.col(i)) / kMillimetre);
+    cloud->points.emplace_back(base_from_instrument *
+                               Eigen::Vector3d(positions.col(i)) / kMillimetre);
     cloud->values.push_back(deviations[i] / kMillimetre);
   }
 }
@@ -166,8 +166,9 @@ std::string VectorJson(const Eigen::Vector3d& value, int digits) {
 template <typename Items, typename Text>
 std::string ListJson(const Items& items, const Text& text) {
   std::string json = "[";
-  for (const auto& item : items)
+  for (const auto& item : items) {
     json += (json.size() > 1 ? "," : "") + text(item);
+  }
   return json + "]";
 }
 

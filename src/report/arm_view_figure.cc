@@ -94,8 +94,9 @@ std::vector<Vector3d> ShownPoints(const ArmView& view) {
   std::vector<Vector3d> points;
   for (const ViewPlace& place : view.places) points.push_back(place.at);
   for (const Eigen::Matrix3Xd& line : view.lines) {
-    for (Eigen::Index k = 0; k < line.cols(); ++k)
-      points.push_back(line.col(k));
+    for (Eigen::Index k = 0; k < line.cols(); ++k) {
+      points.emplace_back(line.col(k));
+    }
   }
   if (view.cloud.is_shown || points.empty()) {
     points.insert(points.end(), view.cloud.points.begin(),

@@ -77,12 +77,12 @@ Table CombinedTable(const UncertaintyBudget& budget) {
 }
 
 Table SensitivityTable(const UncertaintyBudget& budget) {
-  Table table(
-      "budget-parameters", "Of which the parameters, each by itself",
-      {"parameter", "unit", ">std|standard uncertainty",
-       ">sensitivity [mm per unit]|root mean square over the region of what a "
-       "coordinate moves by",
-       ">contribution [mm]"});
+  const std::string sensitivity =
+      ">sensitivity [mm per unit]|root mean square over the region of what a "
+      "coordinate moves by";
+  Table table("budget-parameters", "Of which the parameters, each by itself",
+              {"parameter", "unit", ">std|standard uncertainty", sensitivity,
+               ">contribution [mm]"});
   for (const ParameterContribution& one : budget.parameters) {
     const double unit = UnitOf(one.dimension);
     table.AddRow({one.name, UnitForPeople(one.dimension),
