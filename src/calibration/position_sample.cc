@@ -273,7 +273,7 @@ std::optional<Dataset> PositionsInRowOrder(const Dataset& training,
     points.col(k) = row.block->measured.col(row.i).head<3>();
     sources.push_back(row.source);
   }
-  Dataset all = MakePositions(std::move(joints), std::move(points), 1.0);
+  Dataset all = MakePositions(joints, points, 1.0);
   all.name = training.name;
   all.files = training.files;
   all.sources = std::move(sources);

@@ -196,16 +196,16 @@ Table EstimatedTable(const CalibrationResult& result) {
                            100.0) +
                 "\u00a0% interval"
           : "interval";
+  const std::string combination =
+      "~identified combination|what of it is determined, with parameters that "
+      "are left out";
   Table table(
       "parameters-table", "Estimated parameters",
       {"name", "state", ">deviation|identified less nominal",
        ">std|standard deviation of what was identified", "unit",
        ">deviation / std|in units of its standard deviation", ">" + confidence,
        ">nominal", ">identified", ">true|known, because the arm is simulated",
-       ">published|" + result.published_source,
-       "~identified combination|what of it is determined, with "
-       "parameters that are left out",
-       "~remarks"});
+       ">published|" + result.published_source, combination, "~remarks"});
   for (const auto& [title, parameters] : ParameterGroups(result, true)) {
     table.BeginGroup(title);
     for (const ParameterResult* parameter : parameters) {
