@@ -55,7 +55,7 @@ void Show(const ImportedData& imported) {
 // As a job in the directory names it: arms that come with the program are found
 // by their names wherever job and program go.
 std::string ArmIn(const fs::path& directory, const std::string& path) {
-  const std::string name = RobotNameOf(path);
+  std::string name = RobotNameOf(path);
   if (!name.empty()) return name;
   return fs::proximate(fs::absolute(path), fs::absolute(directory)).string();
 }

@@ -92,8 +92,9 @@ PageSection IdentifiabilitySection(const CalibrationResult& result) {
                    RelationTable(found.relations).ToHtml(), false);
   if (!found.advice.empty()) {
     std::vector<std::string> advice;
-    for (const std::string& text : found.advice)
+    for (const std::string& text : found.advice) {
       advice.push_back(Sentences(AsSentence(text)));
+    }
     html += Element("h3", {}, "Motions that would help") + HtmlList(advice, "");
   }
   return {"identifiability", "Identifiability", html};
