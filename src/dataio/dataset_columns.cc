@@ -204,8 +204,9 @@ class HeaderCheck {
     const bool has_angle_sigmas = HasAll(columns_.angle_sigma, 3);
     const bool has_rotation_sigmas = HasAll(columns_.turn_sigma, 3);
     if (has_angle_sigmas && !groups_.angles) FailMissing(columns_.angles);
-    if (has_rotation_sigmas && !groups_.orientation())
+    if (has_rotation_sigmas && !groups_.orientation()) {
       FailMissing(columns_.vector);
+    }
     if (has_angle_sigmas && has_rotation_sigmas) {
       header_.Fail("found beside std_rx, expected one of both",
                    FirstName(Spec(columns_.turn_sigma)));

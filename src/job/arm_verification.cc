@@ -125,8 +125,9 @@ std::string UnitHint(const Arm& arm, const Dataset& data, double predicted) {
   std::vector<InputMistake> angles = {{Kind::kAngleUnit, "", [](auto*) {}}};
   std::vector<InputMistake> lengths = {{Kind::kLengthUnit, "", [](auto*) {}}};
   for (InputMistake& mistake : SingleMistakes(arm)) {
-    if (mistake.kind == Kind::kAngleUnit) angles.push_back(std::move(mistake));
-    if (mistake.kind == Kind::kLengthUnit) {
+    if (mistake.kind == Kind::kAngleUnit) {
+      angles.push_back(std::move(mistake));
+    } else if (mistake.kind == Kind::kLengthUnit) {
       lengths.push_back(std::move(mistake));
     }
   }

@@ -74,7 +74,7 @@ class Importer {
           (name != "station" && name != "Station" && name != "STATION")) {
         continue;
       }
-      result_.notes.push_back(
+      result_.notes.emplace_back(
           "where the instrument stood is passed over: in the job, `data: "
           "{file: "
           "data.csv, stations: {NAME: FIRST-LAST, ...}}` gives each place a "
