@@ -18,6 +18,8 @@ using InstanceSequence =
 }  // namespace alidade::internal
 
 // Numbers are Eigen's: 0 is stored by columns, 1 by rows, the last a stride.
+// NOLINTBEGIN(bugprone-macro-parentheses): the argument is a declaration's
+// first word.
 // clang-format off
 #define ALIDADE_EIGEN_INSTANCES(TEMPLATE)                                      \
   namespace Eigen {                                                            \
@@ -83,6 +85,7 @@ using InstanceSequence =
   }                                                                            \
   }
 // clang-format on
+// NOLINTEND(bugprone-macro-parentheses)
 
 ALIDADE_EIGEN_INSTANCES(extern template)
 
