@@ -141,7 +141,7 @@ struct DriftSummary {
 };
 
 /// Results by mean error after calibration. So many that nobody reads them one
-/// by one are runs (of a study, of a batch over seeds), told as a whole.
+/// by one are runs (of a study, of a batch over seeds), summarised as a whole.
 struct MethodSummary {
   static constexpr std::size_t kMostMethods = 30;
 

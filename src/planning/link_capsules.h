@@ -23,7 +23,7 @@ double TypicalLinkRadius(const Arm& arm);
 /// Pairs of links whose capsules overlap at one of the poses (n x N). A link
 /// is the segment between the origins of consecutive joints, the last one ends
 /// at the first target. Left out are links without length, neighbours, and
-/// links that hang together by less than two radii of the chain, which overlap
+/// links that are joined by less than two radii of the chain, which overlap
 /// at any pose.
 LinkCaution FindLinkOverlaps(const Arm& arm,
                              const Eigen::MatrixXd& joint_values,

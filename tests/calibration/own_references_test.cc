@@ -53,6 +53,16 @@ TEST(OwnReferencesTest, AreFoundFromTheValidationDataAlone) {
 
 TEST(OwnReferencesTest, TooFewMeasurementsAreRefused) {
   EXPECT_THROW(RunJob(WireCheck(2), "test"), InputError);
+  // Three wires meet in a point whatever the arm does: no error is left.
+  try {
+    RunJob(WireCheck(3), "test");
+    ADD_FAILURE() << "three wires to an anchor of their own are no check";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("any arm would fit"),
+              std::string::npos)
+        << error.what();
+  }
+  EXPECT_TRUE(RunJob(WireCheck(8), "test").IsUsable());
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <tuple>
@@ -147,6 +148,28 @@ TEST(StationsTest, RigidArmsHaveABaseAtEachStation) {
       Calibrate(NominalArm(), data, Options(3, ErrorTermSelection::kNone));
   EXPECT_LT(result.train.after.rms, 1.1 * std::sqrt(3.0) * kSigma);
   EXPECT_EQ(result.arm.errors.covariates.size(), 2U);
+}
+
+TEST(StationsTest, OnesOfTwoPosesAreNamed) {
+  const Arm real = testing::WithRv2ajDeviations(NominalArm());
+  const std::vector<Eigen::Isometry3d> alike(2, Eigen::Isometry3d::Identity());
+  Dataset measured = Measure(real, alike, false, 1);
+  const auto warned = [&measured](int poses) {
+    Eigen::MatrixXd covariates = Eigen::MatrixXd::Zero(1, measured.num_poses());
+    covariates.leftCols(poses).setOnes();
+    measured.covariates = covariates;
+    const CalibrationResult result =
+        Calibrate(NominalArm(), CalibrationData(measured),
+                  Options(2, ErrorTermSelection::kStated));
+    return std::any_of(result.warnings.begin(), result.warnings.end(),
+                       [](const std::string& warning) {
+                         return warning.find(
+                                    "fewer than three training poses "
+                                    "were measured from ") == 0;
+                       });
+  };
+  EXPECT_TRUE(warned(2));
+  EXPECT_FALSE(warned(12));
 }
 
 TEST(StationsTest, NearOnesAreNotMoved) {

@@ -37,7 +37,8 @@ using RealArm = std::function<Eigen::Vector3d(const Eigen::VectorXd&, int)>;
 // An RV-2AJ fitted to what a real arm did, each pose measured `repeats` times.
 class Fitted {
  public:
-  Fitted(int poses, int repeats, std::uint64_t seed, const RealArm& real)
+  Fitted(int poses, int repeats, std::uint64_t seed, const RealArm& real,
+         double noise = kSigma)
       : model_(testing::Rv2ajFlange()),
         columns_(testing::FlangeFreeColumns(ParameterLayout(5))) {
     const Eigen::MatrixXd drawn =
@@ -48,7 +49,7 @@ class Fitted {
     for (int i = 0; i < joints.cols(); ++i) {
       joints.col(i) = drawn.col(i / repeats);
       points.col(i) = real(joints.col(i), i / repeats);
-      for (double& value : points.col(i)) value += kSigma * random.Normal();
+      for (double& value : points.col(i)) value += noise * random.Normal();
     }
     data_ = MakePositions(joints, points, kSigma);
     values_ = testing::SolveReference(
@@ -258,6 +259,25 @@ TEST(LackOfFitTest, RepeatsTellNoiseFromWhatTheModelLacks) {
     EXPECT_NE(found.warnings[0].find("times the repeatability"),
               std::string::npos);
   }
+}
+
+// The model lacks nothing and measurements scatter five times as much as their
+// sigma says: so do estimates.
+TEST(LackOfFitTest, RepeatsThatContradictTheSigmaWidenPredictions) {
+  const Fitted fitted(60, 3, 5, Rigid, 5.0 * kSigma);
+  const LackAssessment found = fitted.Assess(kGiven);
+  EXPECT_EQ(found.lack.source, NoiseSource::kRepeats);
+  ASSERT_EQ(found.lack.excess_variance, 0.0);
+  EXPECT_TRUE(found.differs);
+  const double ratio = found.lack.noise / kSigma;
+  EXPECT_NEAR(ratio, 5.0, 0.5);
+  const Eigen::VectorXd usual = CovarianceOf(fitted.problem()).Deviations();
+  EXPECT_LT((found.prediction.Deviations() - ratio * usual)
+                .cwiseQuotient(ratio * usual)
+                .cwiseAbs()
+                .maxCoeff(),
+            1e-6);
+  EXPECT_FALSE(Fitted(60, 3, 5, Rigid).Assess(kGiven).differs);
 }
 
 // By its definition, densely: what noise and the errors of poses do to the
