@@ -17,6 +17,12 @@ function(alidade_compile_options target)
       -fno-omit-frame-pointer
       # GCC 12 sees uninitialized members in std::regex when it sanitizes.
       -Wno-maybe-uninitialized)
+    # GCC looks for memory to free after every few megabytes, a tenth of its time
+    # beside precompiled headers, unless it may take more.
+    if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+      target_compile_options(${target} PRIVATE
+        --param=ggc-min-heapsize=1000000)
+    endif()
     # What the address sanitizer finds as well, at a third of the compiler's
     # time: pointers that are wrong harm where they are used.
     if(ALIDADE_SANITIZE MATCHES address AND ALIDADE_SANITIZE MATCHES undefined)
