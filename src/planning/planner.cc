@@ -241,8 +241,8 @@ class Planner {
     };
     int too_few = 0;
     int enough = static_cast<int>(first.chosen.size());
-    for (double ratio = ratio_of(enough); ratio > 1.0;
-         ratio = ratio_of(enough)) {
+    double ratio = ratio_of(enough);
+    while (ratio > 1.0) {
       if (enough == most) {
         return RefuseAccuracy();
       }
@@ -251,6 +251,7 @@ class Planner {
       // refused by the largest plan at once.
       const bool is_hopeless = enough * ratio * ratio > 4.0 * most;
       enough = is_hopeless ? most : std::min(most, enough + enough / 2 + 1);
+      ratio = ratio_of(enough);
     }
     while (enough - too_few > 1) {
       const int middle = (too_few + enough) / 2;
