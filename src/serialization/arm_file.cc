@@ -16,6 +16,7 @@
 #include "src/serialization/arm_errors.h"
 #include "src/serialization/arm_fields.h"
 #include "src/serialization/config_file.h"
+#include "src/serialization/robot_files.h"
 #include "src/serialization/ur_kinematics.h"
 
 namespace alidade {
@@ -365,12 +366,13 @@ Arm ReadArm(const YamlValue& root, const std::string& path,
 }  // namespace
 }  // namespace internal
 
-Arm LoadArm(const std::string& path) {
+Arm LoadArm(const std::string& file) {
   std::vector<std::string> input_files;
-  return LoadArm(path, &input_files);
+  return LoadArm(file, &input_files);
 }
 
-Arm LoadArm(const std::string& path, std::vector<std::string>* input_files) {
+Arm LoadArm(const std::string& file, std::vector<std::string>* input_files) {
+  const std::string path = internal::ArmPath(file, file, {});
   const internal::YamlValue root = internal::ReadYaml(path);
   if (internal::IsUrKinematics(root)) {
     return internal::ReadUrKinematics(root, path);
