@@ -9,9 +9,15 @@ namespace alidade::internal {
 RobotProgram ReadProgram(
     const std::string& path, int num_joints,
     const std::map<std::string, Eigen::Isometry3d>& frames) {
+  return ParseProgram(ReadFile(path), path, num_joints, frames);
+}
+
+RobotProgram ParseProgram(
+    const std::string& text, const std::string& path, int num_joints,
+    const std::map<std::string, Eigen::Isometry3d>& frames) {
   RobotProgram program;
   program.path = path;
-  program.text = ReadFile(path);
+  program.text = text;
   program.language = *ProgramLanguageOf(path);
   program.frames = frames;
   switch (program.language) {
