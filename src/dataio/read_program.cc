@@ -5,6 +5,34 @@
 #include "src/dataio/robot_program.h"
 
 namespace alidade::internal {
+namespace {
+
+// Where a bracket is missing, a position runs into the next.
+void RefuseSharedNumbers(RobotProgram* program) {
+  struct Use {
+    std::size_t begin;
+    std::size_t end;
+    int line;
+  };
+  std::vector<Use> uses;
+  for (const ProgramTarget& target : program->targets) {
+    for (const auto* spans : {&target.numbers, &target.posture}) {
+      for (const NumberSpan& span : *spans) {
+        uses.push_back({span.begin, span.end, target.line});
+      }
+    }
+  }
+  std::sort(uses.begin(), uses.end(),
+            [](const Use& a, const Use& b) { return a.begin < b.begin; });
+  for (std::size_t i = 1; i < uses.size(); ++i) {
+    if (uses[i].begin >= uses[i - 1].end) continue;
+    program->refused.push_back(
+        {uses[i].line, "shares its numbers with another position"});
+    return;
+  }
+}
+
+}  // namespace
 
 RobotProgram ReadProgram(
     const std::string& path, int num_joints,
@@ -34,6 +62,7 @@ RobotProgram ParseProgram(
       ReadFanuc(num_joints, &program);
       break;
   }
+  RefuseSharedNumbers(&program);
   const auto by_line = [](const ProgramNote& a, const ProgramNote& b) {
     return a.line < b.line;
   };

@@ -12,6 +12,7 @@
 #include "src/common/number_text.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/dataio/dataset_npy.h"
+#include "src/dataio/mesh_file.h"
 #include "src/dataio/robot_program.h"
 #include "src/dataio/urdf_file.h"
 #include "src/serialization/config_file.h"
@@ -215,6 +216,26 @@ void ReadUrdf(const std::string& input, const std::string& path) {
   CheckArm(ParseUrdfArm(input.substr(end), path, base, tip));
 }
 
+void CheckMesh(const TriangleMesh& mesh) {
+  const auto num_vertices = static_cast<int>(mesh.vertices.cols());
+  for (const int vertex : mesh.triangles.reshaped()) {
+    Require(vertex >= 0 && vertex < num_vertices, "a vertex that is not there");
+    Require(mesh.vertices.col(vertex).allFinite(), "a corner is not finite");
+  }
+}
+
+// An OBJ file behind an "o", else an STL file behind any byte.
+void ReadMesh(const std::string& input, const std::string& path) {
+  if (input.empty()) return;
+  const TriangleMesh mesh =
+      ParseMesh(input.substr(1), path + (input[0] == 'o' ? ".obj" : ".stl"));
+  CheckMesh(mesh);
+  constexpr int kMostTriangles = 20;
+  const TriangleMesh simple = SimplifyMesh(mesh, kMostTriangles);
+  CheckMesh(simple);
+  Require(simple.triangles.cols() <= kMostTriangles, "too many triangles");
+}
+
 void CheckTargetOf(const RobotProgram& program, const ProgramTarget& target) {
   std::vector<NumberSpan> spans = target.numbers;
   std::sort(spans.begin(), spans.end(),
@@ -310,6 +331,7 @@ const std::vector<FuzzTarget>& FuzzTargets() {
       {"csv", "input.csv", ReadTables},
       {"npy", "input.npy", ReadTables},
       {"urdf", "input.urdf", ReadUrdf},
+      {"mesh", "input", ReadMesh},
       {"program", "input", ReadRobotProgram},
       {"result", "input.json", ReadResult}};
   return *targets;
