@@ -34,6 +34,9 @@ std::string FormatArm(const Arm& arm, const std::string& comment);
 /// none.
 /// @throws InputError with file, line, column and key.
 Eigen::VectorXd LoadDeviations(const std::string& path, const Arm& arm);
+/// The same of a file's text; `name` is that of messages.
+Eigen::VectorXd ParseDeviations(const std::string& text,
+                                const std::string& name, const Arm& arm);
 
 }  // namespace alidade
 

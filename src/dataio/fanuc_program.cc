@@ -131,16 +131,15 @@ class FanucReader : ProgramReader {
   bool SetFrames(std::size_t from, std::size_t to, ProgramTarget* target) {
     const auto frame = Entry("UF", from, to);
     const auto tool = Entry("UT", from, to);
-    if (!frame || !tool) {
+    if (!frame || !tool || !frame->Whole() || !tool->Whole()) {
       Refuse(from, "uses the current frame or tool (F), expected numbers");
       return false;
     }
-    const auto name = [](const char* kind, double number) {
-      const int index = static_cast<int>(number);
+    const auto name = [](const char* kind, int index) {
       return index == 0 ? "" : kind + (" " + std::to_string(index));
     };
-    target->frame = name("base", frame->value);
-    target->tool = name("tool", tool->value);
+    target->frame = name("base", *frame->Whole());
+    target->tool = name("tool", *tool->Whole());
     return KnowsFrame(target->tool, target->line, program_) &&
            KnowsFrame(target->frame, target->line, program_);
   }

@@ -125,7 +125,7 @@ class KrlReader : ProgramReader {
   std::optional<int> Index(std::size_t at) const {
     const auto number = text_.NumberAt(text_.SkipSpaces(at));
     if (!number || number->decimals > 0) return std::nullopt;
-    return static_cast<int>(number->value);
+    return number->Whole();
   }
 
   static std::string Numbered(const char* kind, int index) {
@@ -269,13 +269,12 @@ class KrlReader : ProgramReader {
     const std::string rest =
         text_.text().substr(at, text_.text().find('}', at) - at);
     const bool is_at_tool = rest.find("#TCP") != kNowhere;
-    const auto number = [&](const char* key) {
-      return static_cast<int>(data.numbers.at(key).value);
-    };
+    const std::optional<int> tool = data.numbers.at("TOOL_NO").Whole();
+    const std::optional<int> base = data.numbers.at("BASE_NO").Whole();
     point_frames_[name.substr(1)] =
-        is_at_tool ? Frames{"?", "?"}
-                   : Frames{Numbered("tool", number("TOOL_NO")),
-                            Numbered("base", number("BASE_NO"))};
+        is_at_tool || !tool || !base
+            ? Frames{"?", "?"}
+            : Frames{Numbered("tool", *tool), Numbered("base", *base)};
   }
 
   void KeepVariable(std::string left, const Aggregate& value) {
@@ -363,6 +362,10 @@ class KrlReader : ProgramReader {
       target.frame = frames.base;
       const auto turn = value.numbers.find("T");
       if (turn != value.numbers.end()) target.posture = {turn->second};
+      if (turn != value.numbers.end() && !turn->second.Whole()) {
+        Refuse(value.begin, "its turn (T) is no whole number");
+        return;
+      }
     }
     if (!KnowsFrame(target.tool, target.line, program_) ||
         !KnowsFrame(target.frame, target.line, program_)) {

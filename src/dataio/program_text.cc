@@ -89,7 +89,10 @@ std::optional<NumberSpan> ProgramText::NumberAt(std::size_t place) const {
     if (after == exponent) return std::nullopt;
     const auto power = ParseWhole<int>(
         std::string_view(masked_).substr(exponent, after - exponent));
-    span.decimals += is_small ? power.value_or(0) : 0;
+    // More decimals than any number is written with.
+    constexpr int kMostDecimals = 1000;
+    span.decimals +=
+        is_small ? std::min(power.value_or(kMostDecimals), kMostDecimals) : 0;
     end = after;
   }
   if (IsWordCharacter(at(end)) || at(end) == '.') return std::nullopt;

@@ -294,6 +294,11 @@ class RapidReader : ProgramReader {
       const auto& turn = literal.lists[1];
       target.numbers.insert(target.numbers.end(), turn.begin(), turn.end());
       target.posture = {literal.lists[2].begin(), literal.lists[2].begin() + 3};
+      for (const NumberSpan& quarter : target.posture) {
+        if (quarter.Whole()) continue;
+        Refuse(literal.begin, "its configuration is not of whole numbers");
+        return;
+      }
       target.tool = frames.first;
       target.frame = frames.second;
       if (!KnowsFrame(target.tool, target.line, program_) ||

@@ -9,6 +9,7 @@
 
 #include "alidade/units.h"
 #include "src/common/number_text.h"
+#include "src/dataio/program_text.h"
 #include "src/dataio/rotation_convention.h"
 
 namespace alidade::internal {
@@ -82,6 +83,12 @@ void Align(const std::string& text, Replacement* replacement) {
 }
 
 }  // namespace
+
+std::optional<int> NumberSpan::Whole() const {
+  constexpr double kMost = std::numeric_limits<int>::max();
+  if (std::trunc(value) != value || std::abs(value) > kMost) return {};
+  return static_cast<int>(value);
+}
 
 std::optional<ProgramLanguage> ProgramLanguageOf(const std::string& path) {
   std::string ending = std::filesystem::path(path).extension().string();
@@ -168,7 +175,8 @@ Eigen::MatrixXd PostureBounds(ProgramLanguage language,
   bounds.col(1).setConstant(kNoBound);
   if (target.posture.empty()) return bounds;
   if (language == ProgramLanguage::kKrl) {
-    const auto turn = static_cast<unsigned>(target.posture[0].value);
+    const auto turn =
+        static_cast<unsigned>(target.posture[0].Whole().value_or(0));
     for (int j = 0; j < std::min(num_joints, 6); ++j) {
       const bool is_negative = ((turn >> j) & 1U) != 0;
       bounds(j, is_negative ? 1 : 0) = is_negative ? kSlack : -kSlack;
@@ -192,7 +200,7 @@ std::vector<int> PostureOf(ProgramLanguage language,
   constexpr double kSlack = 1e-4 * kDegree;
   std::vector<int> posture;
   for (const NumberSpan& span : target.posture) {
-    posture.push_back(static_cast<int>(span.value));
+    posture.push_back(span.Whole().value_or(0));
   }
   if (posture.empty()) return posture;
   if (language == ProgramLanguage::kKrl) {
@@ -244,6 +252,10 @@ std::string RewriteProgram(const RobotProgram& program,
   std::size_t from = 0;
   for (const Replacement& replacement : replacements) {
     text += program.text.substr(from, replacement.span.begin - from);
+    if (!text.empty() && IsWordCharacter(text.back()) &&
+        IsWordCharacter(replacement.text.front())) {
+      text += ' ';
+    }
     text += replacement.text;
     from = replacement.span.end;
   }

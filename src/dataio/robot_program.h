@@ -21,6 +21,9 @@ struct NumberSpan {
   std::size_t end = 0;
   int decimals = 0;
   double value = 0.0;
+
+  /// The value where it is a whole number that an int can hold.
+  std::optional<int> Whole() const;
 };
 
 /// A position that a program states in numbers.
@@ -36,7 +39,8 @@ struct ProgramTarget {
   /// Names among RobotProgram::frames; empty: the arm's own tool, its base.
   std::string tool;
   std::string frame;
-  /// What the program says of the posture: T of KRL, cf1, cf4, cf6 of RAPID.
+  /// What the program says of the posture: T of KRL, cf1, cf4, cf6 of RAPID,
+  /// all whole numbers.
   std::vector<NumberSpan> posture;
 };
 
@@ -65,6 +69,10 @@ std::optional<ProgramLanguage> ProgramLanguageOf(const std::string& path);
 /// their names (RAPID). @throws InputError where the file cannot be read.
 RobotProgram ReadProgram(
     const std::string& path, int num_joints,
+    const std::map<std::string, Eigen::Isometry3d>& frames);
+/// The same of a file's text.
+RobotProgram ParseProgram(
+    const std::string& text, const std::string& path, int num_joints,
     const std::map<std::string, Eigen::Isometry3d>& frames);
 
 /// The pose that a target states, in its frame. @pre it is not of joints.
@@ -99,7 +107,8 @@ struct ProgramValues {
 };
 
 /// The text with the numbers of all targets replaced, in their decimals or, if
-/// these are fewer, in those that a controller shows. Every other byte stays.
+/// these are fewer, in those that a controller shows. Every other byte stays; a
+/// number that stood right after a word ("X-5") is parted from it by a space.
 std::string RewriteProgram(const RobotProgram& program,
                            const std::vector<ProgramValues>& values);
 

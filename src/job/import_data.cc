@@ -88,7 +88,7 @@ class Importer {
   }
 
   void ReadLayout() {
-    const TextFile text = OpenText(request_.path);
+    const TextFile text = OpenText(MappedFile(request_.path));
     const std::string_view all = text.file.text().substr(text.begin);
     const CsvLayout layout = FindCsvLayout(request_.path, all, {});
     names_ = layout.names;

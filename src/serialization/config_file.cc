@@ -65,15 +65,23 @@ FileFormat DetectFormat(const std::string& path) {
   return ReadFormat(ReadYaml(path));
 }
 
-YamlValue ReadConfigFile(const std::string& path, FileFormat expected) {
-  YamlValue root = ReadYaml(path);
+void RequireFormat(const YamlValue& root, FileFormat expected) {
   const FileFormat format = ReadFormat(root);
-  if (format != expected) {
-    FormatEntry(root).Fail("found " + Quote(FormatEntry(root).Text()) +
-                           ", expected " + Quote(WordOf(expected)) + " here" +
-                           ReaderOf(format));
-  }
+  if (format == expected) return;
+  FormatEntry(root).Fail("found " + Quote(FormatEntry(root).Text()) +
+                         ", expected " + Quote(WordOf(expected)) + " here" +
+                         ReaderOf(format));
+}
+
+YamlValue ParseConfig(const std::string& text, const std::string& path,
+                      FileFormat expected) {
+  YamlValue root = ParseYaml(text, path);
+  RequireFormat(root, expected);
   return root;
+}
+
+YamlValue ReadConfigFile(const std::string& path, FileFormat expected) {
+  return ParseConfig(ReadFile(path), path, expected);
 }
 
 Eigen::VectorXd ReadJointQuantities(const YamlValue& value, const Units& units,
