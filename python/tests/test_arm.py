@@ -145,7 +145,7 @@ def test_arms_by_name(tmp_path, monkeypatch):
   q = arm.draw(3, seed=1)
   file = alidade.Arm.load(ROOT / 'configs/robots/ur10e.yaml')
   assert np.array_equal(arm.fk(q), file.fk(q))
-  with pytest.raises(alidade.InputError, match='ur10e'):
+  with pytest.raises(alidade.InputError, match='did you mean'):
     alidade.Arm.load('robots/ur10f')
   # A file of one's own goes first.
   (tmp_path / 'robots').mkdir()
