@@ -4,6 +4,7 @@
 #include <glog/logging.h>
 
 #include <algorithm>
+#include <cctype>
 #include <utility>
 
 #include "alidade/error.h"
@@ -117,6 +118,13 @@ std::string DescriptionOf(const std::string& flag) {
   return text;
 }
 
+// "-90" is a number.
+bool IsFlag(const std::string& argument) {
+  return argument.size() > 1 && argument[0] == '-' &&
+         std::isdigit(static_cast<unsigned char>(argument[1])) == 0 &&
+         argument[1] != '.';
+}
+
 // gflags' own parser ends the process with status 1 where a flag is wrong, and
 // knows nothing of commands; so it is only asked to keep the values.
 class ArgumentParser {
@@ -130,7 +138,7 @@ class ArgumentParser {
     bool only_files = false;
     while (next_ < arguments_.size()) {
       const std::string argument = arguments_[next_++];
-      if (only_files || argument.size() < 2 || argument[0] != '-') {
+      if (only_files || !IsFlag(argument)) {
         line_.files.push_back(argument);
       } else if (argument == "--") {
         only_files = true;

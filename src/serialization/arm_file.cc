@@ -386,6 +386,7 @@ Arm LoadArm(const std::string& file) {
 }
 
 Arm LoadArm(const std::string& file, std::vector<std::string>* input_files) {
+  internal::RefuseBareName(file, file, {});
   const std::string path = internal::ArmPath(file, file, {});
   return ParseArm(internal::ReadFile(path), path, input_files);
 }

@@ -62,6 +62,7 @@ std::string PlaceName(const SourceLocation& location) {
 }  // namespace
 
 FileFormat DetectFormat(const std::string& path) {
+  RefuseBareName(path, path, {});
   return ReadFormat(ReadYaml(path));
 }
 
@@ -131,6 +132,7 @@ Eigen::VectorXd ReadDeviations(const YamlValue& value, const Units& units,
 Arm NamedFiles::ReadArm(const YamlValue& value,
                         Arm (*load)(const std::string& path,
                                     std::vector<std::string>* input_files)) {
+  RefuseBareName(value.Text(), Resolve(value), value.location());
   const std::string arm_path =
       ArmPath(value.Text(), Resolve(value), value.location());
   std::vector<std::string> named;
