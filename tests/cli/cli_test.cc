@@ -125,6 +125,7 @@ TEST(CliTest, KeysAreThoseOfTheDescriptions) {
   const ProcessResult section = Alidade("keys job.uncertainty");
   EXPECT_THAT(section.out, StartsWith("  confidence  (0.95)\n      of "));
   EXPECT_THAT(Alidade("keys").out, HasSubstr("  job         sections "));
+  EXPECT_THAT(Alidade("keys job").out, HasSubstr("(docs/batch.md)"));
 }
 
 // Of a file that a calibration of the study wrote: figures are XML with
