@@ -10,9 +10,7 @@
 #include "src/cli/targets.h"
 #include "src/common/files.h"
 #include "src/common/names.h"
-#include "src/common/number_text.h"
 #include "src/dataio/csv_columns.h"
-#include "src/dataio/dataset_csv.h"
 #include "src/dataio/row_condition.h"
 #include "src/job/import_data.h"
 #include "src/job/result_directory.h"
@@ -104,12 +102,10 @@ ExitStatus RunImport(const CommandLine& line) {
   std::cout << file << ", read for " << arm.name << "\n";
   Show(imported);
   const Dataset& poses = imported.loaded.data;
-  fs::create_directories(directory);
-  WriteFileAtomically(data, [&](const TextSink& sink) {
-    WriteDatasetText(poses, arm, kFewestDigits, true,
-                     {"imported from " + fs::path(file).filename().string()},
-                     sink);
-  });
+  MakeDirectories(directory.string());
+  WriteFileAtomically(
+      data, DataText(imported, arm,
+                     "imported from " + fs::path(file).filename().string()));
   WriteFileAtomically(
       job, JobText(fs::path(file).stem().string(), ArmIn(directory, line.arm),
                    "data.csv", poses.num_poses()));

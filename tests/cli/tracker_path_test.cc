@@ -133,6 +133,12 @@ TEST_F(TrackerPathTest, ThreeCommandsLeadFromAnExportToAResult) {
         "nothing was measured in line 6", "left out: line 44", "78 poses"}) {
     EXPECT_THAT(import.out, HasSubstr(text));
   }
+  // The rows 2 and 40 are left out.
+  const std::string data = ReadWhole(Path("spring/data.csv"));
+  EXPECT_THAT(data, HasSubstr("z_mm,note\n"));
+  EXPECT_THAT(data, HasSubstr(",No 1 (line 5)\n"));
+  EXPECT_THAT(data, HasSubstr(",No 41 (line 45)\n"));
+  EXPECT_THAT(data, ::testing::Not(HasSubstr("No 40")));
 
   const ProcessResult calibrate =
       Alidade("calibrate spring/job.yaml --report --out=spring/result");
