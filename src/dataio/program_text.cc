@@ -7,11 +7,6 @@
 
 namespace alidade::internal {
 
-bool IsWordCharacter(char c) {
-  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' ||
-         c == '$';
-}
-
 ProgramText::ProgramText(const std::string& text, std::string_view comment,
                          char quote, bool keep_case)
     : masked_(text) {

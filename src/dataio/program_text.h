@@ -51,8 +51,6 @@ class ProgramText {
   std::vector<std::size_t> line_starts_;
 };
 
-bool IsWordCharacter(char c);
-
 /// Names of the tool and the base that hold where a program sets none.
 constexpr char kUnstatedTool[] = "tool";
 constexpr char kUnstatedBase[] = "base";

@@ -9,7 +9,6 @@
 
 #include "alidade/units.h"
 #include "src/common/number_text.h"
-#include "src/dataio/program_text.h"
 #include "src/dataio/rotation_convention.h"
 
 namespace alidade::internal {
@@ -83,6 +82,11 @@ void Align(const std::string& text, Replacement* replacement) {
 }
 
 }  // namespace
+
+bool IsWordCharacter(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' ||
+         c == '$';
+}
 
 std::optional<int> NumberSpan::Whole() const {
   constexpr double kMost = std::numeric_limits<int>::max();

@@ -63,6 +63,9 @@ struct RobotProgram {
   std::vector<ProgramNote> refused;  ///< not understood: nothing may be written
 };
 
+/// Whether a character may stand in a name of one of the languages.
+bool IsWordCharacter(char c);
+
 /// By the ending of a file's name: .script, .urscript; .src, .dat, .sub; .mod,
 /// .modx, .prg, .sys; .ls. Nothing for others.
 std::optional<ProgramLanguage> ProgramLanguageOf(const std::string& path);
