@@ -185,7 +185,8 @@ std::vector<Command> ResultCommands() {
            "Programs are known by their endings: .script (URScript), .src and "
            ".dat (KUKA), .mod (ABB), .ls (Fanuc). Their positions are "
            "rewritten in place; what is computed at run time is listed and not "
-           "touched, and where a position is not understood nothing is "
+           "touched, a tool that the program sets nowhere is assumed and "
+           "listed, and where a position is not understood nothing is "
            "written (docs/robot.md)."},
           {"nominal", "inverse", "from", "frames", "rotation", "target",
            "calibrated-tool", "out", "seed"},
