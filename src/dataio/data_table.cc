@@ -41,7 +41,7 @@ void TableRow::FailNumber(const NumberColumn& column) const {
     message += ". Where that says that nothing was measured: `missing: [" +
                OneLine(text) + "]` in the job's `data`; " +
                HowToExclude(line());
-  } else if (is_word || text.empty()) {
+  } else if (column.rule == CellRule::kRequired && (is_word || text.empty())) {
     message +=
         ". Where the line holds no measurement, as a mean below the "
         "table: " +
