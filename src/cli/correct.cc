@@ -89,9 +89,10 @@ class CorrectCommand {
     WriteFileWithFolder(FigureBeside(out_),
                         CorrectionFigure(report).render(FigureMedium::kFile));
     std::cout << FormatCorrection(report);
-    if (!program.unstated.empty()) std::cout << "Assumed\n";
-    for (const auto& [kind, lines] : program.unstated) {
-      std::cout << "  " << UnstatedFrameNote(kind, lines) << "\n";
+    const auto assumptions = AssumptionsOf(program, arms_.nominal);
+    if (!assumptions.empty()) std::cout << "Assumed\n";
+    for (const std::string& note : assumptions) {
+      std::cout << "  " << note << "\n";
     }
     if (!program.left.empty()) std::cout << "Not touched\n";
     for (const ProgramNote& note : program.left) {

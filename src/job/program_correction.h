@@ -29,10 +29,12 @@ ProgramCorrection CorrectProgram(const RobotProgram& program,
                                  const CorrectionArms& arms,
                                  const CorrectionOptions& options);
 
-/// What was assumed of positions, in these lines, before which a program sets
-/// no frame of a `kind` (RobotProgram::unstated).
-std::string UnstatedFrameNote(const std::string& kind,
-                              const std::vector<int>& lines);
+/// What was assumed: of positions before which the program sets no frame
+/// (RobotProgram::unstated), and that the arm's target is the flange, which the
+/// program's tools are taken from, where it is away from the last joint's
+/// frame.
+std::vector<std::string> AssumptionsOf(const RobotProgram& program,
+                                       const Arm& nominal);
 
 /// Tools and bases of a table with the columns name, x_mm, y_mm, z_mm and an
 /// orientation. @throws InputError.

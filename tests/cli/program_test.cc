@@ -277,6 +277,13 @@ TEST_F(RefusedProgramTest, AToolThatIsNotSetIsAssumedAloudOrTakenFromTheTable) {
   EXPECT_THAT(correct(tool + move, ""), ::testing::Not(HasSubstr("Assumed")));
   EXPECT_EQ(ReadWhole(directory_ / "b.script"), tool + by_table);
   EXPECT_NE(at_flange.substr(0, by_table.size()), by_table);
+  // Tools begin at the nominal arm's target, which is a reflector here.
+  Arm with_tool = LoadArm(arm);
+  with_tool.last_from_target().translation().z() += 0.04;
+  WriteWhole(directory_ / "tool.yaml", FormatArm(with_tool, ""));
+  EXPECT_THAT(correct(tool + move, " --nominal=" + (directory_ / "tool.yaml")),
+              HasSubstr("Assumed\n  the program's tools begin at the arm "
+                        "file's target, 40.0 mm from"));
 }
 
 TEST_F(RefusedProgramTest, ALineIsNotedOnceAndMotionsBySpeedAreToo) {
