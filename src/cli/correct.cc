@@ -89,6 +89,10 @@ class CorrectCommand {
     WriteFileWithFolder(FigureBeside(out_),
                         CorrectionFigure(report).render(FigureMedium::kFile));
     std::cout << FormatCorrection(report);
+    if (!program.unstated.empty()) std::cout << "Assumed\n";
+    for (const auto& [kind, lines] : program.unstated) {
+      std::cout << "  " << UnstatedFrameNote(kind, lines) << "\n";
+    }
     if (!program.left.empty()) std::cout << "Not touched\n";
     for (const ProgramNote& note : program.left) {
       std::cout << "  line " << note.line << ": " << note.text << "\n";

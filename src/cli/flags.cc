@@ -29,9 +29,11 @@ DEFINE_bool(corrected, false,
             "was given what `correct` makes of them");
 DEFINE_bool(dry_run, false, "print what would run, a line a job");
 DEFINE_bool(fail_fast, false, "start no more jobs once one is not done");
-DEFINE_string(frames, "",
-              "FILE.csv tools and bases that a program refers to and does not "
-              "state: columns name, x_mm, y_mm, z_mm and an orientation");
+DEFINE_string(
+    frames, "",
+    "FILE.csv tools and bases that a program refers to and does not "
+    "state: columns name, x_mm, y_mm, z_mm and an orientation; the rows "
+    "tool and base hold where it sets none");
 DEFINE_string(from, "",
               "WHAT targets are, where a table has both: poses (joint values "
               "are their posture), the default, or joints");

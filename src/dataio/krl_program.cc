@@ -46,8 +46,8 @@ struct Aggregate {
 
 // Tool and base that hold at a place of the text.
 struct Frames {
-  std::string tool;
-  std::string base;
+  std::string tool = kUnstatedTool;
+  std::string base = kUnstatedBase;
   bool operator<(const Frames& other) const {
     return std::tie(tool, base) < std::tie(other.tool, other.base);
   }
@@ -358,8 +358,8 @@ class KrlReader : ProgramReader {
     target.name = name;
     target.numbers = value.Of(names);
     if (!is_axes) {
-      target.tool = frames.tool;
-      target.frame = frames.base;
+      target.tool = FrameOrOwn(frames.tool, value.begin);
+      target.frame = FrameOrOwn(frames.base, value.begin);
       const auto turn = value.numbers.find("T");
       if (turn != value.numbers.end()) target.posture = {turn->second};
       if (turn != value.numbers.end() && !turn->second.Whole()) {

@@ -155,6 +155,13 @@ std::size_t ProgramText::FindWord(const std::string& word,
   return std::string::npos;
 }
 
+std::string ProgramReader::FrameOrOwn(const std::string& name, std::size_t at) {
+  const bool is_unstated = name == kUnstatedTool || name == kUnstatedBase;
+  if (!is_unstated || program_->frames.count(name) > 0) return name;
+  program_->unstated[name].push_back(text_.LineOf(at));
+  return "";
+}
+
 void ProgramReader::ListOtherMoves(
     const std::function<bool(const std::string&)>& is_motion,
     const std::function<bool(const std::string&)>& is_known) {

@@ -53,6 +53,10 @@ class ProgramText {
 
 bool IsWordCharacter(char c);
 
+/// Names of the tool and the base that hold where a program sets none.
+constexpr char kUnstatedTool[] = "tool";
+constexpr char kUnstatedBase[] = "base";
+
 /// What the readers of all languages share: the text, and notes of what is not
 /// corrected.
 class ProgramReader {
@@ -67,6 +71,10 @@ class ProgramReader {
   void Leave(std::size_t at, const std::string& why) {
     program_->left.push_back({text_.LineOf(at), why});
   }
+
+  /// The frame of a position: `name`, or the arm's own where it is
+  /// kUnstatedTool or kUnstatedBase and no table of frames has it.
+  std::string FrameOrOwn(const std::string& name, std::size_t at);
 
   /// Motions, each a line that begins with a word of which `is_motion`, to a
   /// name that is not `is_known`: not stated in numbers in this file.

@@ -67,7 +67,17 @@ RobotProgram ParseProgram(
     return a.line < b.line;
   };
   std::stable_sort(program.left.begin(), program.left.end(), by_line);
+  // The first note of a line says enough.
+  program.left.erase(
+      std::unique(program.left.begin(), program.left.end(),
+                  [](const ProgramNote& a, const ProgramNote& b) {
+                    return a.line == b.line;
+                  }),
+      program.left.end());
   std::stable_sort(program.refused.begin(), program.refused.end(), by_line);
+  for (auto& [kind, lines] : program.unstated) {
+    std::sort(lines.begin(), lines.end());
+  }
   return program;
 }
 

@@ -56,6 +56,9 @@ struct RobotProgram {
   std::string text;
   std::vector<ProgramTarget> targets;  ///< in the order of the text
   std::map<std::string, Eigen::Isometry3d> frames;
+  /// Lines of positions before which the program sets no "tool" or no "base",
+  /// nor does the table of frames name one so: taken as the arm's own.
+  std::map<std::string, std::vector<int>> unstated;
   std::vector<ProgramNote> left;     ///< computed at run time: not touched
   std::vector<ProgramNote> refused;  ///< not understood: nothing may be written
 };
@@ -66,7 +69,8 @@ std::optional<ProgramLanguage> ProgramLanguageOf(const std::string& path);
 
 /// Reads a program for an arm of so many joints. `frames`: tools and bases
 /// that it refers to and does not state, "tool 1", "base 2" (KRL, Fanuc) or by
-/// their names (RAPID). @throws InputError where the file cannot be read.
+/// their names (RAPID); "tool" and "base": what holds where it sets none
+/// (URScript, KRL). @throws InputError where the file cannot be read.
 RobotProgram ReadProgram(
     const std::string& path, int num_joints,
     const std::map<std::string, Eigen::Isometry3d>& frames);

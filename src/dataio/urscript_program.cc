@@ -70,7 +70,7 @@ class UrScriptReader : ProgramReader {
   }
 
   std::string ToolAt(std::size_t at) const {
-    std::string tool;
+    std::string tool = kUnstatedTool;
     for (const auto& [from, name] : tools_) {
       if (from < at) tool = name;
     }
@@ -161,7 +161,7 @@ class UrScriptReader : ProgramReader {
     target.line = text_.LineOf(literal.begin);
     target.name = name;
     target.numbers = literal.numbers;
-    target.tool = tool;
+    target.tool = literal.is_pose ? FrameOrOwn(tool, literal.begin) : "";
     if (KnowsFrame(tool, target.line, program_)) {
       program_->targets.push_back(target);
     }
@@ -202,8 +202,12 @@ class UrScriptReader : ProgramReader {
       Refuse(literals.front().begin,
              other != kNowhere
                  ? name + " is moved to and also used otherwise (line " +
-                       std::to_string(text_.LineOf(other)) + ")"
-                 : name + " is moved to with several tools");
+                       std::to_string(text_.LineOf(other)) +
+                       "): let a variable of its own, of the same numbers, be "
+                       "used there"
+                 : name +
+                       " is moved to with several tools: give each a "
+                       "variable of its own");
       return;
     }
     for (const Literal& literal : literals) {
@@ -216,9 +220,16 @@ class UrScriptReader : ProgramReader {
                        [at](const Literal& l) { return l.begin == at; });
   }
 
-  // Moves to what is no number and no variable of numbers.
+  // Moves to what is no number and no variable of numbers, or to nowhere.
   void ListComputedMoves() {
-    for (const char* name : {"movej", "movel", "movep", "movec", "servoc"}) {
+    for (const char* name : {"speedj", "speedl"}) {
+      for (std::size_t at = 0; (at = text_.FindWord(name, at)) != kNowhere;
+           ++at) {
+        Leave(at, name + std::string(" moves by a speed, to no position"));
+      }
+    }
+    for (const char* name :
+         {"movej", "movel", "movep", "movec", "servoc", "servoj"}) {
       const std::string word = name;
       for (std::size_t at = 0; (at = text_.FindWord(word, at)) != kNowhere;
            at += word.size()) {

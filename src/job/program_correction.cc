@@ -217,6 +217,22 @@ ProgramCorrection CorrectProgram(const RobotProgram& program,
   return ProgramCorrector(program, arms, options).Run();
 }
 
+std::string UnstatedFrameNote(const std::string& kind,
+                              const std::vector<int>& lines) {
+  const auto others = static_cast<std::int64_t>(lines.size()) - 1;
+  const bool is_tool = kind == "tool";
+  return "line " + std::to_string(lines.front()) +
+         (others > 0 ? " and " + Count(others, "other position") : "") +
+         ": the program sets no " + kind + " before, so " +
+         (is_tool ? "the arm file's target" : "the arm's own base") +
+         " is taken for it; where another " + kind +
+         " is active on the controller, " +
+         (is_tool ? "its installation's for one, " : "") +
+         "the correction is wrong: set it in the program, or give --frames a "
+         "row named " +
+         kind;
+}
+
 std::map<std::string, Eigen::Isometry3d> LoadFrames(
     const std::string& path, const Arm& arm,
     const std::optional<RotationConvention>& rotation) {

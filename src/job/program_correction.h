@@ -29,6 +29,11 @@ ProgramCorrection CorrectProgram(const RobotProgram& program,
                                  const CorrectionArms& arms,
                                  const CorrectionOptions& options);
 
+/// What was assumed of positions, in these lines, before which a program sets
+/// no frame of a `kind` (RobotProgram::unstated).
+std::string UnstatedFrameNote(const std::string& kind,
+                              const std::vector<int>& lines);
+
 /// Tools and bases of a table with the columns name, x_mm, y_mm, z_mm and an
 /// orientation. @throws InputError.
 std::map<std::string, Eigen::Isometry3d> LoadFrames(
