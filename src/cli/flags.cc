@@ -28,6 +28,9 @@ DEFINE_bool(corrected, false,
             "with --check: the joint values are those asked for, and the robot "
             "was given what `correct` makes of them");
 DEFINE_bool(dry_run, false, "print what would run, a line a job");
+DEFINE_string(exclude, "",
+              "ROWS left out, with commas between: lines of the file (12, "
+              "40-45, 130-) and conditions ('status = lost')");
 DEFINE_bool(fail_fast, false, "start no more jobs once one is not done");
 DEFINE_string(
     frames, "",
@@ -287,6 +290,7 @@ std::optional<CommandLine> ParseArguments(
                      FLAGS_corrected,
                      FLAGS_refit,
                      FLAGS_poses,
-                     FLAGS_units};
+                     FLAGS_units,
+                     FLAGS_exclude};
 }
 }  // namespace alidade::internal

@@ -105,10 +105,9 @@ class CsvRow final : public TableRow {
     if (cells_.size() > expected && dialect_.separator == ',') {
       message += ": numbers take a decimal point, not a comma";
     }
-    line_.Fail(message +
-               (cells_.size() < expected || dialect_.separator != ','
-                    ? "; `exclude` in the job's `data` leaves lines out"
-                    : ""));
+    line_.Fail(message + (cells_.size() < expected || dialect_.separator != ','
+                              ? "; " + HowToExclude(line_.number)
+                              : ""));
   }
 
   const CsvDialect& dialect_;

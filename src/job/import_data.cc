@@ -90,7 +90,9 @@ class Importer {
   void ReadLayout() {
     const TextFile text = OpenText(MappedFile(request_.path));
     const std::string_view all = text.file.text().substr(text.begin);
-    const CsvLayout layout = FindCsvLayout(request_.path, all, {});
+    format_.dialect.excluded_lines = request_.excluded_lines;
+    format_.exclude = request_.exclude;
+    const CsvLayout layout = FindCsvLayout(request_.path, all, format_.dialect);
     names_ = layout.names;
     if (names_.empty()) {
       throw InputError({request_.path, 0, 0, ""}, "holds no table");

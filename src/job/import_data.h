@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "alidade/arm.h"
@@ -18,6 +19,9 @@ struct ImportRequest {
   const Unit* length_unit = nullptr;
   const Unit* angle_unit = nullptr;
   std::optional<RotationConvention> rotation = {};  ///< of three angles
+  /// What is left out: lines, and rows by what is in them.
+  std::vector<std::pair<int, int>> excluded_lines = {};
+  std::vector<RowCondition> exclude = {};
 };
 
 /// A file of measurements as it was understood.

@@ -152,6 +152,21 @@ TEST_F(TrackerPathTest, ThreeCommandsLeadFromAnExportToAResult) {
   EXPECT_THAT(identify.out, HasSubstr("62 poses"));
 }
 
+TEST_F(TrackerPathTest, AFooterIsLeftOutAsTheMessageSays) {
+  WriteWhole(Path("foot.txt"), Export() + "Mean;;;;;;;12,5;13,5;14,5;\r\n");
+  const ProcessResult refused = Alidade("import foot.txt --arm=arm.yaml");
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--exclude=85 of `import`"));
+  for (const char* rows : {"85", "85-", "'No = Mean'"}) {
+    const ProcessResult imported = Alidade(
+        std::string("import foot.txt --arm=arm.yaml --exclude=") + rows);
+    ASSERT_EQ(imported.status, 0) << imported.err;
+    EXPECT_THAT(imported.out, HasSubstr("78 poses"));
+  }
+  EXPECT_THAT(Alidade("import foot.txt --arm=arm.yaml --exclude=last").err,
+              HasSubstr("\"last\" is neither lines of the file"));
+}
+
 // Numbers in place of lost targets: three times the same, of any size; beyond
 // all reach; in one column alone.
 TEST_F(TrackerPathTest, SentinelsAreLeftOut) {
