@@ -17,7 +17,7 @@ namespace alidade::internal {
 void RequireOrientationsNearby(const MeasurementModel& model,
                                const CalibrationTask& task);
 
-/// After calibration, at `values`: half of them more than 0.03 rad off, five
+/// After calibration, at `values`: half of them more than 0.1 rad off, five
 /// stated standard deviations, and ten times as much as positions over the
 /// arm's reach. No arm is left with that whose positions fit.
 void RequireOrientationsFit(const MeasurementModel& model,

@@ -162,7 +162,7 @@ class UrScriptReader : ProgramReader {
     target.name = name;
     target.numbers = literal.numbers;
     target.tool = literal.is_pose ? FrameOrOwn(tool, literal.begin) : "";
-    if (KnowsFrame(tool, target.line, program_)) {
+    if (KnowsFrame(target.tool, target.line, program_)) {
       program_->targets.push_back(target);
     }
   }
