@@ -21,7 +21,7 @@ function(alidade_compile_options target)
     # beside precompiled headers, unless it may take more.
     if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
       target_compile_options(${target} PRIVATE
-        --param=ggc-min-heapsize=400000)
+        --param=ggc-min-heapsize=1000000)
     endif()
     # What the address sanitizer finds as well, at a third of the compiler's
     # time: pointers that are wrong harm where they are used.
