@@ -44,6 +44,7 @@ class ProgramText {
   std::string WordBefore(std::size_t place) const;
   std::string WordAt(std::size_t place) const;
   /// Where `word` stands as a whole identifier, from `from` on; npos.
+  /// @pre it is not empty.
   std::size_t FindWord(const std::string& word, std::size_t from) const;
 
  private:
@@ -52,6 +53,8 @@ class ProgramText {
 };
 
 bool IsWordCharacter(char c);
+/// Whether a text may be that of a variable: neither nothing nor a number.
+bool MayBeName(const std::string& text);
 
 /// Names of the tool and the base that hold where a program sets none.
 constexpr char kUnstatedTool[] = "tool";

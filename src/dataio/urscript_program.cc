@@ -134,7 +134,7 @@ class UrScriptReader : ProgramReader {
       }
     }
     const std::size_t equals = text_.SkipSpacesBack(at);
-    if (!use.keyword.empty() && text_.at(equals - 1) == '=') {
+    if (MayBeName(use.keyword) && text_.at(equals - 1) == '=') {
       use.variable = use.keyword;
     }
     return use;

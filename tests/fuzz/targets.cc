@@ -301,7 +301,9 @@ void ReadRobotProgram(const std::string& input, const std::string& path) {
         return ParseProgram(text, file, kNumJoints, frames);
       });
   Require(again.targets.size() == program.targets.size(),
-          "other targets are read back: " + again.text);
+          std::to_string(again.targets.size()) + " targets instead of " +
+              std::to_string(program.targets.size()) +
+              " are read back: " + again.text);
   for (std::size_t i = 0; i < again.targets.size(); ++i) {
     CheckSameNumbers(program.targets[i], again.targets[i], again.text);
   }
