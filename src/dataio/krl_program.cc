@@ -280,7 +280,11 @@ class KrlReader : ProgramReader {
   void KeepVariable(std::string left, const Aggregate& value) {
     left.erase(left.find_last_not_of(" \t") + 1);
     const std::string name = left.substr(left.find_last_of(" \t") + 1);
-    if (name.empty() || name.front() == '$' || name.back() == ']') {
+    if (!MayBeName(name)) {
+      Leave(value.begin, "is given to no variable");
+      return;
+    }
+    if (name.front() == '$' || name.back() == ']') {
       const bool is_known = name.rfind("TOOL_DATA", 0) == 0 ||
                             name.rfind("BASE_DATA", 0) == 0 ||
                             name.front() == '$';

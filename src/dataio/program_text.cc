@@ -7,6 +7,11 @@
 
 namespace alidade::internal {
 
+bool MayBeName(const std::string& text) {
+  return !text.empty() &&
+         std::isdigit(static_cast<unsigned char>(text.front())) == 0;
+}
+
 ProgramText::ProgramText(const std::string& text, std::string_view comment,
                          char quote, bool keep_case)
     : masked_(text) {

@@ -44,12 +44,16 @@ class ProgramText {
   std::string WordBefore(std::size_t place) const;
   std::string WordAt(std::size_t place) const;
   /// Where `word` stands as a whole identifier, from `from` on; npos.
+  /// @pre it is not empty.
   std::size_t FindWord(const std::string& word, std::size_t from) const;
 
  private:
   std::string masked_;
   std::vector<std::size_t> line_starts_;
 };
+
+/// Whether a text may be that of a variable: neither nothing nor a number.
+bool MayBeName(const std::string& text);
 
 /// Names of the tool and the base that hold where a program sets none.
 constexpr char kUnstatedTool[] = "tool";

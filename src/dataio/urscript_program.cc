@@ -134,7 +134,7 @@ class UrScriptReader : ProgramReader {
       }
     }
     const std::size_t equals = text_.SkipSpacesBack(at);
-    if (!use.keyword.empty() && text_.at(equals - 1) == '=') {
+    if (MayBeName(use.keyword) && text_.at(equals - 1) == '=') {
       use.variable = use.keyword;
     }
     return use;
@@ -162,7 +162,7 @@ class UrScriptReader : ProgramReader {
     target.name = name;
     target.numbers = literal.numbers;
     target.tool = literal.is_pose ? FrameOrOwn(tool, literal.begin) : "";
-    if (KnowsFrame(tool, target.line, program_)) {
+    if (KnowsFrame(target.tool, target.line, program_)) {
       program_->targets.push_back(target);
     }
   }

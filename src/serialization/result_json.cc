@@ -159,7 +159,12 @@ CalibrationResult ParseResultJson(const std::string& text,
 }
 
 BatchSummary LoadBatchSummary(const std::string& path) {
-  const Json root = ReadJsonText(path, ReadFile(path), kBatchFormat);
+  return ParseBatchSummary(ReadFile(path), path);
+}
+
+BatchSummary ParseBatchSummary(const std::string& text,
+                               const std::string& path) {
+  const Json root = ReadJsonText(path, text, kBatchFormat);
   const JsonValue json(path, "", root);
   CheckFormat(json, kBatchFormat);
   BatchSummary summary;

@@ -228,7 +228,9 @@ class BatchCrashTest : public BatchCliTest {
 // Twenty times; ALIDADE_KILLS says more.
 TEST_F(BatchCrashTest, KillsEndAsNone) {
   const char* const wanted = std::getenv("ALIDADE_KILLS");
-  KillAndCompare(12, wanted == nullptr ? 20 : std::atoi(wanted));
+  const int num_kills = wanted == nullptr ? 20 : std::atoi(wanted);
+  ASSERT_GT(num_kills, 0);
+  KillAndCompare(12, num_kills);
 }
 
 // More than ten minutes: by name, --gtest_also_run_disabled_tests

@@ -30,7 +30,8 @@ void CheckMessage(const InputError& error, const std::string& input,
 
 void Require(bool holds, const std::string& what) {
   if (holds) return;
-  std::fprintf(stderr, "%s\n", what.c_str());
+  std::fwrite(what.data(), 1, what.size(), stderr);  // which may hold zeros
+  std::fputc('\n', stderr);
   std::abort();
 }
 

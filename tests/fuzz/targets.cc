@@ -301,20 +301,34 @@ void ReadRobotProgram(const std::string& input, const std::string& path) {
         return ParseProgram(text, file, kNumJoints, frames);
       });
   Require(again.targets.size() == program.targets.size(),
-          "other targets are read back: " + again.text);
+          std::to_string(again.targets.size()) + " targets instead of " +
+              std::to_string(program.targets.size()) +
+              " are read back: " + again.text);
   for (std::size_t i = 0; i < again.targets.size(); ++i) {
     CheckSameNumbers(program.targets[i], again.targets[i], again.text);
   }
 }
 
-void ReadResult(const std::string& input, const std::string& path) {
-  ParseBatchRecord(input);
-  const std::string written = FormatResultJson(ParseResultJson(input, path));
-  const std::string again =
-      FormatResultJson(ReadBack(written, [&](const std::string& text) {
-        return ParseResultJson(text, path);
-      }));
+// `read` and written again, twice: the second text is the first.
+template <typename Read, typename Format>
+void CheckRoundTrip(const std::string& input, const std::string& path,
+                    const Read& read, const Format& format) {
+  const std::string written = format(read(input, path));
+  const std::string again = format(ReadBack(
+      written, [&](const std::string& text) { return read(text, path); }));
   Require(again == written, "another result is read back:\n" + written);
+}
+
+void ReadResult(const std::string& input, const std::string& path) {
+  if (const auto record = ParseBatchRecord(input)) {
+    Require(ParseBatchRecord(FormatBatchRecord(*record)).has_value(),
+            "a record is not read back");
+  }
+  if (input.find("alidade-batch-") != std::string::npos) {
+    CheckRoundTrip(input, path, ParseBatchSummary, FormatBatchSummary);
+  } else {
+    CheckRoundTrip(input, path, ParseResultJson, FormatResultJson);
+  }
 }
 
 }  // namespace
