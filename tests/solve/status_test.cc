@@ -277,6 +277,29 @@ TEST(CeresStatusTest, EndWithoutAStepIsNoSolutionUnlessItBeganAtOne) {
   }
 }
 
+// The same where every free parameter is identifiable, so that no column of the
+// Jacobian is rounding.
+TEST(CeresStatusTest, EndWithoutAStepIsNoSolutionOfAFullRankEither) {
+  const Calibration calibration = testing::NoisyFlangeCalibration(1, 40);
+  SolverOptions options;
+  options.function_tolerance = 1.0;
+  options.initial_trust_region_radius = 1e16;
+  int without_step = 0;
+  for (int draw = 0; draw < 40; ++draw) {
+    Random random(5, draw);
+    Eigen::VectorXd start = calibration.model.NominalValues();
+    for (const int column : calibration.free_columns) {
+      start[column] += random.Uniform(-1.5, 1.5);
+    }
+    const SolverSummary summary =
+        calibration.Solve(testing::kCeres, &start, options);
+    if (summary.accepted_steps > 0) continue;
+    ++without_step;
+    EXPECT_EQ(summary.status, SolverStatus::kFailed) << summary.message;
+  }
+  EXPECT_GE(without_step, 1);
+}
+
 TEST(PseudoInverseStatusTest, LimitWithAGrownCostIsNotUsable) {
   const Calibration calibration = testing::NoisyFlangeCalibration(1, 40);
   int grown = 0;
