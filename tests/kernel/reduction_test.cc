@@ -388,11 +388,16 @@ TEST(JacobianFactorTest, OneSigmaMayBeThatOfManyTiles) {
     Linearization rows;
     ModelOf(measured, 1)
         .Linearize(measured.values, measured.data, columns, &rows);
-    // The sigma of each row by itself: the derivatives of lengths over it.
-    Dataset unit = measured.data;
-    unit.blocks.front().sigmas = Eigen::MatrixXd::Ones(3, size);
+    // Derivatives of lengths over it, by sigmas of which one differs: each is
+    // kept by itself.
+    Dataset others = measured.data;
+    Eigen::MatrixXd sigmas = Eigen::MatrixXd::Ones(3, size);
+    sigmas(0, 0) = 2.0;
+    others.blocks.front().sigmas = sigmas;
     Linearization lengths;
-    ModelOf(measured, 1).Linearize(measured.values, unit, columns, &lengths);
+    ModelOf(measured, 1).Linearize(measured.values, others, columns, &lengths);
+    lengths.jacobian.row(0) *= 2.0;
+    lengths.residuals[0] *= 2.0;
     EXPECT_LE((rows.jacobian - lengths.jacobian / 2e-4).cwiseAbs().maxCoeff(),
               1e-14 * rows.jacobian.cwiseAbs().maxCoeff());
     EXPECT_LE((rows.residuals - lengths.residuals / 2e-4).cwiseAbs().maxCoeff(),

@@ -342,9 +342,9 @@ def equivalents():
     path = os.path.join(ROOT, "tests/mutation/equivalent.txt")
     paragraphs = re.split(r"\n\n+", read(path).decode())
     for paragraph in paragraphs:
-        match = re.match(r"(src/\S+)\n- (.*)\n\+ (.*)\n(.*)", paragraph, re.S)
-        if match:
-            found[match.group(1, 2, 3)] = " ".join(match.group(4).split())
+        lines = paragraph.strip().splitlines()
+        if lines and lines[0].startswith("src/"):
+            found[(lines[0], lines[1][2:], lines[2][2:])] = " ".join(lines[3:])
     return found
 
 
@@ -418,10 +418,13 @@ def main():
     tests = run_tests.record(BUILD, tested, options.jobs)
     results = run_tests.Results(os.path.join(WORK, "results.jsonl"))
     stamp = {module: module_digest(module)[:12] for module in modules}
+    known = equivalents()
     todo = {}
     for number, mutant in numbered.items():
         old = results.get(key_of(mutant), stamp[mutant.module])
-        if old is None or (options.again and old["status"] != "killed"):
+        is_open = old is None or (options.again and old["status"] != "killed"
+                                  and (mutant.file, *shown(mutant)) not in known)
+        if is_open:
             todo[number] = mutant
     run_tests.run_all(BUILD, tests, todo, options, results,
                       lambda m: (key_of(m), stamp[m.module]))

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "src/solve/bounded_solver.h"
 #include "tests/solve/solvers_test_util.h"
 
 namespace alidade::internal {
@@ -159,6 +160,37 @@ TEST(BoundedRoundsTest, HaveAnIterationEachWhereTheyAreUsedUp) {
       WithBounds(calibration, bounds), options, &values);
   EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
   EXPECT_LT(summary.final_cost, summary.initial_cost);
+}
+
+// A solver that always goes beyond the lower bound of d3: four rounds a
+// parameter, and four more.
+TEST(BoundedRoundsTest, EndWhereABoundIsMetAndLeftAgainAndAgain) {
+  Calibration calibration = testing::NoisyFlangeCalibration(3, 60);
+  const int d2 = *calibration.model.layout().Find("d2");
+  const int d3 = *calibration.model.layout().Find("d3");
+  calibration.free_columns = {d2, d3};
+  Eigen::VectorXd minimum = calibration.model.NominalValues();
+  calibration.start_rank = {};
+  calibration.Solve(testing::kCeres, &minimum);
+  CalibrationProblem problem = WithBounds(calibration, {});
+  problem.lower[d3] = minimum[d3] - 1e-3;
+  int solves = 0;
+  const UnboundedSolver down = [&](const CalibrationProblem&,
+                                   const SolverOptions&,
+                                   Eigen::VectorXd* values) {
+    ++solves;
+    (*values)[d3] = minimum[d3] - 2e-3;
+    SolverSummary summary;
+    summary.status = SolverStatus::kConverged;
+    summary.initial_cost = 1e9;
+    return summary;
+  };
+  Eigen::VectorXd values = minimum;
+  const SolverSummary summary =
+      SolveWithinBounds(problem, SolverOptions(), down, &values);
+  EXPECT_EQ(solves, 4 * 2 + 4);
+  EXPECT_EQ(summary.status, SolverStatus::kIterationLimit);
+  EXPECT_NE(summary.message.find("again and again"), std::string::npos);
 }
 
 TEST(BoundsStatusTest, StartBeyondAnyBoundIsUnusable) {

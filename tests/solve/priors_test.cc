@@ -118,5 +118,15 @@ TEST(PseudoInversePriorsTest, WithAPriorOnEveryParameterNoDirectionIsLeftOut) {
             problem.start_rank.rank);
 }
 
+// Whatever the singular values of the first step are.
+TEST(PseudoInversePriorsTest, WithoutPriorsTheRankOfTheStartCounts) {
+  testing::Calibration calibration = testing::NoisyFlangeCalibration(1, 40);
+  calibration.start_rank.rank = 1;
+  Eigen::VectorXd values = calibration.model.NominalValues();
+  EXPECT_EQ(
+      SolvePseudoInverse(calibration.Problem(), {}, &values).first_step_rank,
+      1);
+}
+
 }  // namespace
 }  // namespace alidade::internal

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -190,6 +191,16 @@ TEST(CeresSummaryTest, TrustRegionIsGivenAndUsed) {
   EXPECT_NE(summary.FullReport().find("Trust region given, used  0.5, 0.5\n"),
             std::string::npos)
       << summary.FullReport();
+}
+
+TEST_P(SolverSummaryTest, TimesAreNoLongerThanTheSolve) {
+  const auto begun = std::chrono::steady_clock::now();
+  const SolverSummary summary = Solve();
+  const std::chrono::duration<double> all =
+      std::chrono::steady_clock::now() - begun;
+  EXPECT_GE(summary.setup_time_s, 0.0);
+  EXPECT_GT(summary.solve_time_s, 0.0);
+  EXPECT_LE(summary.setup_time_s + summary.solve_time_s, all.count());
 }
 
 TEST(PrependIterationsTest, StepsAndTimesAddUp) {
