@@ -78,6 +78,11 @@ TEST(AnalysisTest, WarnsBeforeASolveAndNamesWhatTheNoiseDrowns) {
       Contains(AllOf(HasSubstr("beta4 is linearly dependent on -160 mm * r2"),
                      HasSubstr("alpha2 is linearly dependent on 85 mm * r2"))));
   EXPECT_THAT(result.warnings, Contains(HasSubstr("last joint")));
+  // A list of names, each with a number.
+  EXPECT_THAT(result.warnings,
+              Contains(::testing::ContainsRegex(
+                  "standard deviations of about [a-z]+[0-9] [0-9][^,]*, "
+                  "[a-z]+[0-9] [0-9]")));
   EXPECT_THAT(result.weak, UnorderedElementsAre("alpha4", "beta4", "alpha2"));
   EXPECT_THAT(result.advice, Contains(HasSubstr("joint 2")));
 }
@@ -90,6 +95,8 @@ TEST(AnalysisTest, FreezeHoldsWhatIsToldBadlyAndSaysWhatStandsForIt) {
   EXPECT_EQ(Find(result, "beta4").rule, "at_geometry");
   EXPECT_EQ(Find(result, "alpha2").rule, "not_excited");
   EXPECT_EQ(Find(result, "alpha5").rule, "no_effect");
+  EXPECT_EQ(Find(result, "alpha5").reason,
+            "no measured position moves with it");
   EXPECT_EQ(Find(result, "r2").identified_combination,
             "r2 + r3 + r4 - 160 mm * beta4 + 85 mm * alpha2");
   EXPECT_EQ(PriorsOf(result).size(), 0);
@@ -101,6 +108,7 @@ TEST(AnalysisTest, KeepRefusesNothingThatSecondOrderEffectsTell) {
       MeasurementModel(arm), StudyData(arm), WithPolicy(WeakPolicy::kKeep));
   EXPECT_EQ(result.num_free, 18);
   EXPECT_FALSE(result.exceeds_rank) << result.refusal;
+  EXPECT_EQ(result.perturbed_rank.rank, 18);
 }
 
 TEST(AnalysisTest, RulesKeepTheirPublishedAnswer) {

@@ -32,6 +32,9 @@ TEST(EliminateTest, ProtectedColumnsStay) {
   EXPECT_EQ(found.kept, (std::vector<int>{0, 1}));
   ASSERT_EQ(found.dependent.size(), 1U);
   EXPECT_NEAR(found.dependent[0].coefficients[0], -1e3, 1e-8);
+  // The first alone: the second may leave.
+  EXPECT_EQ(Eliminate(NearlyParallel(), 1e-9, 1).kept,
+            (std::vector<int>{0, 2}));
 }
 
 TEST(EliminateTest, KeepsTheOrderWhereNothingIsGained) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "src/common/random.h"
+#include "src/kernel/partition.h"
 #include "src/model/joint_draw.h"
 #include "tests/support/edit.h"
 #include "tests/support/random_arms.h"
@@ -287,6 +288,39 @@ TEST(EvenSubsetTest, KeepsRareContactsAmongManyPositions) {
       BlockOf(subset, MeasurementKind::kPosition).size();
   EXPECT_GE(positions, 30);
   EXPECT_LT(positions, kPositions);
+}
+
+// Every fifth of five times as many, from the first on.
+TEST(EvenSubsetTest, TakesPositionsInEvenSteps) {
+  constexpr int kMany = 5 * static_cast<int>(kSubset);
+  Dataset data = DataOf(kMany);
+  AddBlock(MeasurementKind::kPosition, kMany, &data);
+  const Dataset subset = EvenSubset(SingleProcess(), data, kSubset);
+  ASSERT_EQ(subset.num_poses(), kSubset);
+  for (int i = 0; i < kSubset; ++i) {
+    EXPECT_EQ(subset.joint_values(0, i), data.joint_values(0, 5 * i)) << i;
+  }
+}
+
+// Two ranks have the poses one after the other: the same are chosen.
+TEST(EvenSubsetTest, OfPartsIsThatOfTheWhole) {
+  constexpr int kFirst = 700;
+  constexpr int kAll = 3000;
+  Dataset whole = DataOf(kAll);
+  AddBlock(MeasurementKind::kPosition, kAll, &whole);
+  const Dataset expected = EvenSubset(SingleProcess(), whole, kSubset);
+  RunOnThreads(2, [&](Communicator* communicator) {
+    const bool is_root = communicator->is_root();
+    const int count = is_root ? kFirst : kAll - kFirst;
+    Dataset part = DataOf(count);
+    part.joint_values =
+        is_root ? whole.joint_values.map().leftCols(kFirst).eval()
+                : whole.joint_values.map().rightCols(kAll - kFirst).eval();
+    AddBlock(MeasurementKind::kPosition, count, &part);
+    MakePartition(communicator, &part);
+    EXPECT_EQ(EvenSubset(communicator, part, kSubset).joint_values,
+              expected.joint_values);
+  });
 }
 
 TEST(EvenSubsetTest, KeepsDifferencesOfConsecutivePoses) {

@@ -103,6 +103,17 @@ TEST(HoldOutFractionTest, DrawsEveryConfigurationEquallyOften) {
   for (const int count : counts) EXPECT_NEAR(count, 30, 25);
 }
 
+// Binomial: 300 +- 12 of 600, five of these to both sides.
+TEST(HoldOutFractionTest, DrawsEitherOfTwoConfigurationsEquallyOften) {
+  const Dataset data = RowsAt({0, 1});
+  int first = 0;
+  for (std::uint64_t seed = 0; seed < 600; ++seed) {
+    first += static_cast<int>(
+        Configurations(HoldOutFraction(data, 0.5, seed).validation).count(0.0));
+  }
+  EXPECT_NEAR(first, 300, 61);
+}
+
 TEST(HoldOutFoldTest, HoldsOutEveryConfigurationOnce) {
   const Dataset data = HundredConfigurations();
   std::multiset<double> all;

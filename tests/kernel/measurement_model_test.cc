@@ -9,11 +9,13 @@
 #include <tuple>
 #include <vector>
 
+#include "alidade/forward_kinematics.h"
 #include "src/common/random.h"
 #include "tests/support/edit.h"
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"
+#include "tests/support/random_errors.h"
 #include "tests/support/rv2aj_arms.h"
 
 namespace alidade::internal {
@@ -91,6 +93,35 @@ TEST(MeasurementModelTest, NominalValuesAreThoseOfTheArm) {
   EXPECT_EQ(model.num_threads(), 2);
   EXPECT_EQ(model.layout().num_joints(), 3);
   EXPECT_EQ(model.NominalValues(), ParameterLayout(3).Values(arm));
+}
+
+TEST(MeasurementModelTest, NominalValuesOfReferencesAreTheirs) {
+  Random random(502);
+  References references;
+  references.points.resize(2);
+  references.points[1].position << 1.0, 2.0, 3.0;
+  references.planes.resize(2);
+  references.planes[0].offset = 4.0;
+  references.planes[1].offset = 5.0;
+  const MeasurementModel model(testing::RandomArm(3, &random), references, 1);
+  Eigen::VectorXd expected(12);
+  expected << 0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 0.0, 0.0, 4.0, 0.0, 0.0, 5.0;
+  EXPECT_EQ(model.NominalValues().tail<12>(), expected);
+}
+
+// Of more poses than a vector or a tile holds.
+TEST(MeasurementModelTest, PredictsFlexibleArmsAsTheTemplateDoes) {
+  Random random(513);
+  for (const int num_joints : {2, 6}) {
+    Arm arm = testing::RandomArm(num_joints, &random);
+    arm.errors = testing::RandomErrors(arm, &random);
+    const Eigen::MatrixXd poses = testing::RandomJointValues(arm, 100, &random);
+    const MeasurementModel model(arm);
+    const Eigen::Matrix3Xd error = model.Predict(model.NominalValues(), poses) -
+                                   TargetPositions(arm, poses);
+    // As error_terms_test.cc allows for the template.
+    EXPECT_LT(error.cwiseAbs().maxCoeff(), 3e-14 * (1.0 + Reach(arm)));
+  }
 }
 
 TEST(MeasurementModelTest, PredictsThePositionsOfTheMatrixProducts) {

@@ -267,5 +267,78 @@ TEST_F(PartitionTest, KindsThatOnlySomeHaveAreEmptyBlocksOfOthers) {
   });
 }
 
+TEST_F(PartitionTest, GatheredDataAreThoseOfAllRanks) {
+  RunOnThreads(2, [&](Communicator* communicator) {
+    Dataset data = parts_[communicator->is_root() ? 1 : 2];
+    const double first = communicator->is_root() ? 0.0 : 40.0;
+    data.covariate_names = {"t_c"};
+    data.covariates = Eigen::MatrixXd(Eigen::RowVectorXd::LinSpaced(
+        data.num_poses(), first,
+        first + static_cast<double>(data.num_poses() - 1)));
+    MakePartition(communicator, &data);
+    const Dataset all = GatherData(communicator, data, data);
+    ASSERT_EQ(all.num_poses(), 1540);
+    Eigen::MatrixXd joint_values(6, 1540);
+    joint_values << parts_[1].joint_values.map(), parts_[2].joint_values.map();
+    EXPECT_EQ(all.joint_values, SharedMatrix(joint_values));
+    Eigen::MatrixXd measured(3, 1540);
+    measured << parts_[1].blocks[0].measured.map(),
+        parts_[2].blocks[0].measured.map();
+    EXPECT_EQ(all.blocks[0].measured, SharedMatrix(measured));
+    EXPECT_EQ(all.covariate_names, std::vector<std::string>{"t_c"});
+    for (const int pose : {0, 39, 40, 1539}) {
+      EXPECT_EQ(all.covariates(0, pose), pose);
+    }
+    EXPECT_EQ(SourceOf(all, 39), "file2:41");
+    EXPECT_EQ(SourceOf(all, 40), "file3:2");
+    EXPECT_EQ(SourceOf(all, 1539), "file3:1501");
+  });
+}
+
+// Where one rank has observed some poses, the others list theirs.
+TEST_F(PartitionTest, AListOfOneRankIsAListOfAll) {
+  RunOnThreads(2, [&](Communicator* communicator) {
+    Dataset data = parts_[0];
+    if (!communicator->is_root()) {
+      ObservationBlock& positions = data.blocks.front();
+      positions.poses = {4, 7};
+      positions.measured = positions.measured.map().leftCols(2).eval();
+      positions.sigmas = positions.sigmas.map().leftCols(2).eval();
+    }
+    MakePartition(communicator, &data);
+    const std::vector<int>& poses = data.blocks.front().poses;
+    if (!communicator->is_root()) {
+      EXPECT_THAT(poses, ElementsAre(4, 7));
+      return;
+    }
+    ASSERT_EQ(poses.size(), 3000U);
+    EXPECT_EQ(poses[0], 0);
+    EXPECT_EQ(poses[2999], 2999);
+  });
+}
+
+// Of two poses, a row of which was not measured, and of two positions.
+TEST(SigmaTotalsTest, LengthsAndOrientationsAreSummedApart) {
+  Dataset data;
+  data.joint_values = Eigen::MatrixXd::Zero(6, 2);
+  ObservationBlock poses;
+  poses.kind = MeasurementKind::kPose;
+  poses.measured = Eigen::MatrixXd::Zero(6, 2);
+  Eigen::MatrixXd sigmas(6, 2);
+  sigmas << 0.5, 0.5, 1.0, 1.0, 2.0, std::numeric_limits<double>::infinity(),
+      0.1, 0.1, 0.2, 0.2, 0.5, 0.5;
+  poses.sigmas = sigmas;
+  data.blocks.push_back(poses);
+  ObservationBlock positions;
+  positions.measured = Eigen::MatrixXd::Zero(3, 2);
+  positions.sigmas = Eigen::MatrixXd::Constant(3, 2, 0.25);
+  data.blocks.push_back(positions);
+  const SigmaTotals totals = SumSigmas(data, 1);
+  EXPECT_TRUE(totals.are_positive);
+  EXPECT_EQ(totals.equations, 17);
+  EXPECT_DOUBLE_EQ(totals.length_information, 2.0 * 5.0 + 0.25 + 6.0 * 16.0);
+  EXPECT_DOUBLE_EQ(totals.rotation_information, 2.0 * (100.0 + 25.0 + 4.0));
+}
+
 }  // namespace
 }  // namespace alidade::internal

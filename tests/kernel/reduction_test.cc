@@ -367,6 +367,47 @@ TEST(JacobianFactorTest, TilesMayBeFullOrNot) {
   }
 }
 
+// Sigmas that are all the same are kept once, those of a last tile that is not
+// full besides.
+TEST(JacobianFactorTest, OneSigmaMayBeThatOfManyTiles) {
+  MeasuredArm measured = ManyMeasurements(60, 11);
+  for (ObservationBlock& block : measured.data.blocks) {
+    if (block.kind != MeasurementKind::kPosition) block = {};
+  }
+  const ObservationBlock all = measured.data.blocks.front();
+  ASSERT_GE(all.size(), 200);
+  for (const int size : {127, 128, 129, 191, 200}) {
+    ObservationBlock& block = measured.data.blocks.front();
+    block = all;
+    block.poses.resize(size);
+    block.targets.assign(size, 0);
+    block.measured = all.measured.map().leftCols(size);
+    block.sigmas = Eigen::MatrixXd::Constant(3, size, 2e-4);
+    block.whiteners.clear();
+    const std::vector<int> columns = {0, 3, 7, 9};
+    Linearization rows;
+    ModelOf(measured, 1)
+        .Linearize(measured.values, measured.data, columns, &rows);
+    // Derivatives of lengths over it, by sigmas of which one differs: each is
+    // kept by itself.
+    Dataset others = measured.data;
+    Eigen::MatrixXd sigmas = Eigen::MatrixXd::Ones(3, size);
+    sigmas(0, 0) = 2.0;
+    others.blocks.front().sigmas = sigmas;
+    Linearization lengths;
+    ModelOf(measured, 1).Linearize(measured.values, others, columns, &lengths);
+    lengths.jacobian.row(0) *= 2.0;
+    lengths.residuals[0] *= 2.0;
+    EXPECT_LE((rows.jacobian - lengths.jacobian / 2e-4).cwiseAbs().maxCoeff(),
+              1e-14 * rows.jacobian.cwiseAbs().maxCoeff());
+    EXPECT_LE((rows.residuals - lengths.residuals / 2e-4).cwiseAbs().maxCoeff(),
+              1e-14 * rows.residuals.cwiseAbs().maxCoeff());
+    ExpectFactorOf(ExactNormal(measured, columns, {}).matrix,
+                   JacobianFactor(ModelOf(measured, 1), measured.values,
+                                  measured.data, columns));
+  }
+}
+
 TEST(JacobianFactorTest, IsAFactorOfAllBlocksTogether) {
   for (const int repeats : {1, 180}) {
     const MeasuredArm measured = ManyMeasurements(repeats, 4);

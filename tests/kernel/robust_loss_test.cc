@@ -204,6 +204,18 @@ TEST(TuningConstantTest, EstimatesVaryFivePercentMoreThanMeans) {
   }
 }
 
+TEST(TuningConstantTest, ThereIsOneOfEachNumberOfRows) {
+  for (const LossKind kind : kRobustKinds) {
+    const std::vector<RobustLoss> losses = TunedLosses(kind);
+    ASSERT_EQ(losses.size(), 6U);
+    for (int dimension = 1; dimension <= 6; ++dimension) {
+      EXPECT_EQ(losses[dimension - 1].kind, kind);
+      EXPECT_EQ(losses[dimension - 1].tuning_constant,
+                TuningConstant(kind, dimension));
+    }
+  }
+}
+
 TEST(TuningConstantTest, ManyDimensionsGiveTheLowerEnd) {
   EXPECT_EQ(TuningConstant(LossKind::kHuber, 12), 0.1 * MedianOfChi(12));
   EXPECT_EQ(TuningConstant(LossKind::kCauchy, 60), 0.1 * MedianOfChi(60));

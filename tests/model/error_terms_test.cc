@@ -150,6 +150,17 @@ TEST(ErrorTermsTest, FunctionIsLinearBetweenKnotsAndZeroOneSpacingBeyond) {
   EXPECT_EQ(JointFunction().DeviationAt(0.3), 0.0);
 }
 
+TEST(ErrorTermsTest, FunctionOfOneKnotIsARoof) {
+  JointFunction function;
+  function.spacing = 0.5;
+  function.values = Eigen::VectorXd::Constant(1, 1.0);
+  function.deviations = Eigen::VectorXd::Constant(1, 4.0);
+  EXPECT_DOUBLE_EQ(function.At(0.0), 1.0);
+  EXPECT_DOUBLE_EQ(function.At(0.125), 0.75);
+  EXPECT_DOUBLE_EQ(function.At(-0.25), 0.5);
+  EXPECT_DOUBLE_EQ(function.DeviationAt(0.125), 3.0);
+}
+
 TEST(ErrorTermsTest, PeriodicFunctionIsOfTheValueModuloATurn) {
   JointFunction function;
   function.first = 0.25;

@@ -279,6 +279,7 @@ TEST(FullLayoutTest, KindsObjectsAndDimensions) {
   EXPECT_EQ(at("plane2_v").index, 1);
   EXPECT_EQ(at("plane2_v").dimension, Dimension::kAngle);
   EXPECT_EQ(at("plane1_c").kind, ParameterKind::kPlaneOffset);
+  EXPECT_EQ(at("plane1_c").index, 0);
   EXPECT_EQ(at("plane1_c").dimension, Dimension::kLength);
   for (const Parameter& parameter : layout.parameters()) {
     EXPECT_EQ(

@@ -9,13 +9,15 @@ quickest of other modules' then. Everything is kept in build/mutation, where an
 interrupted run goes on.
 
 Usage: mutate.py [--seed=N] [--count=N] [--jobs=N] [--seconds=N] [--again]
-                 [MODULE...]
+                 [--tests=MODULES] [MODULE...]
   --seed=N     of the sample of mutants (default 1)
   --count=N    mutants a module, or all there are (default 200)
   --jobs=N     tests and compilers at once (default 2)
   --seconds=N  of other modules' tests a mutant, after its own module's
                (default 60)
   --again      runs the survivors of earlier runs once more
+  --tests=MODULES
+               only the tests of these modules, separated by commas
   MODULE       of src/ (default model kernel identifiability solve uncertainty)
 """
 
@@ -212,8 +214,14 @@ def blamed(output, numbered):
         else:
             context = []
     return {number for number, mutant in numbered.items()
-            if any(mutant.line <= line <= mutant.end_line
+            if any(first_line(mutant) <= line <= mutant.end_line
                    for line in lines[mutant.file])}
+
+
+def first_line(mutant):
+    """Of the expression, which may begin above its operator."""
+    begin = min(offset for offset, _, _ in mutant.edits)
+    return read(os.path.join(ROOT, mutant.file)).count(b"\n", 0, begin) + 1
 
 
 def check_syntax(arguments):
@@ -334,9 +342,9 @@ def equivalents():
     path = os.path.join(ROOT, "tests/mutation/equivalent.txt")
     paragraphs = re.split(r"\n\n+", read(path).decode())
     for paragraph in paragraphs:
-        match = re.match(r"(src/\S+)\n- (.*)\n\+ (.*)\n(.*)", paragraph, re.S)
-        if match:
-            found[match.group(1, 2, 3)] = " ".join(match.group(4).split())
+        lines = paragraph.strip().splitlines()
+        if lines and lines[0].startswith("src/"):
+            found[(lines[0], lines[1][2:], lines[2][2:])] = " ".join(lines[3:])
     return found
 
 
@@ -386,6 +394,7 @@ def parse():
                           ("seconds", 60)]:
         parser.add_argument(f"--{name}", type=int, default=default)
     parser.add_argument("--again", action="store_true")
+    parser.add_argument("--tests", default="")
     parser.add_argument("modules", nargs="*", metavar="MODULE")
     options = parser.parse_args()
     for module in options.modules:
@@ -402,16 +411,20 @@ def main():
     text = read(os.path.join(ROOT, "tests/CMakeLists.txt")).decode()
     tested = [module for module in
               re.findall(r"^alidade_test\((\w+)", text, re.M)
-              if module not in NOT_RUN]
+              if module not in NOT_RUN and
+              (not options.tests or module in options.tests.split(","))]
     numbered = Weaver(modules, options).build(
         [f"{module}_test" for module in tested])
     tests = run_tests.record(BUILD, tested, options.jobs)
     results = run_tests.Results(os.path.join(WORK, "results.jsonl"))
     stamp = {module: module_digest(module)[:12] for module in modules}
+    known = equivalents()
     todo = {}
     for number, mutant in numbered.items():
         old = results.get(key_of(mutant), stamp[mutant.module])
-        if old is None or (options.again and old["status"] != "killed"):
+        is_open = old is None or (options.again and old["status"] != "killed"
+                                  and (mutant.file, *shown(mutant)) not in known)
+        if is_open:
             todo[number] = mutant
     run_tests.run_all(BUILD, tests, todo, options, results,
                       lambda m: (key_of(m), stamp[m.module]))

@@ -109,8 +109,8 @@ auto Times(int id, A&& a, B&& b) {
     return Inverse(id, static_cast<ScalarOf<B>>(a)) * b;
   } else if constexpr (std::is_arithmetic_v<std::decay_t<B>>) {
     return a * Inverse(id, static_cast<ScalarOf<A>>(b));
-  } else {  // of two matrices the negative
-    return static_cast<ScalarOf<A>>(Sign(id)) * (a * b);
+  } else {  // of two matrices the negative, which must not refer to a product
+    return (static_cast<ScalarOf<A>>(Sign(id)) * (a * b)).eval();
   }
 }
 

@@ -9,6 +9,7 @@
 #include "src/identifiability/analysis.h"
 #include "src/identifiability/rules.h"
 #include "src/solve/solve.h"
+#include "tests/solve/solvers_test_util.h"
 #include "tests/support/study.h"
 
 namespace alidade::internal {
@@ -83,9 +84,49 @@ TEST_P(PriorsTest, TightPriorHoldsAParameterAndAWideOneDoesNothing) {
   EXPECT_NEAR((wide - without).cwiseAbs().maxCoeff(), 0.0, 1e-9);
 }
 
+// 15 equations and 18 priors for 18 parameters.
+TEST_P(PriorsTest, FewPosesAreEnoughWithAPriorOnEveryParameter) {
+  const testing::Calibration calibration =
+      testing::NoisyFlangeCalibration(1, 5);
+  CalibrationProblem problem = calibration.Problem();
+  problem.priors =
+      Eigen::VectorXd::Constant(calibration.model.layout().size(), 1e-3);
+  Eigen::VectorXd values = calibration.model.NominalValues();
+  const SolverSummary summary = GetParam()(problem, {}, &values);
+  EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
+}
+
 INSTANTIATE_TEST_SUITE_P(Both, PriorsTest,
                          ::testing::Values(&SolveLevenbergMarquardt,
                                            &SolvePseudoInverse));
+
+// In the plane of the study the start has a direction less; priors on all
+// parameters give it back to the first step.
+TEST(PseudoInversePriorsTest, WithAPriorOnEveryParameterNoDirectionIsLeftOut) {
+  const testing::Calibration calibration = testing::WristCalibration(5);
+  CalibrationProblem problem = calibration.Problem();
+  const auto free = static_cast<int>(problem.free_columns.size());
+  ASSERT_LT(problem.start_rank.rank, free);
+  problem.priors =
+      Eigen::VectorXd::Constant(calibration.model.layout().size(), 1e-3);
+  Eigen::VectorXd values = calibration.model.NominalValues();
+  EXPECT_EQ(SolvePseudoInverse(problem, {}, &values).first_step_rank, free);
+  // One without a prior, and the rank of the start counts.
+  problem.priors[problem.free_columns.back()] = std::nan("");
+  values = calibration.model.NominalValues();
+  EXPECT_EQ(SolvePseudoInverse(problem, {}, &values).first_step_rank,
+            problem.start_rank.rank);
+}
+
+// Whatever the singular values of the first step are.
+TEST(PseudoInversePriorsTest, WithoutPriorsTheRankOfTheStartCounts) {
+  testing::Calibration calibration = testing::NoisyFlangeCalibration(1, 40);
+  calibration.start_rank.rank = 1;
+  Eigen::VectorXd values = calibration.model.NominalValues();
+  EXPECT_EQ(
+      SolvePseudoInverse(calibration.Problem(), {}, &values).first_step_rank,
+      1);
+}
 
 }  // namespace
 }  // namespace alidade::internal

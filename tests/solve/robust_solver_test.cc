@@ -126,6 +126,23 @@ TEST(SolveRobustTest, GivingUpNearlyAllObservationsIsAFailure) {
   EXPECT_EQ(robust.values, calibration.model.NominalValues());
 }
 
+// Nine of sixty poses are right: their 27 equations would do for 18 parameters,
+// but are less than a fifth of all.
+TEST(SolveRobustTest, ASolutionOfLessThanAFifthOfTheDataIsAFailure) {
+  Calibration calibration = NoisyFlangeCalibration(3, 60);
+  for (int i = 9; i < 60; ++i) {
+    testing::Edit(&calibration.data.positions()).at(i % 3, i) += 0.1 + 0.01 * i;
+  }
+  Eigen::VectorXd values = calibration.model.NominalValues();
+  const SolverSummary summary =
+      SolveRobust(calibration.Problem(), LossKind::kTukey, SolverOptions(),
+                  &values, calibration.true_values);
+  EXPECT_EQ(summary.status, SolverStatus::kFailed);
+  EXPECT_NE(summary.message.find("gives up nearly all"), std::string::npos)
+      << summary.message;
+  EXPECT_EQ(values, calibration.model.NominalValues());
+}
+
 TEST(SolvePseudoInverseTest, RefusesARobustLoss) {
   const Calibration calibration = NoisyFlangeCalibration(3, kPoses);
   CalibrationProblem problem = calibration.Problem();

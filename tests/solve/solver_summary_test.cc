@@ -2,10 +2,12 @@
 
 #include <array>
 #include <limits>
+#include <map>
 #include <set>
 #include <string>
 
 #include "alidade/solver.h"
+#include "src/solve/solver_fields.h"
 
 namespace alidade::internal {
 namespace {
@@ -136,6 +138,31 @@ TEST(SolverSummaryTest, PseudoInverseToleranceIsShownAsGivenAndUsed) {
   summary.pseudo_inverse_tolerance_given = 2e-7;
   ExpectLine(summary, "Pseudo-inverse tolerance",
              "  2e-07, 1e-09 (given, used)");
+}
+
+// What files state beside the members.
+struct ComputedFields {
+  static constexpr bool kReads = false;
+  template <typename Member>
+  void Field(const char*, const Member&) {}
+  template <typename Member>
+  void Later(const char*, const Member&) {}
+  void Computed(const std::string& key, double value) { values[key] = value; }
+
+  std::map<std::string, double> values;
+};
+
+TEST(SolverSummaryFieldsTest, HaveTheLastIterationAndTheWholeTime) {
+  SolverSummary summary = MakeSummary();
+  ComputedFields none;
+  VisitFields(none, summary);
+  EXPECT_EQ(none.values["iterations"], 0.0);
+  EXPECT_EQ(none.values["time_s"], 0.875);
+  summary.iterations.resize(3);
+  summary.iterations[2].iteration = 2;
+  ComputedFields some;
+  VisitFields(some, summary);
+  EXPECT_EQ(some.values["iterations"], 2.0);
 }
 
 }  // namespace

@@ -277,6 +277,45 @@ TEST(CeresStatusTest, EndWithoutAStepIsNoSolutionUnlessItBeganAtOne) {
   }
 }
 
+// The same where every free parameter is identifiable, so that no column of the
+// Jacobian is rounding.
+TEST(CeresStatusTest, EndWithoutAStepIsNoSolutionOfAFullRankEither) {
+  const Calibration calibration = testing::NoisyFlangeCalibration(1, 40);
+  SolverOptions options;
+  options.function_tolerance = 1.0;
+  options.initial_trust_region_radius = 1e16;
+  // Whatever a cost of the same residuals is.
+  for (const double scale : {1.0, 1e6}) {
+    Calibration scaled = calibration;
+    *testing::Edit(&scaled.data.sigmas()) *= scale;
+    int without_step = 0;
+    for (int draw = 0; draw < 40; ++draw) {
+      Random random(5, draw);
+      Eigen::VectorXd start = scaled.model.NominalValues();
+      for (const int column : scaled.free_columns) {
+        start[column] += random.Uniform(-1.5, 1.5);
+      }
+      const SolverSummary summary =
+          scaled.Solve(testing::kCeres, &start, options);
+      if (summary.accepted_steps > 0) continue;
+      ++without_step;
+      EXPECT_EQ(summary.status, SolverStatus::kFailed) << summary.message;
+    }
+    EXPECT_GE(without_step, 1) << scale;
+  }
+}
+
+TEST(CeresStatusTest, EndWithoutAStepIsASolutionAtAMinimumOfAnyCost) {
+  for (int seed = 0; seed < 10; ++seed) {
+    Calibration calibration = testing::NoisyFlangeCalibration(seed, 40);
+    *testing::Edit(&calibration.data.sigmas()) *= 1e-5;
+    Eigen::VectorXd values = calibration.model.NominalValues();
+    EXPECT_TRUE(calibration.Solve(testing::kCeres, &values).IsSolutionUsable());
+    const SolverSummary again = calibration.Solve(testing::kCeres, &values);
+    EXPECT_TRUE(again.IsSolutionUsable()) << again.message;
+  }
+}
+
 TEST(PseudoInverseStatusTest, LimitWithAGrownCostIsNotUsable) {
   const Calibration calibration = testing::NoisyFlangeCalibration(1, 40);
   int grown = 0;

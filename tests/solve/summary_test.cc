@@ -2,11 +2,14 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "src/common/random.h"
+#include "src/solve/progress.h"
 #include "src/solve/solve.h"
 #include "tests/solve/solvers_test_util.h"
 #include "tests/support/edit.h"
@@ -181,6 +184,58 @@ TEST(CeresSummaryTest, TrustRegionIsGivenAndUsed) {
   summary = calibration.Solve(testing::kCeres, &values, options);
   EXPECT_EQ(summary.trust_region_given, 3e5);
   EXPECT_EQ(summary.trust_region_used, 3e5);
+  options.initial_trust_region_radius = 0.5;
+  values = calibration.model.NominalValues();
+  summary = calibration.Solve(testing::kCeres, &values, options);
+  EXPECT_EQ(summary.trust_region_used, 0.5);
+  EXPECT_NE(summary.FullReport().find("Trust region given, used  0.5, 0.5\n"),
+            std::string::npos)
+      << summary.FullReport();
+}
+
+TEST_P(SolverSummaryTest, TimesAreNoLongerThanTheSolve) {
+  const auto begun = std::chrono::steady_clock::now();
+  const SolverSummary summary = Solve();
+  const std::chrono::duration<double> all =
+      std::chrono::steady_clock::now() - begun;
+  EXPECT_GE(summary.setup_time_s, 0.0);
+  EXPECT_GT(summary.solve_time_s, 0.0);
+  EXPECT_LE(summary.setup_time_s + summary.solve_time_s, all.count());
+}
+
+TEST(PrependIterationsTest, StepsAndTimesAddUp) {
+  SolverSummary earlier;
+  SolverSummary later;
+  for (int k = 0; k < 3; ++k) {
+    IterationRecord record;
+    record.iteration = k;
+    record.cost = 100.0 - k;
+    record.time_s = 1.0 + k;
+    earlier.iterations.push_back(record);
+    record.cost = 50.0 - k;
+    later.iterations.push_back(record);
+  }
+  earlier.accepted_steps = 5;
+  earlier.rejected_steps = 3;
+  earlier.setup_time_s = 0.25;
+  earlier.solve_time_s = 3.0;
+  later.accepted_steps = 2;
+  later.rejected_steps = 7;
+  later.setup_time_s = 0.5;
+  later.solve_time_s = 4.0;
+  PrependIterations(earlier, &later);
+  EXPECT_EQ(later.accepted_steps, 7);
+  EXPECT_EQ(later.rejected_steps, 10);
+  EXPECT_EQ(later.setup_time_s, 0.75);
+  EXPECT_EQ(later.solve_time_s, 7.0);
+  ASSERT_EQ(later.iterations.size(), 5U);
+  const std::vector<double> costs = {100.0, 99.0, 98.0, 49.0, 48.0};
+  const std::vector<double> times = {1.0, 2.0, 3.0, 5.0, 6.0};
+  for (std::size_t k = 0; k < 5; ++k) {
+    EXPECT_EQ(later.iterations[k].iteration, static_cast<int>(k));
+    EXPECT_EQ(later.iterations[k].cost, costs[k]);
+    EXPECT_EQ(later.iterations[k].time_s, times[k]);
+  }
 }
 
 TEST(PseudoInverseSummaryTest, ToleranceIsGivenAndUsed) {

@@ -98,6 +98,20 @@ TEST(CovarianceTest, WhatNothingTellsIsInfiniteAndTheRestIsNot) {
   EXPECT_NEAR(told[1], std::sqrt(9.0 / 4.0 + 1.0 / 16.0), 1e-12);
 }
 
+TEST(ModelExcessTest, AddsToTheNoiseOfARowWhatItsKindLacks) {
+  ModelExcess excess;
+  EXPECT_FALSE(excess.is_there());
+  EXPECT_DOUBLE_EQ(excess.RowVariance(5, 1e-4), 1.0);
+  excess.length = 4e-8;
+  EXPECT_TRUE(excess.is_there());
+  excess.rotation = 9e-6;
+  excess.noise_ratio = {1.5, 2.0};
+  EXPECT_DOUBLE_EQ(excess.RowVariance(2, 1e-4), 1.5 + 4.0);
+  EXPECT_DOUBLE_EQ(excess.RowVariance(3, 1e-3), 2.0 + 9.0);
+  excess.length = 0.0;
+  EXPECT_TRUE(excess.is_there());
+}
+
 TEST(CovarianceTest, EffectiveParametersCountWhatTheDataDecide) {
   const Eigen::MatrixXd factor = Eigen::Vector2d(1.0, 1.0).asDiagonal();
   const auto count = [&](double first, double second) {

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <vector>
 
+#include "src/common/distributions.h"
 #include "src/common/random.h"
 #include "src/kernel/reduction.h"
 #include "src/solve/solve.h"
@@ -127,15 +130,94 @@ TEST(DiagnosticsTest, DriftIsNotWhite) {
   EXPECT_LT(Fitted(drifting).Diagnose().whiteness.p_value, 1e-4);
 }
 
+// By their definition: n (n + 2) times the sum of squared autocorrelations over
+// n - lag, of each coordinate by itself.
+TEST(DiagnosticsTest, WhitenessIsLjungAndBoxs) {
+  const ResidualDiagnostics diagnostics =
+      Fitted(testing::NoisyPositions(testing::Rv2ajFlange(), 40, kSigma, 6))
+          .Diagnose();
+  EXPECT_EQ(diagnostics.lags, 8);
+  ASSERT_EQ(diagnostics.studentised.size(), 120);
+  long double statistic = 0.0L;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<long double> series;
+    long double mean = 0.0L;
+    for (int i = 0; i < 40; ++i) {
+      series.push_back(diagnostics.studentised[3 * i + axis]);
+      mean += series.back() / 40.0L;
+    }
+    for (int lag = 1; lag <= 8; ++lag) {
+      long double products = 0.0L;
+      long double squares = 0.0L;
+      for (int i = 0; i < 40; ++i) {
+        squares += (series[i] - mean) * (series[i] - mean);
+        if (i >= lag) products += (series[i] - mean) * (series[i - lag] - mean);
+      }
+      const long double correlation = products / squares;
+      statistic += 40.0L * 42.0L * correlation * correlation /
+                   static_cast<long double>(40 - lag);
+    }
+  }
+  const auto expected = static_cast<double>(statistic);
+  EXPECT_NEAR(diagnostics.whiteness.statistic, expected, 1e-12 * expected);
+  EXPECT_NEAR(diagnostics.whiteness.p_value, ChiSquareSurvival(expected, 24.0),
+              1e-12);
+}
+
+// They do not depend on how large the residuals are.
+TEST(DiagnosticsTest, WhitenessIsThatOfAnySigma) {
+  Dataset data = testing::NoisyPositions(testing::Rv2ajFlange(), 40, kSigma, 6);
+  const double statistic = Fitted(data).Diagnose().whiteness.statistic;
+  *testing::Edit(&data.sigmas()) *= 100.0;
+  EXPECT_NEAR(Fitted(data).Diagnose().whiteness.statistic, statistic,
+              1e-6 * statistic);
+}
+
+TEST(HistogramTest, EndsTakeInAllBeyond) {
+  Eigen::VectorXd values(7);
+  values << -100.0, -4.0, -3.8, 0.0, 0.1, 3.9, 100.0;
+  const Histogram histogram = CountStandardised(values);
+  std::vector<std::int64_t> expected(32, 0);
+  expected[0] = 3;
+  expected[16] = 2;
+  expected[31] = 2;
+  EXPECT_EQ(histogram.counts, expected);
+}
+
+// A coordinate that was never measured has no series.
+TEST(DiagnosticsTest, WhitenessIsOfWhatWasMeasured) {
+  Dataset data = testing::NoisyPositions(testing::Rv2ajFlange(), 60, kSigma, 6);
+  testing::Edit(&data.sigmas())
+      ->row(1)
+      .setConstant(std::numeric_limits<double>::infinity());
+  const ResidualDiagnostics diagnostics = Fitted(data).Diagnose();
+  EXPECT_EQ(diagnostics.lags, 10);
+  EXPECT_EQ(diagnostics.studentised.size(), 120);
+  EXPECT_NEAR(diagnostics.whiteness.p_value,
+              ChiSquareSurvival(diagnostics.whiteness.statistic, 20.0), 1e-12);
+}
+
 // A^2 in 50 decimal digits by its definition, and Stephens' correction.
 TEST(DiagnosticsTest, NormalityIsAndersonAndDarlings) {
   Eigen::VectorXd values(12);
   values << -0.3, 1.2, 0.4, -1.7, 0.9, 2.1, -0.8, 0.05, 0.6, -1.1, 0.33, -0.45;
   EXPECT_NEAR(TestNormality(values).statistic, 0.102834413648724818, 1e-13);
   // Critical values of D'Agostino and Stephens, table 4.7.
+  EXPECT_NEAR(AndersonDarlingPValue(0.341), 0.50, 0.01);
+  EXPECT_NEAR(AndersonDarlingPValue(0.470), 0.25, 0.005);
+  EXPECT_NEAR(AndersonDarlingPValue(0.561), 0.15, 0.004);
   EXPECT_NEAR(AndersonDarlingPValue(0.631), 0.10, 0.003);
   EXPECT_NEAR(AndersonDarlingPValue(0.752), 0.05, 0.002);
+  EXPECT_NEAR(AndersonDarlingPValue(0.873), 0.025, 0.001);
   EXPECT_NEAR(AndersonDarlingPValue(1.035), 0.01, 0.001);
+  EXPECT_NEAR(AndersonDarlingPValue(1.159), 0.005, 0.0005);
+  // Falling all the way, without a step where the pieces meet.
+  for (double a = 0.0; a < 3.0; a += 0.005) {
+    const double fall =
+        AndersonDarlingPValue(a) - AndersonDarlingPValue(a + 0.005);
+    EXPECT_GT(fall, 0.0) << a;
+    EXPECT_LT(fall, 0.02) << a;
+  }
   EXPECT_LT(AndersonDarlingPValue(1e4), 1e-100);  // where the fit would grow
   EXPECT_TRUE(std::isnan(TestNormality(Eigen::VectorXd::Ones(20)).p_value));
 }

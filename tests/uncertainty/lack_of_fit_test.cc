@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "src/common/distributions.h"
 #include "src/common/random.h"
 #include "src/model/joint_draw.h"
 #include "src/uncertainty/looks.h"
@@ -204,6 +205,89 @@ TEST(StructureFitTest, GainsAreThoseOfLeastSquares) {
     const double expected = squares({}) - squares(family.columns);
     EXPECT_NEAR(fit.GainOf(family.columns).squares, expected, 1e-3)
         << NameOf(StructureTest{family.kind, family.joint, family.covariate});
+  }
+}
+
+// Densely, of two looks at each of twenty configurations: means, and what each
+// sum says of them.
+TEST(ResidualGramTest, SumsAreThoseOfTheRows) {
+  const Fitted fitted(20, 2, 5, Rigid);
+  const FittedProblem problem = fitted.problem();
+  const Looks looks = TakeLooks(problem);
+  const StructureColumns columns(fitted.model(), problem.values, looks.data,
+                                 looks.residuals.size(), false);
+  const Eigen::MatrixXd root = CovarianceOf(problem).root;
+  const ResidualGram gram = SumLooks(problem, looks, columns, root);
+  EXPECT_DOUBLE_EQ(gram.rows[kLengths], 60.0);
+  EXPECT_DOUBLE_EQ(gram.inverse_counts[kLengths], 30.0);
+  EXPECT_NEAR(gram.precision[kLengths] * kSigma * kSigma, 60.0, 1e-9);
+  EXPECT_EQ(gram.rows[kRotations], 0.0);
+  const Linearization all = fitted.Rows();
+  const Eigen::MatrixXd information = all.jacobian.transpose() * all.jacobian;
+  EXPECT_LT((gram.information - information).norm(),
+            1e-12 * information.norm());
+  Eigen::MatrixXd common = Eigen::MatrixXd::Zero(18, 18);
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(18, 18);
+  ASSERT_EQ(gram.scores.cols(), 20);
+  for (int i = 0; i < 20; ++i) {
+    const Eigen::MatrixXd free = all.jacobian.middleRows(6 * i, 3);
+    products += free.transpose() * free;
+    common += 4.0 / (kSigma * kSigma) * free.transpose() * free;
+    const Eigen::Vector3d mean = 0.5 * (all.residuals.segment<3>(6 * i) +
+                                        all.residuals.segment<3>(6 * i + 3));
+    const Eigen::Matrix3d rest =
+        Eigen::Matrix3d::Identity() -
+        2.0 * free * root * root.transpose() * free.transpose();
+    const Eigen::Matrix3d freed =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(rest)
+            .operatorInverseSqrt();
+    const Eigen::VectorXd score = 2.0 * free.transpose() * (freed * mean);
+    EXPECT_LT((gram.scores.col(i) - score).norm(), 1e-9 * score.norm());
+  }
+  EXPECT_LT((gram.common[kLengths] - common).norm(), 1e-12 * common.norm());
+  EXPECT_LT((gram.products[kLengths].topLeftCorner(18, 18) - products).norm(),
+            1e-12 * products.norm());
+}
+
+// F of each family by its gain, and Holm's correction: the smallest of k
+// p-values times k, the next times k - 1, and none below the one before.
+TEST(FindStructureTest, StatisticsAreFAndPValuesHolms) {
+  const Fitted fitted(60, 1, 5, Rigid);
+  const FittedProblem problem = fitted.problem();
+  const Looks looks = TakeLooks(problem);
+  const StructureColumns columns(fitted.model(), problem.values, looks.data,
+                                 looks.residuals.size(), true);
+  const ResidualGram gram =
+      SumLooks(problem, looks, columns, CovarianceOf(problem).root);
+  StructureFit fit(problem, gram);
+  const double all = fit.AllSquares();
+  const std::vector<StructureTest> tests =
+      FindStructure(columns.families(), &fit);
+  ASSERT_EQ(tests.size(), columns.families().size());
+  double least = 0.0;
+  for (std::size_t k = 0; k < tests.size(); ++k) {
+    SCOPED_TRACE(NameOf(tests[k]));
+    EXPECT_FALSE(tests[k].is_found);
+    // The same kind may be of several families: one has this gain.
+    double nearest = 1e9;
+    for (const StructureFamily& family : columns.families()) {
+      if (family.kind != tests[k].kind || family.joint != tests[k].joint) {
+        continue;
+      }
+      const StructureFit::Gain gain = fit.GainOf(family.columns);
+      const double freedom = 180.0 - 18.0 - gain.rank;
+      const double f =
+          gain.squares / gain.rank / ((all - gain.squares) / freedom);
+      if (std::abs(f - tests[k].statistic) > nearest) continue;
+      nearest = std::abs(f - tests[k].statistic);
+      EXPECT_EQ(tests[k].degrees_of_freedom, gain.rank);
+      EXPECT_NEAR(tests[k].explained, gain.squares / all, 1e-12);
+      const double p = FisherSurvival(f, gain.rank, freedom);
+      const double rest = static_cast<double>(tests.size() - k);
+      least = std::max(least, std::min(1.0, rest * p));
+    }
+    EXPECT_LT(nearest, 1e-9);
+    EXPECT_NEAR(tests[k].p_value, least, 1e-9);
   }
 }
 

@@ -99,6 +99,18 @@ TEST(NonlinearityTest, ProfileBendsWithTheModel) {
   EXPECT_NEAR(radius.upper - kRadius, quantile * polar.sigma(), 1e-6);
 }
 
+// Growth beyond the cost of the fit counts, whatever that is.
+TEST(NonlinearityTest, ProfileIsOfTheGrowthOfTheCost) {
+  const Polar polar(0.3);
+  const Resolve raised = [&](int fixed, Eigen::VectorXd* values) {
+    return std::optional<double>(*polar.resolve()(fixed, values) + 50.0);
+  };
+  const ConfidenceInterval angle = ProfileInterval(
+      polar.problem(), polar.covariance(), 0, 1.96, 50.0, raised);
+  EXPECT_NEAR(angle.upper, std::asin(0.3 * 1.96), 2e-4);
+  EXPECT_NEAR(angle.lower, -angle.upper, 1e-9);
+}
+
 // An error of the size of the radius leaves any angle possible.
 TEST(NonlinearityTest, ProfileWithoutEndIsInfinite) {
   const Polar polar(0.7);
