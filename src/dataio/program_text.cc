@@ -37,6 +37,7 @@ ProgramText::ProgramText(const std::string& text, std::string_view comment,
       c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
     }
   }
+  ListWords();
 }
 
 int ProgramText::LineOf(std::size_t place) const {
@@ -144,8 +145,25 @@ std::string ProgramText::WordAt(std::size_t place) const {
   return masked_.substr(place, end - place);
 }
 
+void ProgramText::ListWords() {
+  for (std::size_t at = 0; at < masked_.size(); ++at) {
+    const std::string word = WordAt(at);
+    if (word.empty()) continue;
+    places_[word].push_back(at);
+    at += word.size();
+  }
+}
+
 std::size_t ProgramText::FindWord(const std::string& word,
                                   std::size_t from) const {
+  if (std::all_of(word.begin(), word.end(), IsWordCharacter)) {
+    const auto places = places_.find(word);
+    if (places == places_.end()) return std::string::npos;
+    const auto place =
+        std::lower_bound(places->second.begin(), places->second.end(), from);
+    return place == places->second.end() ? std::string::npos : *place;
+  }
+  // What is named by more than a word: "cell.home".
   for (std::size_t at_word = from;
        (at_word = masked_.find(word, at_word)) != std::string::npos;
        ++at_word) {

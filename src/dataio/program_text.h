@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "src/dataio/robot_program.h"
@@ -48,8 +49,12 @@ class ProgramText {
   std::size_t FindWord(const std::string& word, std::size_t from) const;
 
  private:
+  void ListWords();
+
   std::string masked_;
   std::vector<std::size_t> line_starts_;
+  // Where each word stands, ascending: programs are long, and their names many.
+  std::unordered_map<std::string, std::vector<std::size_t>> places_;
 };
 
 /// Whether a text may be that of a variable: neither nothing nor a number.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include "src/dataio/program_text.h"
@@ -202,7 +203,11 @@ class RapidReader : ProgramReader {
       if (comma == kNowhere || comma < at) return {"?", "?"};
     }
     Frames frames = {Key(text_.WordAt(SkipWhite(comma + 1))), ""};
-    const std::size_t object = text_.text().find("\\WOBJ", at);
+    const std::size_t object =
+        at +
+        std::min(
+            std::string_view(text_.text()).substr(at, end - at).find("\\WOBJ"),
+            end - at);
     if (object < end) {
       const std::size_t equals = text_.text().find('=', object);
       frames.second = Key(text_.WordAt(SkipWhite(equals + 1)));

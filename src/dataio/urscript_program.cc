@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -70,11 +71,10 @@ class UrScriptReader : ProgramReader {
   }
 
   std::string ToolAt(std::size_t at) const {
-    std::string tool = kUnstatedTool;
-    for (const auto& [from, name] : tools_) {
-      if (from < at) tool = name;
-    }
-    return tool;
+    const auto after = std::lower_bound(
+        tools_.begin(), tools_.end(), at,
+        [](const auto& tool, std::size_t place) { return tool.first < place; });
+    return after == tools_.begin() ? kUnstatedTool : std::prev(after)->second;
   }
 
   void ReadList(std::size_t at) {
@@ -216,8 +216,10 @@ class UrScriptReader : ProgramReader {
   }
 
   static bool IsLiteral(std::size_t at, const std::vector<Literal>& literals) {
-    return std::any_of(literals.begin(), literals.end(),
-                       [at](const Literal& l) { return l.begin == at; });
+    const auto found = std::lower_bound(
+        literals.begin(), literals.end(), at,
+        [](const Literal& l, std::size_t place) { return l.begin < place; });
+    return found != literals.end() && found->begin == at;
   }
 
   // Moves to what is no number and no variable of numbers, or to nowhere.
