@@ -24,7 +24,8 @@
 namespace alidade::internal {
 namespace {
 
-constexpr std::size_t kHelpColumn = 19;
+// help2man takes lines of that many spaces for the text of the flag above.
+constexpr std::size_t kHelpColumn = 20;
 constexpr std::size_t kHelpWidth = 80;
 
 void PrintFlag(const FlagHelp& flag) {
