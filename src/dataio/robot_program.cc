@@ -68,6 +68,13 @@ struct Replacement {
   std::string text;
 };
 
+// Whether a number would become a part of the name before it.
+bool RunsInto(const std::string& before, const std::string& number) {
+  if (before.empty() || number.front() == '-') return false;
+  return before.back() == '_' ||
+         std::isalnum(static_cast<unsigned char>(before.back())) != 0;
+}
+
 // Fanuc's columns keep their width.
 void Align(const std::string& text, Replacement* replacement) {
   NumberSpan& span = replacement->span;
@@ -256,10 +263,7 @@ std::string RewriteProgram(const RobotProgram& program,
   std::size_t from = 0;
   for (const Replacement& replacement : replacements) {
     text += program.text.substr(from, replacement.span.begin - from);
-    if (!text.empty() && IsWordCharacter(text.back()) &&
-        IsWordCharacter(replacement.text.front())) {
-      text += ' ';
-    }
+    if (RunsInto(text, replacement.text)) text += ' ';
     text += replacement.text;
     from = replacement.span.end;
   }
