@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "src/identifiability/data_analysis.h"
 #include "src/identifiability/rules.h"
 #include "tests/support/classic_arms.h"
 #include "tests/support/edit.h"
@@ -85,6 +86,40 @@ TEST(AnalysisTest, WarnsBeforeASolveAndNamesWhatTheNoiseDrowns) {
                   "[a-z]+[0-9] [0-9]")));
   EXPECT_THAT(result.weak, UnorderedElementsAre("alpha4", "beta4", "alpha2"));
   EXPECT_THAT(result.advice, Contains(HasSubstr("joint 2")));
+}
+
+TEST(AnalysisTest, ATargetOffTheLastAxisIsNotWarnedOf) {
+  Arm arm = testing::Rv2ajWrist();
+  arm.last_from_target().translation().x() = 0.05;
+  const IdentifiabilityResult result =
+      AnalyzeIdentifiability(MeasurementModel(arm), StudyData(arm), {});
+  EXPECT_THAT(result.warnings,
+              ::testing::Not(Contains(HasSubstr("last joint"))));
+}
+
+// They are of lengths, whatever the sigmas: one for all, or one that differs.
+TEST(AnalyzeFreeTest, IndicesDoNotDependOnSigmas) {
+  const Arm arm = testing::Rv2ajFlange();
+  const MeasurementModel model(arm);
+  const std::vector<int> free = testing::FlangeFreeColumns(model.layout());
+  const Dataset data = StudyData(arm);
+  const FreeAnalysis expected = AnalyzeFree(model, data, free, {});
+  ASSERT_GT(expected.unscaled.o1, 0.0);
+  Dataset uneven = data;
+  testing::Edit(&uneven.sigmas()).at(0, 0) *= 3.0;
+  Dataset larger = data;
+  *testing::Edit(&larger.sigmas()) *= 2.0;
+  for (const Dataset& other : {uneven, larger}) {
+    const FreeAnalysis actual = AnalyzeFree(model, other, free, {});
+    EXPECT_NEAR(actual.unscaled.o1 / expected.unscaled.o1, 1.0, 1e-6);
+    EXPECT_NEAR(actual.scaled.o1 / expected.scaled.o1, 1.0, 1e-6);
+  }
+}
+
+TEST(FormatDeviationTest, IsInMillimetresAndMilliradians) {
+  EXPECT_EQ(FormatDeviation(1.5e-3, Dimension::kLength), "1.5 mm");
+  EXPECT_EQ(FormatDeviation(2.5e-3, Dimension::kAngle), "2.5 mrad");
+  EXPECT_EQ(FormatDeviation(HUGE_VAL, Dimension::kAngle), "no bound");
 }
 
 TEST(AnalysisTest, FreezeHoldsWhatIsToldBadlyAndSaysWhatStandsForIt) {

@@ -263,29 +263,34 @@ TEST(FindStructureTest, StatisticsAreFAndPValuesHolms) {
   const double all = fit.AllSquares();
   const std::vector<StructureTest> tests =
       FindStructure(columns.families(), &fit);
-  ASSERT_EQ(tests.size(), columns.families().size());
+  // But those of columns that are zero.
+  ASSERT_GE(tests.size(), 20U);
   double least = 0.0;
   for (std::size_t k = 0; k < tests.size(); ++k) {
     SCOPED_TRACE(NameOf(tests[k]));
     EXPECT_FALSE(tests[k].is_found);
-    // The same kind may be of several families: one has this gain.
+    // The same kind may be of several families: one has this statistic.
     double nearest = 1e9;
+    StructureFit::Gain best;
+    const auto f_of = [&](const StructureFit::Gain& gain) {
+      return gain.squares / gain.rank /
+             ((all - gain.squares) / (162.0 - gain.rank));
+    };
     for (const StructureFamily& family : columns.families()) {
       if (family.kind != tests[k].kind || family.joint != tests[k].joint) {
         continue;
       }
       const StructureFit::Gain gain = fit.GainOf(family.columns);
-      const double freedom = 180.0 - 18.0 - gain.rank;
-      const double f =
-          gain.squares / gain.rank / ((all - gain.squares) / freedom);
-      if (std::abs(f - tests[k].statistic) > nearest) continue;
-      nearest = std::abs(f - tests[k].statistic);
-      EXPECT_EQ(tests[k].degrees_of_freedom, gain.rank);
-      EXPECT_NEAR(tests[k].explained, gain.squares / all, 1e-12);
-      const double p = FisherSurvival(f, gain.rank, freedom);
-      const double rest = static_cast<double>(tests.size() - k);
-      least = std::max(least, std::min(1.0, rest * p));
+      const double off = std::abs(f_of(gain) - tests[k].statistic);
+      if (!(off < nearest)) continue;
+      nearest = off;
+      best = gain;
     }
+    EXPECT_EQ(tests[k].degrees_of_freedom, best.rank);
+    EXPECT_NEAR(tests[k].explained, best.squares / all, 1e-12);
+    const double p = FisherSurvival(f_of(best), best.rank, 162.0 - best.rank);
+    const auto rest = static_cast<double>(tests.size() - k);
+    least = std::max(least, std::min(1.0, rest * p));
     EXPECT_LT(nearest, 1e-9);
     EXPECT_NEAR(tests[k].p_value, least, 1e-9);
   }

@@ -182,7 +182,7 @@ TEST_F(StructureColumnsTest, JointValuesAreHarmonics) {
     all.insert(all.end(), high[j].columns.begin(), high[j].columns.end());
     ASSERT_EQ(all.size(), 36U);
     for (int k = 1; k <= 18; ++k) {
-      const auto of = [&](double (*function)(double)) {
+      const auto of = [&](double (*function)(double)) -> Eigen::VectorXd {
         return ByJoint(j).cwiseProduct(
             OfPoses([&](int i) { return function(k * Phase(j, i)); }));
       };
