@@ -19,6 +19,18 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/schemas
   DESTINATION ${CMAKE_INSTALL_DATADIR}/alidade
   FILES_MATCHING PATTERN "*.json")
 
+# What those pages' commands name, where their links find it.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/configs ${PROJECT_SOURCE_DIR}/datasets
+  DESTINATION ${CMAKE_INSTALL_DOCDIR}
+  FILES_MATCHING PATTERN "*.yaml" PATTERN "*.csv" PATTERN "*.txt"
+  PATTERN "*.src")
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/python/examples
+  DESTINATION ${CMAKE_INSTALL_DOCDIR}/python
+  FILES_MATCHING PATTERN "*.ipynb" PATTERN "*.py"
+  PATTERN ".ipynb_checkpoints" EXCLUDE)
+install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md
+  DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
 # Headers refer to these pages.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs
   DESTINATION ${CMAKE_INSTALL_DOCDIR}

@@ -9,13 +9,15 @@
 
 namespace alidade {
 
-/// Reads an arm (docs/files.md, "format: alidade-arm-1").
-/// @throws InputError with file, line, column and key.
-Arm LoadArm(const std::string& path);
+/// Reads an arm (docs/files.md, "format: alidade-arm-1"). `file` is a path, or,
+/// where there is no such file, "robots/NAME" for an arm that comes with
+/// Alidade (docs/robots.md). @throws InputError with file, line, column and
+/// key.
+Arm LoadArm(const std::string& file);
 
 /// The same; the paths of further files that the arm file names (a URDF) are
 /// appended to `input_files`.
-Arm LoadArm(const std::string& path, std::vector<std::string>* input_files);
+Arm LoadArm(const std::string& file, std::vector<std::string>* input_files);
 
 /// The arm of an arm file's text. `name` is that of messages; paths in it are
 /// relative to it. @throws InputError with line, column and key.
@@ -32,6 +34,9 @@ std::string FormatArm(const Arm& arm, const std::string& comment);
 /// none.
 /// @throws InputError with file, line, column and key.
 Eigen::VectorXd LoadDeviations(const std::string& path, const Arm& arm);
+/// The same of a file's text; `name` is that of messages.
+Eigen::VectorXd ParseDeviations(const std::string& text,
+                                const std::string& name, const Arm& arm);
 
 }  // namespace alidade
 

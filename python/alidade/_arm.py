@@ -44,7 +44,8 @@ class Arm:
 
     @classmethod
     def load(cls, file: Path) -> Arm:
-        """An arm file (docs/files.md)."""
+        """An arm file (docs/files.md), or one of the arms that come with
+        Alidade, by its name: "robots/ur10e" (docs/robots.md)."""
         return cls(_core.Arm.load(path(file, "file")))
 
     @classmethod

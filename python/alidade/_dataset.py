@@ -17,7 +17,7 @@ from ._errors import InputError, wrong
 from ._measuring import Measuring
 from ._observations import (add_after, add_part, copy_references,
                             station_names, without_stations)
-from ._options import document, flow, nested
+from ._options import flow, nested, with_options
 from ._record import Record
 
 
@@ -455,8 +455,8 @@ class Dataset(Measuring):
         self._core = core
 
 
-getattr(Dataset.load, "__func__").__doc__ = str(Dataset.load.__doc__).replace(
-    "        {options}", document("data", "        "))
+getattr(Dataset.load, "__func__").__doc__ = with_options(Dataset.load.__doc__,
+                                                         "data")
 
 _MEMBERS = ("name", "sigmas_are_stated", "sets", "first_station",
             "target_names", "rejected")

@@ -156,12 +156,13 @@ def _line(option: Option, indent: str) -> list[str]:
     return lines
 
 
-def document(command: str, indent: str = "    ") -> str:
-    """All options of a command, for its docstring."""
+def with_options(text: str | None, command: str) -> str:
+    """A docstring with all options of a command for its {options}. Python keeps
+    the indentation of docstrings before 3.13, and none since: none is here."""
     lines = []
     for option in options_of(command):
-        lines += _line(option, indent)
-    return "\n".join(lines)
+        lines += _line(option, "")
+    return inspect.cleandoc(text or "").replace("{options}", "\n".join(lines))
 
 
 def takes_options(command: str,
@@ -170,8 +171,8 @@ def takes_options(command: str,
     lists those of `documented`, where these are others."""
 
     def complete(function: _Function) -> _Function:
-        function.__doc__ = (function.__doc__ or "").replace(
-            "    {options}", document(documented or command))
+        function.__doc__ = with_options(function.__doc__,
+                                        documented or command)
         signature = inspect.signature(function)
         own = [p for p in signature.parameters.values()
                if p.kind is not inspect.Parameter.VAR_KEYWORD]

@@ -241,13 +241,10 @@ void DefineArm(py::module_* m) {
              return layout.WithValues(
                  arm, layout.Values(arm) + LoadDeviations(path, arm));
            })
-      .def("middle_of_limits",
-           [](const Arm& arm) {
-             return Give(MiddleOfLimits(arm), {arm.num_joints()});
-           })
       .def("draw",
            [](const Arm& arm, int count, std::uint64_t seed) {
-             return Give(DrawConfigurations(arm, count, seed));
+             return Give(RunUnlocked(
+                 [&] { return DrawConfigurations(arm, count, seed); }));
            })
       .def("has_motor_map", &HasMotorMap)
       .def("num_motors",

@@ -140,6 +140,20 @@ def test_ik_says_what_is_out_of_reach(arm):
   assert arm.ik(far, trials=3).status[0] in ('out of reach', 'joint limit')
 
 
+def test_arms_by_name(tmp_path, monkeypatch):
+  arm = alidade.Arm.load('robots/ur10e')
+  q = arm.draw(3, seed=1)
+  file = alidade.Arm.load(ROOT / 'configs/robots/ur10e.yaml')
+  assert np.array_equal(arm.fk(q), file.fk(q))
+  with pytest.raises(alidade.InputError, match='did you mean'):
+    alidade.Arm.load('robots/ur10f')
+  # A file of one's own goes first.
+  (tmp_path / 'robots').mkdir()
+  puma().save(tmp_path / 'robots/ur10e')
+  monkeypatch.chdir(tmp_path)
+  assert alidade.Arm.load('robots/ur10e').name == puma().name
+
+
 def test_a_file_and_pickling_keep_the_arm(arm, tmp_path):
   arm.save(tmp_path / 'arm.yaml')
   again = alidade.Arm.load(tmp_path / 'arm.yaml')

@@ -80,6 +80,7 @@ def long_calls(arm, real, data):
   few = q[:200000]
   poses = arm.fk(few, threads=2)
   return {
+      'draw': lambda: [arm.draw(4 * 10**6, seed=1) for _ in range(3)],
       'fk': lambda: arm.fk(q),
       'positions': lambda: [arm.positions(q) for _ in range(5)],
       'jacobian': lambda: arm.jacobian(q),

@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "alidade/error.h"
 #include "alidade/version.h"
 #include "src/calibration/acceptance.h"
 #include "src/calibration/calibration_task.h"
@@ -22,6 +21,7 @@
 #include "src/calibration/flexible_fit.h"
 #include "src/calibration/frame_fit.h"
 #include "src/calibration/identifiability_cache.h"
+#include "src/calibration/orientation_check.h"
 #include "src/calibration/outliers.h"
 #include "src/calibration/own_references.h"
 #include "src/calibration/pose_performance.h"
@@ -100,8 +100,11 @@ class Calibrator {
           "before: " + Join(frames, ", ") +
           " fitted to the training poses, the geometry of the joints nominal";
     }
-    RefuseOrientations();
-    if (Identify() && SolveAll()) Evaluate();
+    if (prepared_.frames_fitted) RequireOrientationsNearby(model_, task());
+    if (Identify() && SolveAll()) {
+      RequireOrientationsFit(model_, task(), result_.runs.front().values);
+      Evaluate();
+    }
     JudgeResult(&result_);
     return std::move(result_);
   }
@@ -173,25 +176,6 @@ class Calibrator {
             "distances, and look for errors of the arm that its parameters do "
             "not describe",
         &result_);
-  }
-
-  // Orientations that fit nowhere, whatever base and target, are misread.
-  void RefuseOrientations() {
-    constexpr double kTolerated = 0.3;  // rad
-    const Dataset& data = task().data.training;
-    if (!prepared_.frames_fitted || !data.Has(MeasurementKind::kPose)) return;
-    const Accuracy before =
-        EvaluateRotations(model_, data, model_.NominalValues());
-    if (before.median < kTolerated) return;
-    SourceLocation location;
-    location.file = data.name;
-    throw InputError(
-        location,
-        "the measured orientations do not fit this arm, whatever its base and "
-        "target: half of them are more than " +
-            FormatSignificant(before.median / kDegree, 3) +
-            " deg off. Look at the convention of the angles (`rotation`), "
-            "their unit, and the order of a quaternion's components");
   }
 
   bool Identify() {

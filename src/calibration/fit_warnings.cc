@@ -66,8 +66,9 @@ std::string WarnOfWorst(const CalibrationResult& result,
          "measurement that fits worst is " + FormatLength(worst.error, 3) +
          " off, " + FormatSignificant(worst.standardised, 2) +
          " standard deviations (" + std::to_string(outliers.size()) +
-         " are beyond what chance allows): look at it, leave it out, or choose "
-         "a `loss`";
+         " are beyond what chance allows): look at it, or leave it out "
+         "(`data: {exclude: ...}`)" +
+         (is_validation ? "" : ", or choose a `loss`");
 }
 
 // At the nominal geometry an arm is millimetres off, not a tenth of its size.

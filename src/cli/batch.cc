@@ -10,6 +10,7 @@
 #include "src/cli/launch.h"
 #include "src/cli/progress.h"
 #include "src/common/text.h"
+#include "src/serialization/job_list.h"
 
 namespace alidade::internal {
 namespace {

@@ -35,15 +35,23 @@ class Checker {
         LoadPlan(path, num_threads_);
         return "plan";
       case FileFormat::kJob:
-        return "job, " +
-               std::to_string(
-                   LoadJob(path, num_threads_).data.training.num_poses()) +
-               " poses";
+        return CheckJob(path);
     }
     return "";
   }
 
  private:
+  std::string CheckJob(const std::string& path) const {
+    const JobConfig job = LoadJob(path, num_threads_);
+    std::string said =
+        "job, " + std::to_string(job.data.training.num_poses()) + " poses";
+    if (job.data.validation) {
+      said += " and " + std::to_string(job.data.validation->num_poses()) +
+              " validation poses";
+    }
+    return said;
+  }
+
   std::string CheckData(const std::string& path) {
     DataFormat format;
     format.sigma = kMillimetre;

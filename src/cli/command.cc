@@ -64,8 +64,9 @@ std::vector<Command> InputCommands() {
            "not state by the arm. Shows a table of what it understood, and "
            "writes data.csv and job.yaml, ready for `calibrate`, below "
            "--out=DIR (default: results/ and the file's name). What is not "
-           "certain is refused, and said what to state."},
-          {"arm", "out", "units", "rotation"}, 1, 1, RunImport),
+           "certain is refused, and said what to state; footers and other "
+           "lines of no measurement are left out by --exclude."},
+          {"arm", "out", "units", "rotation", "exclude"}, 1, 1, RunImport),
       Command(
           {"simulate", "SIMULATION.yaml",
            "write a data set from an arm, its deviations, poses and noise",
@@ -184,7 +185,8 @@ std::vector<Command> ResultCommands() {
            "Programs are known by their endings: .script (URScript), .src and "
            ".dat (KUKA), .mod (ABB), .ls (Fanuc). Their positions are "
            "rewritten in place; what is computed at run time is listed and not "
-           "touched, and where a position is not understood nothing is "
+           "touched, a tool that the program sets nowhere is assumed and "
+           "listed, and where a position is not understood nothing is "
            "written (docs/robot.md)."},
           {"nominal", "inverse", "from", "frames", "rotation", "target",
            "calibrated-tool", "out", "seed"},

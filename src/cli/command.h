@@ -46,6 +46,7 @@ struct CommandLine {
   std::string refit;             ///< --refit; empty = not given
   int poses = 0;                 ///< --poses
   std::string units;             ///< --units; empty = not given
+  std::string exclude;           ///< --exclude; empty = not given
 };
 
 /// The texts of a command.

@@ -89,6 +89,11 @@ class CorrectCommand {
     WriteFileWithFolder(FigureBeside(out_),
                         CorrectionFigure(report).render(FigureMedium::kFile));
     std::cout << FormatCorrection(report);
+    const auto assumptions = AssumptionsOf(program, arms_.nominal);
+    if (!assumptions.empty()) std::cout << "Assumed\n";
+    for (const std::string& note : assumptions) {
+      std::cout << "  " << note << "\n";
+    }
     if (!program.left.empty()) std::cout << "Not touched\n";
     for (const ProgramNote& note : program.left) {
       std::cout << "  line " << note.line << ": " << note.text << "\n";

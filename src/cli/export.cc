@@ -20,6 +20,11 @@ namespace {
 void RequireOneOf(const char* flag, const std::string& value,
                   const std::vector<std::string>& choices) {
   if (std::find(choices.begin(), choices.end(), value) != choices.end()) return;
+  if (value.empty()) {
+    throw InputError({}, std::string("export: --") + flag +
+                             "=FORMAT is missing, expected one of " +
+                             JoinNames(choices));
+  }
   throw InputError({}, std::string("--") + flag + ": " +
                            UnknownName("format", value, choices));
 }

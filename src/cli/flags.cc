@@ -4,6 +4,7 @@
 #include <glog/logging.h>
 
 #include <algorithm>
+#include <cctype>
 #include <utility>
 
 #include "alidade/error.h"
@@ -28,10 +29,15 @@ DEFINE_bool(corrected, false,
             "with --check: the joint values are those asked for, and the robot "
             "was given what `correct` makes of them");
 DEFINE_bool(dry_run, false, "print what would run, a line a job");
+DEFINE_string(exclude, "",
+              "ROWS left out, with commas between: lines of the file (12, "
+              "40-45, 130-) and conditions ('status = lost')");
 DEFINE_bool(fail_fast, false, "start no more jobs once one is not done");
-DEFINE_string(frames, "",
-              "FILE.csv tools and bases that a program refers to and does not "
-              "state: columns name, x_mm, y_mm, z_mm and an orientation");
+DEFINE_string(
+    frames, "",
+    "FILE.csv tools and bases that a program refers to and does not "
+    "state: columns name, x_mm, y_mm, z_mm and an orientation; the rows "
+    "tool and base hold where it sets none");
 DEFINE_string(from, "",
               "WHAT targets are, where a table has both: poses (joint values "
               "are their posture), the default, or joints");
@@ -112,6 +118,13 @@ std::string DescriptionOf(const std::string& flag) {
   return text;
 }
 
+// "-90" is a number.
+bool IsFlag(const std::string& argument) {
+  return argument.size() > 1 && argument[0] == '-' &&
+         std::isdigit(static_cast<unsigned char>(argument[1])) == 0 &&
+         argument[1] != '.';
+}
+
 // gflags' own parser ends the process with status 1 where a flag is wrong, and
 // knows nothing of commands; so it is only asked to keep the values.
 class ArgumentParser {
@@ -125,7 +138,7 @@ class ArgumentParser {
     bool only_files = false;
     while (next_ < arguments_.size()) {
       const std::string argument = arguments_[next_++];
-      if (only_files || argument.size() < 2 || argument[0] != '-') {
+      if (only_files || !IsFlag(argument)) {
         line_.files.push_back(argument);
       } else if (argument == "--") {
         only_files = true;
@@ -285,6 +298,7 @@ std::optional<CommandLine> ParseArguments(
                      FLAGS_corrected,
                      FLAGS_refit,
                      FLAGS_poses,
-                     FLAGS_units};
+                     FLAGS_units,
+                     FLAGS_exclude};
 }
 }  // namespace alidade::internal

@@ -1,15 +1,17 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <sstream>
+#include <utility>
 
 #include "alidade/arm_file.h"
 #include "alidade/error.h"
 #include "src/cli/command.h"
 #include "src/cli/targets.h"
 #include "src/common/files.h"
-#include "src/common/number_text.h"
+#include "src/common/names.h"
 #include "src/dataio/csv_columns.h"
-#include "src/dataio/dataset_csv.h"
+#include "src/dataio/row_condition.h"
 #include "src/job/import_data.h"
 #include "src/job/result_directory.h"
 #include "src/report/table.h"
@@ -35,6 +37,22 @@ void ReadUnits(const std::string& text, ImportRequest* request) {
     (unit->dimension == Dimension::kLength ? request->length_unit
                                            : request->angle_unit) = unit;
     begin = end + 1;
+  }
+}
+
+// "130-,12,status = lost": as a job's `exclude`, with commas between.
+void ReadExclusions(const std::string& text, ImportRequest* request) {
+  std::istringstream entries(text);
+  for (std::string entry; std::getline(entries, entry, ',');) {
+    if (const auto lines = ParseLines(entry)) {
+      request->excluded_lines.push_back(*lines);
+    } else if (auto condition = ParseRowCondition(entry)) {
+      request->exclude.push_back(*std::move(condition));
+    } else {
+      throw InputError({}, "import: --exclude=" + text + ": " + Quote(entry) +
+                               " is neither lines of the file (12, 40-45, "
+                               "130-) nor a condition ('status = lost')");
+    }
   }
 }
 
@@ -75,6 +93,7 @@ ExitStatus RunImport(const CommandLine& line) {
   ImportRequest request{file, arm};
   request.rotation = RotationFlag(line);
   ReadUnits(line.units, &request);
+  ReadExclusions(line.exclude, &request);
   const fs::path directory = OutputDirectory(line);
   const std::string data = (directory / "data.csv").string();
   const std::string job = (directory / "job.yaml").string();
@@ -83,12 +102,10 @@ ExitStatus RunImport(const CommandLine& line) {
   std::cout << file << ", read for " << arm.name << "\n";
   Show(imported);
   const Dataset& poses = imported.loaded.data;
-  fs::create_directories(directory);
-  WriteFileAtomically(data, [&](const TextSink& sink) {
-    WriteDatasetText(poses, arm, kFewestDigits, true,
-                     {"imported from " + fs::path(file).filename().string()},
-                     sink);
-  });
+  MakeDirectories(directory.string());
+  WriteFileAtomically(
+      data, DataText(imported, arm,
+                     "imported from " + fs::path(file).filename().string()));
   WriteFileAtomically(
       job, JobText(fs::path(file).stem().string(), ArmIn(directory, line.arm),
                    "data.csv", poses.num_poses()));

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <iostream>
+#include <regex>
 #include <string>
 
 #include "src/cli/command.h"
@@ -12,7 +13,10 @@ namespace {
 constexpr int kWidth = 80;
 constexpr int kIndent = 6;
 
+// "docs/batch.md" of "[batch.md](batch.md)".
 std::string WithoutMarks(std::string text) {
+  static const std::regex kLink(R"(\[[^\]]*\]\(([^)]*)\))");
+  text = std::regex_replace(text, kLink, "docs/$1");
   text.erase(std::remove(text.begin(), text.end(), '`'), text.end());
   return text;
 }

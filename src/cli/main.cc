@@ -24,13 +24,20 @@
 namespace alidade::internal {
 namespace {
 
-constexpr std::size_t kHelpColumn = 19;
+// help2man takes lines of that many spaces for the text of the flag above.
+constexpr std::size_t kHelpColumn = 20;
 constexpr std::size_t kHelpWidth = 80;
 
 void PrintFlag(const FlagHelp& flag) {
   std::string left = "  --" + flag.name;
   if (!flag.value.empty()) left += "=" + flag.value;
-  left.resize(std::max(left.size() + 1, kHelpColumn), ' ');
+  // One that leaves no gap before the text has a line of its own, as help2man
+  // knows it.
+  if (left.size() + 2 > kHelpColumn) {
+    std::cout << left << "\n";
+    left.clear();
+  }
+  left.resize(kHelpColumn, ' ');
   std::string indent = left;
   for (const std::string& line :
        WrapText(flag.text, static_cast<int>(kHelpWidth - kHelpColumn))) {
@@ -39,13 +46,14 @@ void PrintFlag(const FlagHelp& flag) {
   }
 }
 
-// Each line of the text wrapped.
+// Each line of the text wrapped, a paragraph of its own.
 std::string Paragraphs(const std::string& text) {
   std::string wrapped;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
-    wrapped +=
-        Join(WrapText(line, static_cast<int>(kHelpWidth) - 6), "\n") + "\n";
+    wrapped += (wrapped.empty() ? "" : "\n") +
+               Join(WrapText(line, static_cast<int>(kHelpWidth) - 6), "\n") +
+               "\n";
   }
   return wrapped;
 }

@@ -60,7 +60,7 @@ void ThrowDescribed(const std::string& description) {
 
 template <typename Work>
 auto Communicator::InTransit(const Work& work) {
-  decltype(work()) result;
+  decltype(work()) result{};
   try {
     result = work();
   } catch (const std::bad_alloc&) {

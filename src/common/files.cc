@@ -31,6 +31,13 @@ namespace fs = std::filesystem;
                    what + ": " + std::generic_category().message(error));
 }
 
+[[noreturn]] void FailToWrite(const std::string& path, const std::string& what,
+                              int error) {
+  throw InputError({path, 0, 0, ""},
+                   what + ": " + std::generic_category().message(error) +
+                       "; choose another --out");
+}
+
 // Unique among threads by the counter and among processes by the id; O_EXCL
 // takes care of files that a killed process of the same id left behind.
 std::string TemporaryName(const std::string& path) {
@@ -71,11 +78,11 @@ std::uint64_t WriteAndSync(const std::string& path, const TextSource& content,
                            FileDescriptor* file) {
   std::uint64_t size = 0;
   content([&](std::string_view piece) {
-    if (!file->WriteAll(piece)) Fail(path, "cannot be written", errno);
+    if (!file->WriteAll(piece)) FailToWrite(path, "cannot be written", errno);
     size += piece.size();
   });
   if (fsync(file->get()) != 0 || !file->Close()) {
-    Fail(path, "cannot be written", errno);
+    FailToWrite(path, "cannot be written", errno);
   }
   return size;
 }
@@ -177,11 +184,11 @@ std::uint64_t WriteFileAtomically(const std::string& given,
     temporary = TemporaryName(path);
     file.emplace(temporary, kNewFile);
   } while (file->get() < 0 && errno == EEXIST);
-  if (file->get() < 0) Fail(path, "cannot be written", errno);
+  if (file->get() < 0) FailToWrite(path, "cannot be written", errno);
   Unfinished unfinished(temporary);
   const std::uint64_t size = WriteAndSync(path, content, &*file);
   if (rename(temporary.c_str(), path.c_str()) != 0) {
-    Fail(path, "cannot be written", errno);
+    FailToWrite(path, "cannot be written", errno);
   }
   unfinished.Finish();
   return size;
@@ -193,7 +200,7 @@ void WriteNewFile(const std::string& path, const std::string& content) {
 
 std::uint64_t WriteNewFile(const std::string& path, const TextSource& content) {
   FileDescriptor file(path, kNewFile);
-  if (file.get() < 0) Fail(path, "cannot be written", errno);
+  if (file.get() < 0) FailToWrite(path, "cannot be written", errno);
   Unfinished unfinished(path);
   const std::uint64_t size = WriteAndSync(path, content, &file);
   unfinished.Finish();
@@ -222,7 +229,7 @@ void RemoveTemporaries(const std::string& directory) {
 void MakeDirectories(const std::string& path) {
   std::error_code error;
   fs::create_directories(path, error);
-  if (error) Fail(path, "directory cannot be made", error.value());
+  if (error) FailToWrite(path, "directory cannot be made", error.value());
 }
 
 namespace {

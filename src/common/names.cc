@@ -35,6 +35,30 @@ std::size_t EditDistance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
+bool AreAlike(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char c, char d) {
+    return LowerCase(c) == LowerCase(d);
+  });
+}
+
+// What may be meant by a name: the nearest, or those of which it is the last
+// part, "intrinsic_xyz" and "extrinsic_xyz" of "XYZ"; quoted.
+std::string Suggestion(std::string_view name,
+                       const std::vector<std::string>& candidates) {
+  const std::optional<std::string> nearest = NearestName(name, candidates);
+  if (nearest) return "\"" + *nearest + "\"";
+  std::string text;
+  for (const std::string& candidate : candidates) {
+    const std::size_t mark = candidate.find_last_of("_/");
+    if (mark == std::string::npos || name.empty() ||
+        !AreAlike(std::string_view(candidate).substr(mark + 1), name)) {
+      continue;
+    }
+    text += (text.empty() ? "\"" : " or \"") + candidate + "\"";
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string Quote(std::string_view text) {
@@ -82,9 +106,10 @@ std::optional<std::string> NearestName(
 std::string UnknownName(std::string_view what, std::string_view name,
                         const std::vector<std::string>& candidates) {
   std::string message = "unknown " + std::string(what) + " " + Quote(name);
-  const std::optional<std::string> nearest = NearestName(name, candidates);
-  if (nearest) message += ", did you mean \"" + *nearest + "\"?";
-  return message + (nearest ? " Expected one of " : ", expected one of ") +
+  const std::string meant = Suggestion(name, candidates);
+  return message +
+         (meant.empty() ? ", expected one of "
+                        : ", did you mean " + meant + "? Expected one of ") +
          JoinNames(candidates);
 }
 

@@ -25,7 +25,7 @@ std::optional<std::string> NearestName(
     std::string_view name, const std::vector<std::string>& candidates);
 
 /// `unknown key "lenght", did you mean "length"? Expected one of ...`, where
-/// `what` is "key", "unit" ...
+/// `what` is "key", "unit" ... Of "xyz", "intrinsic_xyz" is meant.
 std::string UnknownName(std::string_view what, std::string_view name,
                         const std::vector<std::string>& candidates);
 

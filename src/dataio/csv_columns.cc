@@ -5,6 +5,7 @@
 
 #include "src/common/names.h"
 #include "src/common/numbers.h"
+#include "src/dataio/csv_dialect.h"
 #include "src/model/motors.h"
 
 namespace alidade::internal {
@@ -131,6 +132,39 @@ Dimension DimensionOf(ColumnType type) {
   return type == ColumnType::kAngle ? Dimension::kAngle : Dimension::kLength;
 }
 
+// "hh:mm:ss.f", "yyyy-mm-dd", "tt.mm.jjjj".
+bool IsTimeFormat(std::string_view word) {
+  return word.find_first_of(":.-/") != std::string_view::npos &&
+         word.find_first_of("hmsydt") == 0 &&
+         word.find_first_not_of("hmsfyjdtz:.-/ ") == std::string_view::npos;
+}
+
+// Some other unit: "s", "[C]".
+bool IsOtherUnit(std::string_view text) {
+  static constexpr std::array<std::string_view, 18> kWords = {"s",
+                                                              "sec",
+                                                              "seconds",
+                                                              "ms",
+                                                              "c",
+                                                              "\xc2\xb0"
+                                                              "c",
+                                                              "k",
+                                                              "n",
+                                                              "nm",
+                                                              "kg",
+                                                              "%",
+                                                              "1",
+                                                              "hz",
+                                                              "v",
+                                                              "a",
+                                                              "unit",
+                                                              "units",
+                                                              "count"};
+  const std::string word = Lower(WithoutFrame(text));
+  return std::find(kWords.begin(), kWords.end(), word) != kWords.end() ||
+         IsTimeFormat(word);
+}
+
 // "J1" of "J1 [deg]".
 std::string WithoutBrackets(std::string_view header) {
   const std::size_t end = header.find_first_of("[(");
@@ -224,28 +258,18 @@ const Unit* FindHeaderUnit(std::string_view text) {
   return nullptr;
 }
 
-bool IsOtherUnit(std::string_view text) {
-  static constexpr std::array<std::string_view, 18> kWords = {"s",
-                                                              "sec",
-                                                              "seconds",
-                                                              "ms",
-                                                              "c",
-                                                              "\xc2\xb0"
-                                                              "c",
-                                                              "k",
-                                                              "n",
-                                                              "nm",
-                                                              "kg",
-                                                              "%",
-                                                              "1",
-                                                              "hz",
-                                                              "v",
-                                                              "a",
-                                                              "unit",
-                                                              "units",
-                                                              "count"};
-  const std::string word = Lower(WithoutFrame(text));
-  return std::find(kWords.begin(), kWords.end(), word) != kWords.end();
+bool AreUnits(const std::vector<std::string_view>& cells) {
+  constexpr int kMost = 4;  // lengths and angles for one that is unknown
+  int known = 0;
+  int unknown = 0;
+  for (const std::string_view cell : cells) {
+    if (FindHeaderUnit(cell) != nullptr) {
+      ++known;
+    } else if (!IsNotMeasured(cell) && !IsOtherUnit(cell)) {
+      ++unknown;
+    }
+  }
+  return known > 0 && kMost * unknown <= known;
 }
 
 std::string DescribeBadUnit(const ColumnSpec& spec, std::string_view header) {

@@ -65,8 +65,10 @@ std::string_view WithoutUnit(std::string_view header);
 /// "[deg]", "(inches)"; or null.
 const Unit* FindHeaderUnit(std::string_view text);
 
-/// Whether a text is some other unit: "s", "[C]".
-bool IsOtherUnit(std::string_view text);
+/// Whether cells are units, some of lengths or angles among them ("mm"), others
+/// of what else there is ("s", "[C]", "hh:mm:ss"). A few may be of neither kind
+/// where most are lengths or angles: what a unit is called has no end.
+bool AreUnits(const std::vector<std::string_view>& cells);
 
 /// What is wrong with a header that UnitOf is null for, and what to do.
 std::string DescribeBadUnit(const ColumnSpec& spec, std::string_view header);

@@ -71,19 +71,6 @@ bool IsRow(const CellCounts& counts) {
   return counts.numbers >= 2 && counts.texts <= counts.numbers;
 }
 
-// Whether cells are units, some of lengths or angles among them.
-bool AreUnits(const Cells& cells) {
-  bool is_any_known = false;
-  for (std::string_view cell : cells) {
-    if (FindHeaderUnit(cell) != nullptr) {
-      is_any_known = true;
-    } else if (!IsNotMeasured(cell) && !IsOtherUnit(cell)) {
-      return false;
-    }
-  }
-  return is_any_known;
-}
-
 // Whether some name is that of a joint in Alidade's own files.
 template <typename Names>
 bool HasJoint(const Names& names) {

@@ -105,10 +105,9 @@ class CsvRow final : public TableRow {
     if (cells_.size() > expected && dialect_.separator == ',') {
       message += ": numbers take a decimal point, not a comma";
     }
-    line_.Fail(message +
-               (cells_.size() < expected || dialect_.separator != ','
-                    ? "; `exclude` in the job's `data` leaves lines out"
-                    : ""));
+    line_.Fail(message + (cells_.size() < expected || dialect_.separator != ','
+                              ? "; " + HowToExclude(line_.number)
+                              : ""));
   }
 
   const CsvDialect& dialect_;
@@ -125,14 +124,14 @@ std::size_t LineStart(std::string_view text, std::size_t offset) {
 
 }  // namespace
 
-CsvTable::CsvTable(const std::string& path, TableContent content,
+CsvTable::CsvTable(MappedFile file, TableContent content,
                    const ReadOptions& options)
-    : text_(OpenText(path)), content_(std::move(content)) {
+    : text_(OpenText(std::move(file))), content_(std::move(content)) {
   const std::string_view text = text_.file.text().substr(text_.begin);
-  layout_ = FindCsvLayout(path, text, content_.dialect);
+  layout_ = FindCsvLayout(path(), text, content_.dialect);
   ReadHeader(text);
   Cut(text.substr(layout_.rows), options);
-  RequireFewRows(path, num_rows_);
+  RequireFewRows(path(), num_rows_);
 }
 
 void CsvTable::ReadHeader(std::string_view text) {

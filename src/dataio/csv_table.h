@@ -15,13 +15,12 @@ namespace alidade::internal {
 
 /// The table of a text file, in any encoding (text_encoding.h) and dialect
 /// (csv_layout.h) that is certain or stated. Blank lines and comments are
-/// passed over. The file is mapped into memory and cut at line ends; where,
+/// passed over. The file is cut at line ends; where,
 /// does not depend on the number of threads.
 class CsvTable final : public DataTable {
  public:
   /// Reads the header and counts the rows. @throws InputError.
-  CsvTable(const std::string& path, TableContent content,
-           const ReadOptions& options);
+  CsvTable(MappedFile file, TableContent content, const ReadOptions& options);
 
   const TableHeader& header() const override { return *header_; }
   std::int64_t num_rows() const override { return num_rows_; }

@@ -39,8 +39,13 @@ void TableRow::FailNumber(const NumberColumn& column) const {
       !text.empty() && text.find_first_of("0123456789") == std::string::npos;
   if (is_word && column.rule != CellRule::kRequired) {
     message += ". Where that says that nothing was measured: `missing: [" +
-               OneLine(text) + "]`, or `exclude: [" + std::to_string(line()) +
-               "]` leaves the row out, in the job's `data`";
+               OneLine(text) + "]` in the job's `data`; " +
+               HowToExclude(line());
+  } else if (column.rule == CellRule::kRequired && (is_word || text.empty())) {
+    message +=
+        ". Where the line holds no measurement, as a mean below the "
+        "table: " +
+        HowToExclude(line());
   }
   Fail(column.spec, message);
 }

@@ -21,13 +21,14 @@ namespace alidade::internal {
 namespace {
 
 // The header is read.
-std::unique_ptr<DataTable> OpenTable(const std::string& path,
-                                     TableContent content,
+std::unique_ptr<DataTable> OpenTable(MappedFile file, TableContent content,
                                      const ReadOptions& options) {
-  if (IsNpy(path)) {
-    return std::make_unique<NpyTable>(path, std::move(content), options);
+  if (IsNpy(file.path())) {
+    return std::make_unique<NpyTable>(std::move(file), std::move(content),
+                                      options);
   }
-  return std::make_unique<CsvTable>(path, std::move(content), options);
+  return std::make_unique<CsvTable>(std::move(file), std::move(content),
+                                    options);
 }
 
 // Positions whose numbers are used where they are: those of an array in SI
@@ -100,9 +101,14 @@ LoadedData LoadData(const std::string& path, const Arm& arm,
 
 LoadedData LoadDataWith(const DataFile& file, References* references,
                         const ReadOptions& options) {
+  return ReadData(MappedFile(file.path), file, references, options);
+}
+
+LoadedData ReadData(MappedFile content, const DataFile& file,
+                    References* references, const ReadOptions& options) {
   const DatasetColumns columns = MakeDatasetColumns(file.arm, file.format);
   const auto table =
-      OpenTable(file.path,
+      OpenTable(std::move(content),
                 {file.arm, columns.specs, file.format.ignore_others,
                  file.format.where, file.format.exclude, file.format.dialect},
                 options);
@@ -121,7 +127,8 @@ LoadedData LoadDataWith(const DataFile& file, References* references,
 }
 
 Eigen::MatrixXd LoadJointValues(const std::string& path, const Arm& arm) {
-  const auto table = OpenTable(path, {arm, JointColumns(arm), true}, {});
+  const auto table =
+      OpenTable(MappedFile(path), {arm, JointColumns(arm), true}, {});
   if (table->num_rows() == 0) {
     table->FailAtEnd("no rows after the header, expected one for every pose");
   }

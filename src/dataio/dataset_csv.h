@@ -7,6 +7,7 @@
 #include "alidade/arm.h"
 #include "alidade/dataset.h"
 #include "alidade/references.h"
+#include "src/common/mapped_file.h"
 #include "src/common/text_pieces.h"
 #include "src/dataio/data_format.h"
 #include "src/dataio/read_options.h"
@@ -29,6 +30,9 @@ LoadedData LoadData(const std::string& path, const Arm& arm,
 /// LoadData with all its options. @throws InputError.
 LoadedData LoadDataWith(const DataFile& file, References* references,
                         const ReadOptions& options);
+/// The same of a file that is open.
+LoadedData ReadData(MappedFile content, const DataFile& file,
+                    References* references, const ReadOptions& options);
 
 /// Reads only the joint columns; others are allowed and ignored.
 Eigen::MatrixXd LoadJointValues(const std::string& path, const Arm& arm);

@@ -2,6 +2,8 @@
 // X = 1.000 mm, ... W = 0.000 deg, ... }; or J1 = 0.000 deg, ....
 
 #include <algorithm>
+#include <map>
+#include <string_view>
 #include <utility>
 
 #include "src/dataio/program_text.h"
@@ -33,26 +35,29 @@ class FanucReader : ProgramReader {
           std::min(text_.text().find('}', open), text_.size());
       ReadPosition(at, open, close);
     }
+    const auto uses = UsesAbove(positions);
     for (ProgramTarget& target : program_->targets) {
-      target.uses = UsesAbove(positions, target);
+      const auto lines =
+          uses.find(target.name.substr(0, target.name.find_first_of(":]")));
+      target.uses =
+          lines == uses.end() ? std::vector<int>{target.line} : lines->second;
     }
   }
 
  private:
-  // Positions stand behind the motions that name them, "P[1]" or "P[1:home]".
-  std::vector<int> UsesAbove(std::size_t end,
-                             const ProgramTarget& target) const {
-    const std::string start =
-        target.name.substr(0, target.name.find_first_of(":]"));
-    std::vector<int> lines;
-    for (std::size_t at = 0; (at = text_.text().find(start, at)) < end; ++at) {
-      const char next = text_.at(at + start.size());
-      const bool begins = at == 0 || !IsWordCharacter(text_.at(at - 1));
-      if (begins && (next == ':' || next == ']')) {
-        lines.push_back(text_.LineOf(at));
-      }
+  // Positions stand behind the motions that name them, "P[1]" or "P[1:home]":
+  // the lines that have each "P[1".
+  std::map<std::string, std::vector<int>> UsesAbove(std::size_t end) const {
+    std::map<std::string, std::vector<int>> uses;
+    for (std::size_t at = 0; (at = text_.text().find("P[", at)) < end; ++at) {
+      if (at > 0 && IsWordCharacter(text_.at(at - 1))) continue;
+      const std::string_view line =
+          std::string_view(text_.text()).substr(at, text_.LineEnd(at) - at);
+      const std::size_t name_end = line.find_first_of(":]");
+      if (name_end == kNowhere) continue;
+      uses[std::string(line.substr(0, name_end))].push_back(text_.LineOf(at));
     }
-    return lines.empty() ? std::vector<int>{target.line} : lines;
+    return uses;
   }
 
   // Motions that move by what registers hold.
@@ -131,16 +136,15 @@ class FanucReader : ProgramReader {
   bool SetFrames(std::size_t from, std::size_t to, ProgramTarget* target) {
     const auto frame = Entry("UF", from, to);
     const auto tool = Entry("UT", from, to);
-    if (!frame || !tool) {
+    if (!frame || !tool || !frame->Whole() || !tool->Whole()) {
       Refuse(from, "uses the current frame or tool (F), expected numbers");
       return false;
     }
-    const auto name = [](const char* kind, double number) {
-      const int index = static_cast<int>(number);
+    const auto name = [](const char* kind, int index) {
       return index == 0 ? "" : kind + (" " + std::to_string(index));
     };
-    target->frame = name("base", frame->value);
-    target->tool = name("tool", tool->value);
+    target->frame = name("base", *frame->Whole());
+    target->tool = name("tool", *tool->Whole());
     return KnowsFrame(target->tool, target->line, program_) &&
            KnowsFrame(target->frame, target->line, program_);
   }

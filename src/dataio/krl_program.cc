@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <iterator>
+#include <map>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -46,8 +48,8 @@ struct Aggregate {
 
 // Tool and base that hold at a place of the text.
 struct Frames {
-  std::string tool;
-  std::string base;
+  std::string tool = kUnstatedTool;
+  std::string base = kUnstatedBase;
   bool operator<(const Frames& other) const {
     return std::tie(tool, base) < std::tie(other.tool, other.base);
   }
@@ -78,8 +80,7 @@ class KrlReader : ProgramReader {
     }
     for (const Variable& variable : variables_) ReadVariable(variable);
     ListOtherMoves(IsMotion, [this](const std::string& name) {
-      return std::any_of(variables_.begin(), variables_.end(),
-                         [&](const Variable& v) { return v.name == name; });
+      return uses_.count(name) > 0;
     });
     SortTargets();
   }
@@ -125,7 +126,7 @@ class KrlReader : ProgramReader {
   std::optional<int> Index(std::size_t at) const {
     const auto number = text_.NumberAt(text_.SkipSpaces(at));
     if (!number || number->decimals > 0) return std::nullopt;
-    return static_cast<int>(number->value);
+    return number->Whole();
   }
 
   static std::string Numbered(const char* kind, int index) {
@@ -207,11 +208,12 @@ class KrlReader : ProgramReader {
   }
 
   Frames FramesAt(std::size_t at) const {
-    Frames frames;
-    for (const auto& [from, changed] : changes_) {
-      if (from < at) frames = changed;
-    }
-    return frames;
+    const auto after =
+        std::lower_bound(changes_.begin(), changes_.end(), at,
+                         [](const auto& change, std::size_t place) {
+                           return change.first < place;
+                         });
+    return after == changes_.begin() ? Frames() : std::prev(after)->second;
   }
 
   // The statement up to the brace, from the start of its line.
@@ -269,19 +271,22 @@ class KrlReader : ProgramReader {
     const std::string rest =
         text_.text().substr(at, text_.text().find('}', at) - at);
     const bool is_at_tool = rest.find("#TCP") != kNowhere;
-    const auto number = [&](const char* key) {
-      return static_cast<int>(data.numbers.at(key).value);
-    };
+    const std::optional<int> tool = data.numbers.at("TOOL_NO").Whole();
+    const std::optional<int> base = data.numbers.at("BASE_NO").Whole();
     point_frames_[name.substr(1)] =
-        is_at_tool ? Frames{"?", "?"}
-                   : Frames{Numbered("tool", number("TOOL_NO")),
-                            Numbered("base", number("BASE_NO"))};
+        is_at_tool || !tool || !base
+            ? Frames{"?", "?"}
+            : Frames{Numbered("tool", *tool), Numbered("base", *base)};
   }
 
   void KeepVariable(std::string left, const Aggregate& value) {
     left.erase(left.find_last_not_of(" \t") + 1);
     const std::string name = left.substr(left.find_last_of(" \t") + 1);
-    if (name.empty() || name.front() == '$' || name.back() == ']') {
+    if (!MayBeName(name)) {
+      Leave(value.begin, "is given to no variable");
+      return;
+    }
+    if (name.front() == '$' || name.back() == ']') {
       const bool is_known = name.rfind("TOOL_DATA", 0) == 0 ||
                             name.rfind("BASE_DATA", 0) == 0 ||
                             name.front() == '$';
@@ -297,11 +302,16 @@ class KrlReader : ProgramReader {
     variables_.push_back({name, type, value});
   }
 
-  // Where it is moved to, and whether anything else is done with it.
-  void ReadVariable(const Variable& variable) {
+  // Where a variable is moved to, and whether anything else is done with it.
+  struct Uses {
     std::set<Frames> frames;
     bool is_computed_with = false;
-    const std::string& name = variable.name;
+  };
+  // Found once of a name, which may be given many positions.
+  const Uses& UsesOfVariable(const std::string& name) {
+    const auto [found, is_new] = uses_.try_emplace(name);
+    Uses& uses = found->second;
+    if (!is_new) return uses;
     for (std::size_t at = 0; (at = text_.FindWord(name, at)) != kNowhere;
          at += name.size()) {
       const std::size_t start = text_.SkipSpaces(text_.LineStart(at));
@@ -309,11 +319,18 @@ class KrlReader : ProgramReader {
       const std::string first = text_.WordAt(start);
       if (text_.at(after) == '.' || text_.at(after) == ':' ||
           (at > 0 && text_.at(text_.SkipSpacesBack(at) - 1) == ':')) {
-        is_computed_with = true;
+        uses.is_computed_with = true;
       } else if (IsMotion(first)) {
-        frames.insert(FramesAt(at));
+        uses.frames.insert(FramesAt(at));
       }
     }
+    return uses;
+  }
+
+  void ReadVariable(const Variable& variable) {
+    const std::string& name = variable.name;
+    const Uses& uses = UsesOfVariable(name);
+    std::set<Frames> frames = uses.frames;
     const std::size_t begin = variable.value.begin;
     const bool is_point = !variable.type.empty() && variable.type != "FRAME";
     const auto data = point_frames_.find(name.substr(1));
@@ -323,7 +340,7 @@ class KrlReader : ProgramReader {
       Leave(begin, name + " is not moved to in this file");
       return;
     }
-    if (is_computed_with) {
+    if (uses.is_computed_with) {
       Refuse(begin, name + " is moved to and also computed with");
       return;
     }
@@ -359,10 +376,14 @@ class KrlReader : ProgramReader {
     target.name = name;
     target.numbers = value.Of(names);
     if (!is_axes) {
-      target.tool = frames.tool;
-      target.frame = frames.base;
+      target.tool = FrameOrOwn(frames.tool, value.begin);
+      target.frame = FrameOrOwn(frames.base, value.begin);
       const auto turn = value.numbers.find("T");
       if (turn != value.numbers.end()) target.posture = {turn->second};
+      if (turn != value.numbers.end() && !turn->second.Whole()) {
+        Refuse(value.begin, "its turn (T) is no whole number");
+        return;
+      }
     }
     if (!KnowsFrame(target.tool, target.line, program_) ||
         !KnowsFrame(target.frame, target.line, program_)) {
@@ -375,6 +396,7 @@ class KrlReader : ProgramReader {
   std::vector<std::pair<std::size_t, Frames>> changes_;
   std::map<std::string, Frames> point_frames_;
   std::vector<Variable> variables_;
+  std::map<std::string, Uses> uses_;
 };
 
 }  // namespace

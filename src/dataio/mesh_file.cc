@@ -210,6 +210,13 @@ TriangleMesh ReadObj(const std::string& path, const std::string& text) {
   return mesh.Finish(path);
 }
 
+std::string EndingOf(const std::string& path) {
+  std::string ending = std::filesystem::path(path).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return ending;
+}
+
 // Three whole numbers below 2^21 as one.
 std::uint64_t Packed(const std::array<std::uint64_t, 3>& numbers) {
   return numbers[0] << 42U | numbers[1] << 21U | numbers[2];
@@ -270,18 +277,20 @@ TriangleMesh Clustered(const TriangleMesh& mesh, const Vector3d& lower,
 
 }  // namespace
 
+TriangleMesh ParseMesh(const std::string& content, const std::string& path) {
+  return EndingOf(path) == ".obj" ? ReadObj(path, content)
+                                  : ReadStl(path, content);
+}
+
 TriangleMesh LoadMesh(const std::string& path) {
-  std::string ending = std::filesystem::path(path).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
+  const std::string ending = EndingOf(path);
   if (ending != ".stl" && ending != ".obj") {
     Fail(path, "expected an STL or OBJ file");
   }
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (!error && size > kMostBytes) Fail(path, "is larger than 64 MB");
-  const std::string content = ReadFile(path);
-  return ending == ".obj" ? ReadObj(path, content) : ReadStl(path, content);
+  return ParseMesh(ReadFile(path), path);
 }
 
 TriangleMesh SimplifyMesh(const TriangleMesh& mesh, int most) {
@@ -292,7 +301,8 @@ TriangleMesh SimplifyMesh(const TriangleMesh& mesh, int most) {
     upper = upper.cwiseMax(mesh.vertices.col(vertex));
   }
   const double size = (upper - lower).maxCoeff();
-  if (!(size > 0.0)) return {};
+  constexpr double kSmallest = 1e-9;  // in any unit
+  if (!(size > kSmallest)) return {};
   // STL repeats the corners that triangles share.
   constexpr double kParts = 120.0;
   constexpr Eigen::Index kManyTriangles = 100'000;

@@ -17,6 +17,8 @@ struct TriangleMesh {
 /// is no finite number are left out. @throws InputError where it is none of
 /// these, is cut short or has no triangle.
 TriangleMesh LoadMesh(const std::string& path);
+/// The same of a file's content.
+TriangleMesh ParseMesh(const std::string& content, const std::string& path);
 
 /// The mesh with at most so many triangles: vertices within cells of a grid
 /// become one (Rossignac and Borrel 1993), and what is left of triangles that

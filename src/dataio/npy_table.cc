@@ -75,17 +75,17 @@ class NpyRow final : public TableRow {
 
 }  // namespace
 
-NpyTable::NpyTable(const std::string& path, TableContent content,
+NpyTable::NpyTable(MappedFile file, TableContent content,
                    const ReadOptions& options)
-    : file_(std::make_shared<const MappedFile>(path)),
+    : file_(std::make_shared<const MappedFile>(std::move(file))),
       content_(std::move(content)),
-      array_(ReadNpyHeader(path, file_->text())),
+      array_(ReadNpyHeader(file_->path(), file_->text())),
       rows_per_chunk_(std::max<std::int64_t>(
           1, options.chunk_bytes /
                  static_cast<std::int64_t>(array_.record_bytes()))),
       may_be_in_place_(static_cast<std::int64_t>(file_->text().size()) >=
                        options.fewest_bytes_in_place) {
-  RequireFewRows(path, num_rows());
+  RequireFewRows(file_->path(), num_rows());
   const std::string names = Join(array_.names, ",");
   header_.emplace(CsvLine{file_->path(), names, 0}, content_);
   RefuseTexts();

@@ -20,8 +20,7 @@ namespace alidade::internal {
 class NpyTable final : public DataTable {
  public:
   /// @throws InputError, also where the content asks for texts.
-  NpyTable(const std::string& path, TableContent content,
-           const ReadOptions& options);
+  NpyTable(MappedFile file, TableContent content, const ReadOptions& options);
 
   const TableHeader& header() const override { return *header_; }
   std::int64_t num_rows() const override { return array_.num_rows; }

@@ -7,9 +7,9 @@
 
 namespace alidade::internal {
 
-bool IsWordCharacter(char c) {
-  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' ||
-         c == '$';
+bool MayBeName(const std::string& text) {
+  return !text.empty() &&
+         std::isdigit(static_cast<unsigned char>(text.front())) == 0;
 }
 
 ProgramText::ProgramText(const std::string& text, std::string_view comment,
@@ -37,6 +37,7 @@ ProgramText::ProgramText(const std::string& text, std::string_view comment,
       c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
     }
   }
+  ListWords();
 }
 
 int ProgramText::LineOf(std::size_t place) const {
@@ -89,7 +90,10 @@ std::optional<NumberSpan> ProgramText::NumberAt(std::size_t place) const {
     if (after == exponent) return std::nullopt;
     const auto power = ParseWhole<int>(
         std::string_view(masked_).substr(exponent, after - exponent));
-    span.decimals += is_small ? power.value_or(0) : 0;
+    // More decimals than any number is written with.
+    constexpr int kMostDecimals = 1000;
+    span.decimals +=
+        is_small ? std::min(power.value_or(kMostDecimals), kMostDecimals) : 0;
     end = after;
   }
   if (IsWordCharacter(at(end)) || at(end) == '.') return std::nullopt;
@@ -141,8 +145,25 @@ std::string ProgramText::WordAt(std::size_t place) const {
   return masked_.substr(place, end - place);
 }
 
+void ProgramText::ListWords() {
+  for (std::size_t at = 0; at < masked_.size(); ++at) {
+    const std::string word = WordAt(at);
+    if (word.empty()) continue;
+    places_[word].push_back(at);
+    at += word.size();
+  }
+}
+
 std::size_t ProgramText::FindWord(const std::string& word,
                                   std::size_t from) const {
+  if (std::all_of(word.begin(), word.end(), IsWordCharacter)) {
+    const auto places = places_.find(word);
+    if (places == places_.end()) return std::string::npos;
+    const auto place =
+        std::lower_bound(places->second.begin(), places->second.end(), from);
+    return place == places->second.end() ? std::string::npos : *place;
+  }
+  // What is named by more than a word: "cell.home".
   for (std::size_t at_word = from;
        (at_word = masked_.find(word, at_word)) != std::string::npos;
        ++at_word) {
@@ -150,6 +171,13 @@ std::size_t ProgramText::FindWord(const std::string& word,
     if (begins && !IsWordCharacter(at(at_word + word.size()))) return at_word;
   }
   return std::string::npos;
+}
+
+std::string ProgramReader::FrameOrOwn(const std::string& name, std::size_t at) {
+  const bool is_unstated = name == kUnstatedTool || name == kUnstatedBase;
+  if (!is_unstated || program_->frames.count(name) > 0) return name;
+  program_->unstated[name].push_back(text_.LineOf(at));
+  return "";
 }
 
 void ProgramReader::ListOtherMoves(

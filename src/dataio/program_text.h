@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "src/dataio/robot_program.h"
@@ -44,14 +45,24 @@ class ProgramText {
   std::string WordBefore(std::size_t place) const;
   std::string WordAt(std::size_t place) const;
   /// Where `word` stands as a whole identifier, from `from` on; npos.
+  /// @pre it is not empty.
   std::size_t FindWord(const std::string& word, std::size_t from) const;
 
  private:
+  void ListWords();
+
   std::string masked_;
   std::vector<std::size_t> line_starts_;
+  // Where each word stands, ascending: programs are long, and their names many.
+  std::unordered_map<std::string, std::vector<std::size_t>> places_;
 };
 
-bool IsWordCharacter(char c);
+/// Whether a text may be that of a variable: neither nothing nor a number.
+bool MayBeName(const std::string& text);
+
+/// Names of the tool and the base that hold where a program sets none.
+constexpr char kUnstatedTool[] = "tool";
+constexpr char kUnstatedBase[] = "base";
 
 /// What the readers of all languages share: the text, and notes of what is not
 /// corrected.
@@ -67,6 +78,10 @@ class ProgramReader {
   void Leave(std::size_t at, const std::string& why) {
     program_->left.push_back({text_.LineOf(at), why});
   }
+
+  /// The frame of a position: `name`, or the arm's own where it is
+  /// kUnstatedTool or kUnstatedBase and no table of frames has it.
+  std::string FrameOrOwn(const std::string& name, std::size_t at);
 
   /// Motions, each a line that begins with a word of which `is_motion`, to a
   /// name that is not `is_known`: not stated in numbers in this file.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include "src/dataio/program_text.h"
@@ -202,7 +203,11 @@ class RapidReader : ProgramReader {
       if (comma == kNowhere || comma < at) return {"?", "?"};
     }
     Frames frames = {Key(text_.WordAt(SkipWhite(comma + 1))), ""};
-    const std::size_t object = text_.text().find("\\WOBJ", at);
+    const std::size_t object =
+        at +
+        std::min(
+            std::string_view(text_.text()).substr(at, end - at).find("\\WOBJ"),
+            end - at);
     if (object < end) {
       const std::size_t equals = text_.text().find('=', object);
       frames.second = Key(text_.WordAt(SkipWhite(equals + 1)));
@@ -236,6 +241,10 @@ class RapidReader : ProgramReader {
     if (brace != kNowhere) name.erase(brace);
     name.erase(name.find_last_not_of(" \t") + 1);
     name.erase(0, name.find_last_of(" \t") + 1);
+    if (!MayBeName(name)) {
+      Leave(literal.begin, "is given to no variable");
+      return;
+    }
     variables_[name].push_back(literal);
   }
 
@@ -294,6 +303,11 @@ class RapidReader : ProgramReader {
       const auto& turn = literal.lists[1];
       target.numbers.insert(target.numbers.end(), turn.begin(), turn.end());
       target.posture = {literal.lists[2].begin(), literal.lists[2].begin() + 3};
+      for (const NumberSpan& quarter : target.posture) {
+        if (quarter.Whole()) continue;
+        Refuse(literal.begin, "its configuration is not of whole numbers");
+        return;
+      }
       target.tool = frames.first;
       target.frame = frames.second;
       if (!KnowsFrame(target.tool, target.line, program_) ||

@@ -68,6 +68,13 @@ struct Replacement {
   std::string text;
 };
 
+// Whether a number would become a part of the name before it.
+bool RunsInto(const std::string& before, const std::string& number) {
+  if (before.empty() || number.front() == '-') return false;
+  return before.back() == '_' ||
+         std::isalnum(static_cast<unsigned char>(before.back())) != 0;
+}
+
 // Fanuc's columns keep their width.
 void Align(const std::string& text, Replacement* replacement) {
   NumberSpan& span = replacement->span;
@@ -82,6 +89,17 @@ void Align(const std::string& text, Replacement* replacement) {
 }
 
 }  // namespace
+
+bool IsWordCharacter(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' ||
+         c == '$';
+}
+
+std::optional<int> NumberSpan::Whole() const {
+  constexpr double kMost = std::numeric_limits<int>::max();
+  if (std::trunc(value) != value || std::abs(value) > kMost) return {};
+  return static_cast<int>(value);
+}
 
 std::optional<ProgramLanguage> ProgramLanguageOf(const std::string& path) {
   std::string ending = std::filesystem::path(path).extension().string();
@@ -168,7 +186,8 @@ Eigen::MatrixXd PostureBounds(ProgramLanguage language,
   bounds.col(1).setConstant(kNoBound);
   if (target.posture.empty()) return bounds;
   if (language == ProgramLanguage::kKrl) {
-    const auto turn = static_cast<unsigned>(target.posture[0].value);
+    const auto turn =
+        static_cast<unsigned>(target.posture[0].Whole().value_or(0));
     for (int j = 0; j < std::min(num_joints, 6); ++j) {
       const bool is_negative = ((turn >> j) & 1U) != 0;
       bounds(j, is_negative ? 1 : 0) = is_negative ? kSlack : -kSlack;
@@ -192,7 +211,7 @@ std::vector<int> PostureOf(ProgramLanguage language,
   constexpr double kSlack = 1e-4 * kDegree;
   std::vector<int> posture;
   for (const NumberSpan& span : target.posture) {
-    posture.push_back(static_cast<int>(span.value));
+    posture.push_back(span.Whole().value_or(0));
   }
   if (posture.empty()) return posture;
   if (language == ProgramLanguage::kKrl) {
@@ -244,6 +263,7 @@ std::string RewriteProgram(const RobotProgram& program,
   std::size_t from = 0;
   for (const Replacement& replacement : replacements) {
     text += program.text.substr(from, replacement.span.begin - from);
+    if (RunsInto(text, replacement.text)) text += ' ';
     text += replacement.text;
     from = replacement.span.end;
   }

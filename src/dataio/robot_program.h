@@ -21,6 +21,9 @@ struct NumberSpan {
   std::size_t end = 0;
   int decimals = 0;
   double value = 0.0;
+
+  /// The value where it is a whole number that an int can hold.
+  std::optional<int> Whole() const;
 };
 
 /// A position that a program states in numbers.
@@ -36,7 +39,8 @@ struct ProgramTarget {
   /// Names among RobotProgram::frames; empty: the arm's own tool, its base.
   std::string tool;
   std::string frame;
-  /// What the program says of the posture: T of KRL, cf1, cf4, cf6 of RAPID.
+  /// What the program says of the posture: T of KRL, cf1, cf4, cf6 of RAPID,
+  /// all whole numbers.
   std::vector<NumberSpan> posture;
 };
 
@@ -52,9 +56,15 @@ struct RobotProgram {
   std::string text;
   std::vector<ProgramTarget> targets;  ///< in the order of the text
   std::map<std::string, Eigen::Isometry3d> frames;
+  /// Lines of positions before which the program sets no "tool" or no "base",
+  /// nor does the table of frames name one so: taken as the arm's own.
+  std::map<std::string, std::vector<int>> unstated;
   std::vector<ProgramNote> left;     ///< computed at run time: not touched
   std::vector<ProgramNote> refused;  ///< not understood: nothing may be written
 };
+
+/// Whether a character may stand in a name of one of the languages.
+bool IsWordCharacter(char c);
 
 /// By the ending of a file's name: .script, .urscript; .src, .dat, .sub; .mod,
 /// .modx, .prg, .sys; .ls. Nothing for others.
@@ -62,9 +72,14 @@ std::optional<ProgramLanguage> ProgramLanguageOf(const std::string& path);
 
 /// Reads a program for an arm of so many joints. `frames`: tools and bases
 /// that it refers to and does not state, "tool 1", "base 2" (KRL, Fanuc) or by
-/// their names (RAPID). @throws InputError where the file cannot be read.
+/// their names (RAPID); "tool" and "base": what holds where it sets none
+/// (URScript, KRL). @throws InputError where the file cannot be read.
 RobotProgram ReadProgram(
     const std::string& path, int num_joints,
+    const std::map<std::string, Eigen::Isometry3d>& frames);
+/// The same of a file's text.
+RobotProgram ParseProgram(
+    const std::string& text, const std::string& path, int num_joints,
     const std::map<std::string, Eigen::Isometry3d>& frames);
 
 /// The pose that a target states, in its frame. @pre it is not of joints.
@@ -99,7 +114,8 @@ struct ProgramValues {
 };
 
 /// The text with the numbers of all targets replaced, in their decimals or, if
-/// these are fewer, in those that a controller shows. Every other byte stays.
+/// these are fewer, in those that a controller shows. Every other byte stays; a
+/// number that stood right after a word ("X-5") is parted from it by a space.
 std::string RewriteProgram(const RobotProgram& program,
                            const std::vector<ProgramValues>& values);
 

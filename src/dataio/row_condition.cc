@@ -1,6 +1,7 @@
 #include "src/dataio/row_condition.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "src/common/numbers.h"
@@ -74,6 +75,26 @@ std::optional<RowCondition> ParseRowCondition(std::string_view text) {
   }
   if (condition.column.empty()) return std::nullopt;
   return condition;
+}
+
+std::optional<std::pair<int, int>> ParseLines(std::string_view text) {
+  const std::size_t dash = text.find('-');
+  const auto first = ParseWhole<int>(text.substr(0, dash));
+  auto last = first;
+  if (dash != std::string_view::npos) {
+    const std::string_view rest = text.substr(dash + 1);
+    last =
+        rest.empty() ? std::numeric_limits<int>::max() : ParseWhole<int>(rest);
+  }
+  if (!first || !last || *first < 1 || *first > *last) return std::nullopt;
+  return std::pair{*first, *last};
+}
+
+std::string HowToExclude(int line) {
+  const std::string number = std::to_string(line);
+  return "`exclude: [" + number +
+         "]` in the job's `data`, or --exclude=" + number +
+         " of `import`, leaves the row out";
 }
 
 }  // namespace alidade::internal

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "src/dataio/csv_dialect.h"
 
@@ -31,6 +32,15 @@ struct RowCondition {
 /// Reads "COLUMN = TEXT", with one of = == != < <= > >=; nothing where the text
 /// is no condition.
 std::optional<RowCondition> ParseRowCondition(std::string_view text);
+
+/// First and last line of "12", "40-45" or "46-", to the end; nothing where the
+/// text is none of these.
+std::optional<std::pair<int, int>> ParseLines(std::string_view text);
+
+/// How a row is left out of the data that a job or a command reads, for the
+/// message of what is wrong with it: "`exclude: [12]` in the job's `data`, or
+/// --exclude=12 of `import`, leaves the row out".
+std::string HowToExclude(int line);
 
 }  // namespace alidade::internal
 

@@ -219,6 +219,19 @@ TableHeader::Column TableHeader::ReadColumn(const CsvLine& line,
   return column;
 }
 
+// What the header says instead of a quantity's name.
+std::string TableHeader::DescribeNames(const ColumnSpec& spec) const {
+  std::vector<std::string> names;
+  std::vector<std::string> unread;
+  for (const Column& column : columns_) {
+    names.push_back(column.name);
+    if (column.spec < 0) unread.push_back(column.name);
+  }
+  const auto nearest = NearestName(FirstName(spec), unread);
+  return (nearest ? ", did you mean " + Quote(*nearest) + "? The" : "; the") +
+         std::string(" columns are ") + JoinNames(names);
+}
+
 // What is required, and what a mapping names.
 void TableHeader::RequireColumns() const {
   for (std::size_t i = 0; i < specs().size(); ++i) {
@@ -230,7 +243,7 @@ void TableHeader::RequireColumns() const {
     Fail("column is missing, expected " + Spellings(spec) +
              (is_without_header ? " (the file has no header that fits its "
                                   "rows: columns go by their numbers, from 1)"
-                                : ""),
+                                : DescribeNames(spec)),
          FirstName(spec));
   }
 }

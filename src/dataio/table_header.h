@@ -84,6 +84,7 @@ class TableHeader {
   int NextNumber() const { return static_cast<int>(columns_.size()) + 1; }
   [[noreturn]] void FailUnknown(const CsvLine& line,
                                 std::string_view cell) const;
+  std::string DescribeNames(const ColumnSpec& spec) const;
   void RequireColumns() const;
 
   const std::string path_;

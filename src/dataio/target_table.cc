@@ -51,7 +51,7 @@ class TargetReader {
   TargetReader(const std::string& path, const Arm& arm,
                const std::optional<RotationConvention>& rotation)
       : content_{arm, MakeSpecs(arm, &groups_), true},
-        csv_(path, content_, ReadOptions()),
+        csv_(MappedFile(path), content_, ReadOptions()),
         rotation_(rotation) {
     table_.path = path;
   }

@@ -134,8 +134,8 @@ std::pair<std::string, std::string> Convert(const std::string& path,
 
 }  // namespace
 
-TextFile OpenText(const std::string& path) {
-  MappedFile file(path);
+TextFile OpenText(MappedFile file) {
+  const std::string path = file.path();
   RefuseWorkbooks(path, file.text());
   auto [encoding, text] = Convert(path, file.text());
   const std::string_view now = encoding.empty() ? file.text() : text;

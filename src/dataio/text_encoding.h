@@ -15,11 +15,11 @@ struct TextFile {
   std::string encoding;   ///< what it was converted from; empty: nothing was
 };
 
-/// Opens a file. It is mapped into memory as it is where it is UTF-8 already;
+/// The text of a file. It stays mapped as it is where it is UTF-8 already;
 /// UTF-16 (by its mark, or by its zeros), Windows-1252 (where its first lines
 /// are no UTF-8) and carriage returns without line feeds are converted.
-/// @throws InputError where it cannot be read or is no text.
-TextFile OpenText(const std::string& path);
+/// @throws InputError where it is no text.
+TextFile OpenText(MappedFile file);
 
 }  // namespace alidade::internal
 

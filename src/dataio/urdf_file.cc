@@ -21,8 +21,9 @@ using tinyxml2::XMLElement;
 
 class UrdfReader {
  public:
-  explicit UrdfReader(const std::string& path) : path_(path) {
-    const std::string text = ReadFile(path);
+  explicit UrdfReader(const std::string& path)
+      : UrdfReader(ReadFile(path), path) {}
+  UrdfReader(const std::string& text, const std::string& path) : path_(path) {
     if (document_.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
       throw InputError({path_, document_.ErrorLineNum(), 0, ""},
                        "not well-formed XML, expected a URDF file");
@@ -345,7 +346,12 @@ std::vector<ChainJoint> LoadUrdfChain(const std::string& path,
 
 Arm LoadUrdfArm(const std::string& path, const std::string& base_link,
                 const std::string& tip_link) {
-  const UrdfReader reader(path);
+  return ParseUrdfArm(ReadFile(path), path, base_link, tip_link);
+}
+
+Arm ParseUrdfArm(const std::string& text, const std::string& path,
+                 const std::string& base_link, const std::string& tip_link) {
+  const UrdfReader reader(text, path);
   Arm arm = ArmFromChain(reader.Chain(base_link, tip_link));
   if (arm.num_joints() > kMostJoints) {
     throw InputError({path, 0, 0, ""},

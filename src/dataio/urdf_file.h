@@ -27,6 +27,9 @@ std::vector<ChainJoint> LoadUrdfChain(const std::string& path,
 /// and all that an arm file must satisfy hold here too. @throws InputError.
 Arm LoadUrdfArm(const std::string& path, const std::string& base_link,
                 const std::string& tip_link);
+/// The same of a file's text; `path` is for messages.
+Arm ParseUrdfArm(const std::string& text, const std::string& path,
+                 const std::string& base_link, const std::string& tip_link);
 
 /// The names of those joints.
 std::vector<std::string> LoadUrdfJointNames(const std::string& path,

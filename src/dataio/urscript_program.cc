@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -70,11 +71,10 @@ class UrScriptReader : ProgramReader {
   }
 
   std::string ToolAt(std::size_t at) const {
-    std::string tool;
-    for (const auto& [from, name] : tools_) {
-      if (from < at) tool = name;
-    }
-    return tool;
+    const auto after = std::lower_bound(
+        tools_.begin(), tools_.end(), at,
+        [](const auto& tool, std::size_t place) { return tool.first < place; });
+    return after == tools_.begin() ? kUnstatedTool : std::prev(after)->second;
   }
 
   void ReadList(std::size_t at) {
@@ -134,7 +134,7 @@ class UrScriptReader : ProgramReader {
       }
     }
     const std::size_t equals = text_.SkipSpacesBack(at);
-    if (!use.keyword.empty() && text_.at(equals - 1) == '=') {
+    if (MayBeName(use.keyword) && text_.at(equals - 1) == '=') {
       use.variable = use.keyword;
     }
     return use;
@@ -161,8 +161,8 @@ class UrScriptReader : ProgramReader {
     target.line = text_.LineOf(literal.begin);
     target.name = name;
     target.numbers = literal.numbers;
-    target.tool = tool;
-    if (KnowsFrame(tool, target.line, program_)) {
+    target.tool = literal.is_pose ? FrameOrOwn(tool, literal.begin) : "";
+    if (KnowsFrame(target.tool, target.line, program_)) {
       program_->targets.push_back(target);
     }
   }
@@ -202,8 +202,12 @@ class UrScriptReader : ProgramReader {
       Refuse(literals.front().begin,
              other != kNowhere
                  ? name + " is moved to and also used otherwise (line " +
-                       std::to_string(text_.LineOf(other)) + ")"
-                 : name + " is moved to with several tools");
+                       std::to_string(text_.LineOf(other)) +
+                       "): let a variable of its own, of the same numbers, be "
+                       "used there"
+                 : name +
+                       " is moved to with several tools: give each a "
+                       "variable of its own");
       return;
     }
     for (const Literal& literal : literals) {
@@ -212,13 +216,22 @@ class UrScriptReader : ProgramReader {
   }
 
   static bool IsLiteral(std::size_t at, const std::vector<Literal>& literals) {
-    return std::any_of(literals.begin(), literals.end(),
-                       [at](const Literal& l) { return l.begin == at; });
+    const auto found = std::lower_bound(
+        literals.begin(), literals.end(), at,
+        [](const Literal& l, std::size_t place) { return l.begin < place; });
+    return found != literals.end() && found->begin == at;
   }
 
-  // Moves to what is no number and no variable of numbers.
+  // Moves to what is no number and no variable of numbers, or to nowhere.
   void ListComputedMoves() {
-    for (const char* name : {"movej", "movel", "movep", "movec", "servoc"}) {
+    for (const char* name : {"speedj", "speedl"}) {
+      for (std::size_t at = 0; (at = text_.FindWord(name, at)) != kNowhere;
+           ++at) {
+        Leave(at, name + std::string(" moves by a speed, to no position"));
+      }
+    }
+    for (const char* name :
+         {"movej", "movel", "movep", "movec", "servoc", "servoj"}) {
       const std::string word = name;
       for (std::size_t at = 0; (at = text_.FindWord(word, at)) != kNowhere;
            at += word.size()) {

@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <sstream>
 #include <system_error>
 #include <unordered_map>
 
 #include "alidade/error.h"
-#include "src/common/files.h"
 #include "src/serialization/config_file.h"
 
 namespace alidade::internal {
@@ -102,29 +100,6 @@ BatchPlan PlanBatch(const std::vector<std::string>& paths) {
   CheckNames(plan);
   return plan;
 }
-
-std::vector<std::string> ReadJobList(const std::string& path) {
-  std::istringstream lines(ReadFile(path));
-  std::vector<std::string> paths;
-  std::string line;
-  while (std::getline(lines, line)) {
-    const std::size_t first = line.find_first_not_of(" \t\r");
-    if (first == std::string::npos || line[first] == '#') continue;
-    const std::size_t last = line.find_last_not_of(" \t\r");
-    paths.push_back(ResolvePath(path, line.substr(first, last - first + 1)));
-  }
-  if (paths.empty()) {
-    throw InputError({path, 0, 0, ""},
-                     "the list is empty, expected a job file or folder a line");
-  }
-  return paths;
-}
-
-namespace {
-
-namespace fs = std::filesystem;
-
-}  // namespace
 
 BatchPlaces::BatchPlaces(const BatchPlan& plan, const std::string& directory)
     : directory_(fs::weakly_canonical(fs::absolute(directory))) {

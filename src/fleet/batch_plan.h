@@ -39,10 +39,6 @@ struct BatchPlan {
 /// @throws InputError where a folder has no job, or two jobs have one name.
 BatchPlan PlanBatch(const std::vector<std::string>& paths);
 
-/// The paths in a list: one a line, relative to the list's folder; empty lines
-/// and those that begin with '#' are passed over. @throws InputError.
-std::vector<std::string> ReadJobList(const std::string& path);
-
 /// How far a batch is; handed out by one thread at a time.
 struct BatchProgress {
   std::int64_t num_jobs = 0;

@@ -208,6 +208,17 @@ std::vector<Eigen::Vector3d> Trilaterate(const Eigen::Matrix3Xd& points,
   return anchors;
 }
 
+// The rotation by the smallest angle that turns one unit vector into another.
+Eigen::Matrix3d ShortestRotation(const Eigen::Vector3d& from,
+                                 const Eigen::Vector3d& to) {
+  const Eigen::Vector3d across = from.cross(to);
+  const double sine = across.norm();
+  const Eigen::Vector3d axis =
+      sine > 0.0 ? Eigen::Vector3d(across / sine) : from.unitOrthogonal();
+  return Eigen::AngleAxisd(std::atan2(sine, from.dot(to)), axis)
+      .toRotationMatrix();
+}
+
 }  // namespace
 
 std::optional<RigidFit> FitRigid(const Eigen::Matrix3Xd& points_in_a,
@@ -233,9 +244,7 @@ std::optional<RigidFit> FitRigid(const Eigen::Matrix3Xd& points_in_a,
   if (fit.is_unique) {
     fit.b_from_a.linear() = NearestRotation(product);
   } else if (svd.values[0] > smallest) {
-    fit.b_from_a.linear() =
-        Eigen::Quaterniond::FromTwoVectors(svd.v.col(0), svd.u.col(0))
-            .toRotationMatrix();
+    fit.b_from_a.linear() = ShortestRotation(svd.v.col(0), svd.u.col(0));
   }
   fit.b_from_a.translation() = centre_b - fit.b_from_a.linear() * centre_a;
   const double aligned = (fit.b_from_a.linear() * a).cwiseProduct(b).sum();

@@ -7,6 +7,7 @@
 #include "alidade/arm_file.h"
 #include "alidade/error.h"
 #include "src/common/files.h"
+#include "src/common/mapped_file.h"
 #include "src/common/names.h"
 #include "src/dataio/csv_table.h"
 #include "src/job/result_directory.h"
@@ -47,7 +48,7 @@ std::string FindNominal(const std::string& path, const std::string& json) {
 Eigen::MatrixXd MeasuredRange(const std::string& path, const Arm& arm) {
   if (!fs::is_regular_file(path)) return {};
   const TableContent content{arm, JointColumns(arm), true};
-  const CsvTable table(path, content, ReadOptions());
+  const CsvTable table(MappedFile(path), content, ReadOptions());
   const int n = arm.num_joints();
   Eigen::MatrixXd range(n, 2);
   range.col(0).setConstant(std::numeric_limits<double>::infinity());

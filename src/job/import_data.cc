@@ -55,6 +55,7 @@ class Importer {
     }
     Describe(loaded);
     NoteUnused();
+    FindPlaces(loaded.data);
     result_.loaded = std::move(loaded);
     return std::move(result_);
   }
@@ -76,9 +77,8 @@ class Importer {
       }
       result_.notes.emplace_back(
           "where the instrument stood is passed over: in the job, `data: "
-          "{file: "
-          "data.csv, stations: {NAME: FIRST-LAST, ...}}` gives each place a "
-          "base of its own, by lines of that file");
+          "{file: data.csv, stations: {NAME: FIRST-LAST, ...}}` gives each "
+          "place a base of its own, by lines of that file");
     }
     if (is_unused("A") && is_unused("B") && is_unused("C")) {
       result_.notes.emplace_back(
@@ -88,10 +88,13 @@ class Importer {
   }
 
   void ReadLayout() {
-    const TextFile text = OpenText(request_.path);
+    const TextFile text = OpenText(MappedFile(request_.path));
     const std::string_view all = text.file.text().substr(text.begin);
-    const CsvLayout layout = FindCsvLayout(request_.path, all, {});
+    format_.dialect.excluded_lines = request_.excluded_lines;
+    format_.exclude = request_.exclude;
+    const CsvLayout layout = FindCsvLayout(request_.path, all, format_.dialect);
     names_ = layout.names;
+    separator_ = layout.dialect.separator;
     if (names_.empty()) {
       throw InputError({request_.path, 0, 0, ""}, "holds no table");
     }
@@ -111,6 +114,33 @@ class Importer {
       const std::string first = i < cells.size() ? TextOf(cells[i]) : "";
       result_.columns.push_back({names_[i], "", "", first});
     }
+  }
+
+  void FindPlaces(const Dataset& data) {
+    const TextFile text = OpenText(MappedFile(request_.path));
+    std::string_view rest = text.file.text().substr(text.begin);
+    const bool has_label = result_.columns.front().use.empty();
+    const std::string name = names_[0] == "1" ? "" : names_[0] + " ";
+    int number = 0;
+    std::vector<std::string_view> cells;
+    for (std::size_t i = 0; i < data.sources.size(); ++i) {
+      std::string_view line;
+      for (; number < data.sources[i].line; ++number) line = TakeLine(&rest);
+      std::string place = "line " + std::to_string(number);
+      if (has_label && SplitCells(line, separator_, &cells) == nullptr) {
+        place = WithoutMarks(name + TextOf(cells[0])) + " (" + place + ")";
+      }
+      result_.places.push_back(place);
+    }
+  }
+
+  // What needs no quotes in a CSV, nor is looked at as a mark of numbers.
+  static std::string WithoutMarks(std::string text) {
+    const auto is_mark = [](char c) {
+      return c == ',' || c == '"' || c == '\'';
+    };
+    std::replace_if(text.begin(), text.end(), is_mark, ' ');
+    return OneLine(text);
   }
 
   void SetFormat() {
@@ -399,6 +429,7 @@ class Importer {
 
   const ImportRequest& request_;
   std::vector<std::string> names_;
+  char separator_ = ',';
   ColumnRoles roles_;
   DataFormat format_;
   ImportedData result_;
@@ -417,6 +448,27 @@ std::string Quoted(const std::string& text) {
 
 ImportedData ImportData(const ImportRequest& request) {
   return Importer(request).Import();
+}
+
+std::string DataText(const ImportedData& imported, const Arm& arm,
+                     const std::string& title) {
+  const std::string plain =
+      FormatDataset(imported.loaded.data, arm, kFewestDigits, true, {title});
+  std::string text;
+  std::size_t pose = 0;
+  bool is_header = true;
+  std::string_view rest = plain;
+  while (!rest.empty()) {
+    const std::string_view line = TakeLine(&rest);
+    text += line;
+    if (line.front() != '#') {
+      text +=
+          "," + (std::exchange(is_header, false) ? "note"
+                                                 : imported.places.at(pose++));
+    }
+    text += "\n";
+  }
+  return text;
 }
 
 std::string JobText(const std::string& title, const std::string& arm,

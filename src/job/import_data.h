@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "alidade/arm.h"
@@ -18,6 +19,9 @@ struct ImportRequest {
   const Unit* length_unit = nullptr;
   const Unit* angle_unit = nullptr;
   std::optional<RotationConvention> rotation = {};  ///< of three angles
+  /// What is left out: lines, and rows by what is in them.
+  std::vector<std::pair<int, int>> excluded_lines = {};
+  std::vector<RowCondition> exclude = {};
 };
 
 /// A file of measurements as it was understood.
@@ -31,6 +35,9 @@ struct ImportedData {
   std::vector<Column> columns;
   std::vector<std::string> notes;  ///< how it is written, what was left out
   LoadedData loaded;
+  /// Where each pose stands in the file: "Point 17 (line 21)" by the first
+  /// column, where that is passed over, or "line 21".
+  std::vector<std::string> places;
 };
 
 /// Reads positions or poses from a text file of any form that is certain
@@ -43,6 +50,11 @@ struct ImportedData {
 /// @throws InputError where something is not certain; the message says what to
 /// state.
 ImportedData ImportData(const ImportRequest& request);
+
+/// The data set as a file, with the places as a column `note`. `title`: a
+/// comment on top.
+std::string DataText(const ImportedData& imported, const Arm& arm,
+                     const std::string& title);
 
 /// A job that calibrates with the data set, ready to run; paths are as seen
 /// from the job's folder.

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "alidade/error.h"
+#include "alidade/units.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
 #include "src/dataio/target_table.h"
@@ -69,6 +70,22 @@ void Put(const Correction& one, Eigen::Index i, Correction* all) {
   solutions.iterations[i] = one.solutions.iterations[0];
   all->shift[i] = one.shift[0];
   all->turn[i] = one.turn[0];
+}
+
+std::string UnstatedFrameNote(const std::string& kind,
+                              const std::vector<int>& lines) {
+  const auto others = static_cast<std::int64_t>(lines.size()) - 1;
+  const bool is_tool = kind == "tool";
+  return "line " + std::to_string(lines.front()) +
+         (others > 0 ? " and " + Count(others, "other position") : "") +
+         ": the program sets no " + kind + " before, so " +
+         (is_tool ? "the arm file's target" : "the arm's own base") +
+         " is taken for it; where another " + kind +
+         " is active on the controller, " +
+         (is_tool ? "its installation's for one, " : "") +
+         "the correction is wrong: set it in the program, or give --frames a "
+         "row named " +
+         kind;
 }
 
 [[noreturn]] void Refuse(const RobotProgram& program,
@@ -215,6 +232,26 @@ ProgramCorrection CorrectProgram(const RobotProgram& program,
                                  const CorrectionArms& arms,
                                  const CorrectionOptions& options) {
   return ProgramCorrector(program, arms, options).Run();
+}
+
+std::vector<std::string> AssumptionsOf(const RobotProgram& program,
+                                       const Arm& nominal) {
+  std::vector<std::string> notes;
+  for (const auto& [kind, lines] : program.unstated) {
+    notes.push_back(UnstatedFrameNote(kind, lines));
+  }
+  const double away = nominal.last_from_target().translation().norm();
+  const bool has_tools =
+      std::any_of(program.targets.begin(), program.targets.end(),
+                  [](const ProgramTarget& one) { return !one.tool.empty(); });
+  if (has_tools && away > 0.0) {
+    notes.push_back(
+        "the program's tools begin at the arm file's target, " +
+        FormatSignificant(away / kMillimetre, 3) +
+        " mm from the frame of the last joint: where that is not the flange, "
+        "name an arm whose target it is by --nominal");
+  }
+  return notes;
 }
 
 std::map<std::string, Eigen::Isometry3d> LoadFrames(

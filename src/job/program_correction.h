@@ -29,6 +29,13 @@ ProgramCorrection CorrectProgram(const RobotProgram& program,
                                  const CorrectionArms& arms,
                                  const CorrectionOptions& options);
 
+/// What was assumed: of positions before which the program sets no frame
+/// (RobotProgram::unstated), and that the arm's target is the flange, which the
+/// program's tools are taken from, where it is away from the last joint's
+/// frame.
+std::vector<std::string> AssumptionsOf(const RobotProgram& program,
+                                       const Arm& nominal);
+
 /// Tools and bases of a table with the columns name, x_mm, y_mm, z_mm and an
 /// orientation. @throws InputError.
 std::map<std::string, Eigen::Isometry3d> LoadFrames(

@@ -180,9 +180,20 @@ void CheckResultDirectory(const std::string& directory, OutputKind kind,
   RefuseForeign(directory, names, written);
 }
 
-std::vector<std::string> WriteResultDirectory(
-    const std::string& directory, const std::vector<ReportFile>& files) {
-  MakeDirectories(directory);
+namespace {
+
+// An error names the file by the place that it was for.
+void WriteStaged(const StagedDirectory& staged, const ReportFile& file,
+                 const std::string& path) {
+  try {
+    WriteNewFile(staged.path() + "/" + file.name, file.content);
+  } catch (const InputError& error) {
+    throw InputError({path, 0, 0, ""}, error.message());
+  }
+}
+
+std::vector<std::string> WriteInto(const std::string& directory,
+                                   const std::vector<ReportFile>& files) {
   const std::string place = std::filesystem::canonical(directory).string();
   const DirectoryLock lock(place);
   ClearStaged(place);
@@ -195,11 +206,27 @@ std::vector<std::string> WriteResultDirectory(
   std::vector<std::string> paths;
   for (const ReportFile& file : files) {
     paths.push_back(directory + "/" + file.name);
-    WriteNewFile(staged.path() + "/" + file.name, file.content);
+    WriteStaged(staged, file, paths.back());
   }
   NoteAllWritten(staged.path(), {names.begin(), names.end()});
   staged.PutInPlace(both, files.empty() ? "" : files.back().name);
   return paths;
+}
+
+}  // namespace
+
+std::vector<std::string> WriteResultDirectory(
+    const std::string& directory, const std::vector<ReportFile>& files) {
+  std::error_code ignored;
+  const bool is_new = !std::filesystem::exists(directory, ignored);
+  MakeDirectories(directory);
+  try {
+    return WriteInto(directory, files);
+  } catch (const InputError&) {
+    // Nothing but an empty directory goes.
+    if (is_new) std::filesystem::remove(directory, ignored);
+    throw;
+  }
 }
 
 void RemoveResult(const std::string& directory) {

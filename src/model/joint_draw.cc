@@ -1,5 +1,6 @@
 #include "src/model/joint_draw.h"
 
+#include "alidade/interruption.h"
 #include "alidade/units.h"
 #include "src/common/random.h"
 #include "src/model/motors.h"
@@ -18,6 +19,7 @@ double DrawJointValue(const Arm& arm, int j, Random* random) {
 Eigen::MatrixXd DrawJointValues(const Arm& arm, int count, std::uint64_t seed) {
   Eigen::MatrixXd joint_values(arm.num_joints(), count);
   for (int i = 0; i < count; ++i) {
+    if (i % 1024 == 0) CheckInterruption();
     Random random(seed, static_cast<std::uint64_t>(i));
     for (int j = 0; j < arm.num_joints(); ++j) {
       joint_values(j, i) = DrawJointValue(arm, j, &random);

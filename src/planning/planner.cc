@@ -231,24 +231,31 @@ class Planner {
     const DesignProblem part = WorstTold(problem_, first, threads());
     const PlanEvaluator evaluator(config_, model_, problem_);
     options.starts = 1;
-    const auto is_met = [&](int number) {
+    // Predicted over wanted.
+    const auto ratio_of = [&](int number) {
       options.num_poses = number;
       const DesignResult plan = ChoosePoses(part, options);
-      return plan.status != DesignStatus::kRankShort &&
-             evaluator.WorstOverRegion(plan) <= *config_.wanted;
+      return plan.status == DesignStatus::kRankShort
+                 ? kInfinity
+                 : evaluator.WorstOverRegion(plan) / *config_.wanted;
     };
     int too_few = 0;
     int enough = static_cast<int>(first.chosen.size());
-    while (!is_met(enough)) {
+    double ratio = ratio_of(enough);
+    while (ratio > 1.0) {
       if (enough == most) {
         return RefuseAccuracy();
       }
       too_few = enough;
-      enough = std::min(most, enough + enough / 2 + 1);
+      // A standard deviation falls as 1 / sqrt(n): what is far out of reach is
+      // refused by the largest plan at once.
+      const bool is_hopeless = enough * ratio * ratio > 4.0 * most;
+      enough = is_hopeless ? most : std::min(most, enough + enough / 2 + 1);
+      ratio = ratio_of(enough);
     }
     while (enough - too_few > 1) {
       const int middle = (too_few + enough) / 2;
-      (is_met(middle) ? enough : too_few) = middle;
+      (ratio_of(middle) <= 1.0 ? enough : too_few) = middle;
     }
     *num_poses = enough;
     return true;

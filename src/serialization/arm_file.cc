@@ -16,6 +16,7 @@
 #include "src/serialization/arm_errors.h"
 #include "src/serialization/arm_fields.h"
 #include "src/serialization/config_file.h"
+#include "src/serialization/robot_files.h"
 #include "src/serialization/ur_kinematics.h"
 
 namespace alidade {
@@ -365,35 +366,46 @@ Arm ReadArm(const YamlValue& root, const std::string& path,
 }  // namespace
 }  // namespace internal
 
-Arm LoadArm(const std::string& path) {
-  std::vector<std::string> input_files;
-  return LoadArm(path, &input_files);
-}
+namespace {
 
-Arm LoadArm(const std::string& path, std::vector<std::string>* input_files) {
-  const internal::YamlValue root = internal::ReadYaml(path);
+Arm ParseArm(const std::string& text, const std::string& path,
+             std::vector<std::string>* input_files) {
+  const internal::YamlValue root = internal::ParseYaml(text, path);
   if (internal::IsUrKinematics(root)) {
     return internal::ReadUrKinematics(root, path);
   }
-  return internal::ReadArm(
-      internal::ReadConfigFile(path, internal::FileFormat::kArm), path,
-      input_files);
+  internal::RequireFormat(root, internal::FileFormat::kArm);
+  return internal::ReadArm(root, path, input_files);
+}
+
+}  // namespace
+
+Arm LoadArm(const std::string& file) {
+  std::vector<std::string> input_files;
+  return LoadArm(file, &input_files);
+}
+
+Arm LoadArm(const std::string& file, std::vector<std::string>* input_files) {
+  internal::RefuseBareName(file, file, {});
+  const std::string path = internal::ArmPath(file, file, {});
+  return ParseArm(internal::ReadFile(path), path, input_files);
 }
 
 Arm ParseArm(const std::string& text, const std::string& name) {
   std::vector<std::string> input_files;
-  const internal::YamlValue root = internal::ParseYaml(text, name);
-  root.AnyMap("an arm's entries")
-      .Required("format")
-      .Choice("format", {internal::WordOf(internal::FileFormat::kArm)});
-  return internal::ReadArm(root, name, &input_files);
+  return ParseArm(text, name, &input_files);
 }
 
 Eigen::VectorXd LoadDeviations(const std::string& path, const Arm& arm) {
+  return ParseDeviations(internal::ReadFile(path), path, arm);
+}
+
+Eigen::VectorXd ParseDeviations(const std::string& text,
+                                const std::string& name, const Arm& arm) {
   Eigen::VectorXd deviations;
-  internal::ReadConfig(path, internal::FileFormat::kDeviations, [&](auto& v) {
-    internal::VisitDeviations(v, arm, &deviations);
-  });
+  internal::ReadConfig(
+      internal::ParseConfig(text, name, internal::FileFormat::kDeviations),
+      [&](auto& v) { internal::VisitDeviations(v, arm, &deviations); });
   return deviations;
 }
 

@@ -62,18 +62,27 @@ std::string PlaceName(const SourceLocation& location) {
 }  // namespace
 
 FileFormat DetectFormat(const std::string& path) {
+  RefuseBareName(path, path, {});
   return ReadFormat(ReadYaml(path));
 }
 
-YamlValue ReadConfigFile(const std::string& path, FileFormat expected) {
-  YamlValue root = ReadYaml(path);
+void RequireFormat(const YamlValue& root, FileFormat expected) {
   const FileFormat format = ReadFormat(root);
-  if (format != expected) {
-    FormatEntry(root).Fail("found " + Quote(FormatEntry(root).Text()) +
-                           ", expected " + Quote(WordOf(expected)) + " here" +
-                           ReaderOf(format));
-  }
+  if (format == expected) return;
+  FormatEntry(root).Fail("found " + Quote(FormatEntry(root).Text()) +
+                         ", expected " + Quote(WordOf(expected)) + " here" +
+                         ReaderOf(format));
+}
+
+YamlValue ParseConfig(const std::string& text, const std::string& path,
+                      FileFormat expected) {
+  YamlValue root = ParseYaml(text, path);
+  RequireFormat(root, expected);
   return root;
+}
+
+YamlValue ReadConfigFile(const std::string& path, FileFormat expected) {
+  return ParseConfig(ReadFile(path), path, expected);
 }
 
 Eigen::VectorXd ReadJointQuantities(const YamlValue& value, const Units& units,
@@ -123,6 +132,7 @@ Eigen::VectorXd ReadDeviations(const YamlValue& value, const Units& units,
 Arm NamedFiles::ReadArm(const YamlValue& value,
                         Arm (*load)(const std::string& path,
                                     std::vector<std::string>* input_files)) {
+  RefuseBareName(value.Text(), Resolve(value), value.location());
   const std::string arm_path =
       ArmPath(value.Text(), Resolve(value), value.location());
   std::vector<std::string> named;

@@ -32,8 +32,15 @@ inline constexpr std::array kWords<FileFormat> = {
 /// @throws InputError where the file is no YAML map or its format is unknown.
 FileFormat DetectFormat(const std::string& path);
 
-/// The root of a YAML file whose `format` is the expected one.
-/// @throws InputError.
+/// @throws InputError where the file's `format` is not the expected one.
+void RequireFormat(const YamlValue& root, FileFormat expected);
+
+/// The root of a YAML text whose `format` is the expected one; `path` is for
+/// messages, and what paths in it are relative to. @throws InputError.
+YamlValue ParseConfig(const std::string& text, const std::string& path,
+                      FileFormat expected);
+
+/// The same of a file. @throws InputError.
 YamlValue ReadConfigFile(const std::string& path, FileFormat expected);
 
 /// The first keys of every file.
@@ -51,11 +58,9 @@ void VisitHead(Visitor& v, FileFormat format) {
       "of all numbers", ReadElsewhere);
 }
 
-/// Reads a whole YAML file of one format by the description of its fields.
+/// Reads a whole YAML file by the description of its fields.
 template <typename Visit>
-void ReadConfig(const std::string& path, FileFormat format,
-                const Visit& visit) {
-  const YamlValue root = ReadConfigFile(path, format);
+void ReadConfig(const YamlValue& root, const Visit& visit) {
   ReadFields(root, Units(MapOf(root, visit)), visit);
 }
 

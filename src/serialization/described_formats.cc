@@ -97,8 +97,14 @@ std::vector<FieldRecord> FieldsAt(const std::string& path) {
     if (found == level.end()) {
       std::vector<std::string> names;
       for (const DescribedFormat& one : level) names.push_back(one.name);
-      throw InputError(
-          {}, UnknownName(begin == 0 ? "format" : "section", name, names));
+      std::string message =
+          UnknownName(begin == 0 ? "format" : "section", name, names);
+      for (const DescribedFormat& part : DescribeParts()) {
+        if (part.name == name) {
+          message += "; 'alidade keys " + name + "' lists that part of files";
+        }
+      }
+      throw InputError({}, message);
     }
     std::vector<FieldRecord> fields = std::move(found->fields);
     if (dot == std::string::npos) return fields;

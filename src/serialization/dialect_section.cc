@@ -1,6 +1,5 @@
 #include "src/serialization/dialect_section.h"
 
-#include <limits>
 #include <string>
 
 #include "src/common/names.h"
@@ -19,20 +18,6 @@ char MarkOf(const YamlValue& value, const std::string& what,
   }
   value.Fail("expected " + what + ", one of " + JoinNames(names) + ", found " +
              Quote(value.Text()));
-}
-
-// "12", "40-45" or "46-", to the end.
-std::optional<std::pair<int, int>> LinesOf(std::string_view text) {
-  const std::size_t dash = text.find('-');
-  const auto first = ParseWhole<int>(text.substr(0, dash));
-  auto last = first;
-  if (dash != std::string_view::npos) {
-    const std::string_view rest = text.substr(dash + 1);
-    last =
-        rest.empty() ? std::numeric_limits<int>::max() : ParseWhole<int>(rest);
-  }
-  if (!first || !last || *first < 1 || *first > *last) return std::nullopt;
-  return std::pair{*first, *last};
 }
 
 }  // namespace
@@ -86,7 +71,7 @@ void ReadMissingWords(const YamlValue& value, StatedDialect* dialect) {
 void ReadExclude(const YamlValue& value, DataFormat* format) {
   for (const YamlValue& entry : value.List()) {
     const std::string text = entry.Text();
-    const std::optional<std::pair<int, int>> lines = LinesOf(text);
+    const std::optional<std::pair<int, int>> lines = ParseLines(text);
     if (lines) {
       format->dialect.excluded_lines.push_back(*lines);
       continue;
@@ -108,7 +93,7 @@ void ReadStations(const YamlValue& value, DataFormat* format) {
     std::vector<YamlValue> ranges = {entry};
     if (entry.IsList()) ranges = entry.List();
     for (const YamlValue& range : ranges) {
-      const auto lines = LinesOf(range.Text());
+      const auto lines = ParseLines(range.Text());
       if (!lines) {
         range.Fail(
             "expected lines of the file (2-41, or 42- to its end), "

@@ -49,7 +49,9 @@ Eigen::Vector3d ReadVector(const YamlValue& value, const Key& key,
     vector[axis] = ReadNumber(items[axis], key, units);
   }
   if (key.dimension) return vector;
-  vector.stableNormalize();
+  // One that was written is read to the same bits.
+  constexpr double kRounding = 1e-15;
+  if (std::abs(vector.norm() - 1.0) > kRounding) vector.stableNormalize();
   if (!(std::abs(vector.norm() - 1.0) < 1e-12)) {
     value.Fail("is zero or out of range, expected a direction");
   }

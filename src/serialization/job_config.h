@@ -78,6 +78,8 @@ std::vector<FieldRecord> JobFields();
 /// @throws InputError with file, line, column and key; also where the file has
 /// a `matrix`, which is many jobs (job_matrix.h).
 JobConfig LoadJob(const std::string& path, const Execution& execution = {});
+/// The same of a job file's root.
+JobConfig ReadJob(const YamlValue& root, const Execution& execution = {});
 
 /// The job that a tree describes, its files loaded. @pre no `matrix` in it.
 /// @throws InputError.

@@ -313,11 +313,11 @@ JobConfig Load(const YamlValue& root, bool with_validation,
 }
 
 // One job, not the many of a matrix.
-YamlValue ReadOneJob(const std::string& path) {
-  YamlValue root = RootOf(ReadJobTree(path));
+YamlValue ReadOneJob(const YamlValue& file) {
+  YamlValue root = RootOf(ReadJobTree(file));
   if (const auto matrix = root.Find("matrix")) {
-    matrix->Fail("a matrix is many jobs, expected one: `alidade batch " + path +
-                 "` runs them all");
+    matrix->Fail("a matrix is many jobs, expected one: `alidade batch " +
+                 file.location().file + "` runs them all");
   }
   return root;
 }
@@ -358,12 +358,16 @@ JobConfig LoadJobTree(YamlDocument tree, const Execution& execution) {
   return Load(RootOf(std::move(tree)), true, execution);
 }
 
+JobConfig ReadJob(const YamlValue& root, const Execution& execution) {
+  return Load(ReadOneJob(root), true, execution);
+}
+
 JobConfig LoadJob(const std::string& path, const Execution& execution) {
-  return Load(ReadOneJob(path), true, execution);
+  return ReadJob(ReadConfigFile(path, FileFormat::kJob), execution);
 }
 
 JobConfig LoadWholeJob(const std::string& path) {
-  return Load(ReadOneJob(path), false, {});
+  return Load(ReadOneJob(ReadConfigFile(path, FileFormat::kJob)), false, {});
 }
 
 }  // namespace alidade::internal

@@ -281,13 +281,15 @@ struct JobMatrix::Contents {
   }
 };
 
-JobMatrix::JobMatrix(const std::string& path) {
+JobMatrix::JobMatrix(const std::string& path)
+    : JobMatrix(ReadConfigFile(path, FileFormat::kJob)) {}
+
+JobMatrix::JobMatrix(const YamlValue& root) {
   Contents contents;
-  contents.path = path;
-  contents.stem = NameOfFile(path);
-  contents.tree = ReadJobTree(path);
-  const YamlValue root = RootOf(contents.tree);
-  if (const auto value = root.Find("matrix")) {
+  contents.path = root.location().file;
+  contents.stem = NameOfFile(contents.path);
+  contents.tree = ReadJobTree(root);
+  if (const auto value = RootOf(contents.tree).Find("matrix")) {
     const YamlMap matrix = value->AnyMap("keys and their values");
     if (matrix.entries().empty()) {
       matrix.Fail("the map is empty, expected keys and their values");

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "src/serialization/job_config.h"
+#include "src/serialization/yaml_reader.h"
 #include "src/serialization/yaml_tree.h"
 
 namespace alidade::internal {
@@ -29,6 +30,8 @@ class JobMatrix {
   /// Reads the file and those it extends. @throws InputError with file, line,
   /// column and key.
   explicit JobMatrix(const std::string& path);
+  /// The same of a job file's root.
+  explicit JobMatrix(const YamlValue& root);
 
   std::int64_t size() const;
   const std::string& path() const;

@@ -41,11 +41,11 @@ constexpr std::size_t kMostFiles = 32;
 
 class TreeReader {
  public:
-  YamlDocument Read(const std::string& path) {
-    const YamlValue root = ReadConfigFile(path, FileFormat::kJob);
+  YamlDocument Read(const YamlValue& root) {
     YamlDocument document = root.document();
     const std::optional<YamlValue> extends = root.Find("extends");
     if (!extends) return document;
+    const std::string path = document.files.front();
     chain_.push_back(path);
     NamedFiles files(path);
     const std::string base_path = files.Resolve(*extends);
@@ -54,8 +54,9 @@ class TreeReader {
       extends->Fail("more than " + std::to_string(kMostFiles) +
                     " files extend each other, expected fewer");
     }
-    YamlDocument base = files.Read(
-        *extends, [this](const std::string& named) { return Read(named); });
+    YamlDocument base = files.Read(*extends, [this](const std::string& named) {
+      return Read(ReadConfigFile(named, FileFormat::kJob));
+    });
     CheckUnits(document, base);
     RemoveKey("extends", &document.root);
     Inherit(std::move(base), &document);
@@ -82,8 +83,8 @@ class TreeReader {
 
 }  // namespace
 
-YamlDocument ReadJobTree(const std::string& path) {
-  return TreeReader().Read(path);
+YamlDocument ReadJobTree(const YamlValue& root) {
+  return TreeReader().Read(root);
 }
 
 namespace {

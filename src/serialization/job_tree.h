@@ -3,21 +3,22 @@
 
 #include <string>
 
+#include "src/serialization/yaml_reader.h"
 #include "src/serialization/yaml_tree.h"
 
 namespace alidade::internal {
 
-/// Reads a job file and those that it inherits from: `extends: BASE.yaml` lays
-/// the file on BASE, map by map, lists and single values replaced (Overlay,
-/// below). Every value keeps its file, line and column, and paths stay
-/// relative to the file that states them. The key `extends` is gone from the
-/// result; `matrix` is left to who reads it.
+/// A job file and those that it inherits from, which are read here: `extends:
+/// BASE.yaml` lays the file on BASE, map by map, lists and single values
+/// replaced (Overlay, below). Every value keeps its file, line and column, and
+/// paths stay relative to the file that states them. The key `extends` is gone
+/// from the result; `matrix` is left to who reads it.
 ///
 /// A file that states other `units` than its base is refused: they would change
 /// what the base's numbers mean.
 /// @throws InputError, also where files extend each other in a circle or are
 /// more than 32.
-YamlDocument ReadJobTree(const std::string& path);
+YamlDocument ReadJobTree(const YamlValue& root);
 
 /// Lays `over` on `*under`, which becomes both: maps are merged key by key, to
 /// any depth; anything else is replaced. A key of `over` that says null (`~`)

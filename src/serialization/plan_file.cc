@@ -457,11 +457,14 @@ void ReadPlanOptions(const YamlValue& value, const Units& units,
 }
 
 PlanConfig LoadPlan(const std::string& path, int num_threads) {
-  const YamlValue root = ReadConfigFile(path, FileFormat::kPlan);
-  JobContext context{Units(root.Map(KeysOf(PlanFields()))), NamedFiles(path),
-                     num_threads};
+  return ReadPlan(ReadConfigFile(path, FileFormat::kPlan), num_threads);
+}
+
+PlanConfig ReadPlan(const YamlValue& root, int num_threads) {
+  JobContext context{Units(root.Map(KeysOf(PlanFields()))),
+                     NamedFiles(root.document()), num_threads};
   PlanConfig plan;
-  plan.path = path;
+  plan.path = root.location().file;
   plan.design.num_poses = kMostPoses;
   PlanReading reading{&context, &plan};
   ReadFields(root, context.units, [&](auto& v) { VisitPlan(v, &reading); });

@@ -31,6 +31,8 @@ void ReadPlanOptions(const YamlValue& value, const Units& units,
 /// Reads a plan file and every file it names; paths are relative to it.
 /// @throws InputError with file, line, column and key.
 PlanConfig LoadPlan(const std::string& path, int num_threads = 1);
+/// The same of a plan file's root.
+PlanConfig ReadPlan(const YamlValue& root, int num_threads = 1);
 
 }  // namespace alidade::internal
 

@@ -58,9 +58,18 @@ namespace {
 
 using Json = nlohmann::json;
 
+// Far more than any result needs, and little for what recurses.
+constexpr int kMaxDepth = 100;
+
 Json ParseJson(const std::string& path, const std::string& text) {
+  const auto refuse_deep = [&](int depth, Json::parse_event_t, const Json&) {
+    if (depth <= kMaxDepth) return true;
+    throw InputError({path, 0, 0, ""},
+                     "nested deeper than " + std::to_string(kMaxDepth) +
+                         " levels, expected a file that Alidade wrote");
+  };
   try {
-    return Json::parse(text);
+    return Json::parse(text, refuse_deep);
   } catch (const Json::parse_error& error) {
     // The parser gives the number of bytes read.
     const std::size_t byte = std::max<std::size_t>(error.byte, 1) - 1;
@@ -150,7 +159,12 @@ CalibrationResult ParseResultJson(const std::string& text,
 }
 
 BatchSummary LoadBatchSummary(const std::string& path) {
-  const Json root = ReadJsonText(path, ReadFile(path), kBatchFormat);
+  return ParseBatchSummary(ReadFile(path), path);
+}
+
+BatchSummary ParseBatchSummary(const std::string& text,
+                               const std::string& path) {
+  const Json root = ReadJsonText(path, text, kBatchFormat);
   const JsonValue json(path, "", root);
   CheckFormat(json, kBatchFormat);
   BatchSummary summary;

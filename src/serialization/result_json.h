@@ -45,6 +45,9 @@ std::string FormatBatchSummary(const BatchSummary& summary);
 
 /// Reads it back. @throws InputError.
 BatchSummary LoadBatchSummary(const std::string& path);
+/// The same of a text; `path` is for messages.
+BatchSummary ParseBatchSummary(const std::string& text,
+                               const std::string& path);
 
 /// A record of a journal as one line of JSON, without its line end.
 std::string FormatBatchRecord(const BatchRecord& record);

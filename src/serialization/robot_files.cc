@@ -111,4 +111,20 @@ std::string ArmPath(const std::string& text, const std::string& path,
                                  "; 'alidade robots' lists them");
 }
 
+void RefuseBareName(const std::string& text, const std::string& path,
+                    const SourceLocation& location) {
+  const std::string name = kPrefix + text;
+  std::error_code error;
+  if (text.find('/') != std::string::npos || StemOf(name).empty() ||
+      fs::exists(path, error)) {
+    return;
+  }
+  for (const RobotFile& robot : ListRobots()) {
+    if (robot.name != kPrefix + StemOf(name)) continue;
+    throw InputError(location, Quote(text) + " is no file, did you mean \"" +
+                                   robot.name +
+                                   "\"? 'alidade robots' lists them");
+  }
+}
+
 }  // namespace alidade::internal

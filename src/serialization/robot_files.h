@@ -32,6 +32,12 @@ std::string RobotNameOf(const std::string& path);
 std::string ArmPath(const std::string& text, const std::string& path,
                     const SourceLocation& location);
 
+/// Refuses the name of an arm without its folder, "ur10", where there is no
+/// such file: says that "robots/ur10" is meant. For what is to be read as a
+/// file; other texts pass. @throws InputError at `location`.
+void RefuseBareName(const std::string& text, const std::string& path,
+                    const SourceLocation& location);
+
 }  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_SERIALIZATION_ROBOT_FILES_H_

@@ -228,11 +228,14 @@ SimulationConfig ReadSimulatedData(const YamlValue& value, const Arm& arm,
 }
 
 SimulationConfig LoadSimulation(const std::string& path) {
-  const YamlValue root = ReadConfigFile(path, FileFormat::kSimulation);
+  return ReadSimulation(ReadConfigFile(path, FileFormat::kSimulation));
+}
+
+SimulationConfig ReadSimulation(const YamlValue& root) {
   const Units units(root.Map(KeysOf(SimulationFields())));
-  NamedFiles files(path);
+  NamedFiles files(root.document());
   SimulationConfig config;
-  config.path = path;
+  config.path = root.location().file;
   ReadFields(root, units, [&](auto& v) {
     VisitSimulation(v, {&files, &config});
   });

@@ -22,6 +22,8 @@ SimulationConfig ReadSimulatedData(const YamlValue& value, const Arm& arm,
 /// Reads a simulation and every file it names.
 /// @throws InputError with file, line, column and key.
 SimulationConfig LoadSimulation(const std::string& path);
+/// The same of a simulation file's root.
+SimulationConfig ReadSimulation(const YamlValue& root);
 
 }  // namespace alidade::internal
 

@@ -7,6 +7,7 @@ import pathlib
 import shutil
 import subprocess
 import sys
+import time
 import unittest
 
 from selenium import webdriver
@@ -110,8 +111,13 @@ class PageTest(unittest.TestCase):
             {"name": "prefers-color-scheme", "value": scheme}])
         self.cdp("Emulation.setScriptExecutionDisabled", value=not scripts)
         self.browser.get(path.resolve().as_uri())
-        self.assertEqual("true" if scripts else None,
-                         self.js("document.documentElement.dataset.ready"))
+        # Loaded is not yet drawn, on a busy machine.
+        end = time.monotonic() + 30.0
+        wanted = "true" if scripts else None
+        ready = "document.documentElement.dataset.ready"
+        while self.js(ready) != wanted and time.monotonic() < end:
+            time.sleep(0.05)
+        self.assertEqual(wanted, self.js(ready))
         self.assertEqual([], self.browser.get_log("browser"))
         self.assertEqual({path.resolve().as_uri()}, self.requests())
 

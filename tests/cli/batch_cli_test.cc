@@ -225,7 +225,13 @@ class BatchCrashTest : public BatchCliTest {
   }
 };
 
-TEST_F(BatchCrashTest, TwentyKillsEndAsNone) { KillAndCompare(12, 20); }
+// Twenty times; ALIDADE_KILLS says more.
+TEST_F(BatchCrashTest, KillsEndAsNone) {
+  const char* const wanted = std::getenv("ALIDADE_KILLS");
+  const int num_kills = wanted == nullptr ? 20 : std::atoi(wanted);
+  ASSERT_GT(num_kills, 0);
+  KillAndCompare(12, num_kills);
+}
 
 // More than ten minutes: by name, --gtest_also_run_disabled_tests
 // --gtest_filter='*ThousandJobs*'.

@@ -104,6 +104,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"convert a.csv b.txt --arm=a.yaml", "ends in .csv or .npy"},
         BadUsage{"calibrate no_such_file.yaml", "no_such_file.yaml"},
         BadUsage{"keys jub", "unknown format \"jub\", did you mean \"job\"?"},
+        BadUsage{"keys job.data", "'alidade keys data' lists"},
+        BadUsage{"export a.yaml", "--as=FORMAT is missing, expected one of dh"},
+        BadUsage{"fk a.yaml 0 -90", "too many files, expected ARM.yaml"},
         BadUsage{"keys job.uncertainy", "did you mean \"uncertainty\"?"},
         BadUsage{"show /", "/"}));
 
@@ -122,6 +125,7 @@ TEST(CliTest, KeysAreThoseOfTheDescriptions) {
   const ProcessResult section = Alidade("keys job.uncertainty");
   EXPECT_THAT(section.out, StartsWith("  confidence  (0.95)\n      of "));
   EXPECT_THAT(Alidade("keys").out, HasSubstr("  job         sections "));
+  EXPECT_THAT(Alidade("keys job").out, HasSubstr("(docs/batch.md)"));
 }
 
 // Of a file that a calibration of the study wrote: figures are XML with

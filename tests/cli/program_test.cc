@@ -248,6 +248,61 @@ TEST_F(RefusedProgramTest, WhatIsComputedAtRunTimeIsListedAndStays) {
   EXPECT_EQ(out.substr(out.find("PTP XP7")), text.substr(text.find("PTP XP7")));
 }
 
+// On a UR the installation's tool holds then, and the program does not say it.
+TEST_F(RefusedProgramTest, AToolThatIsNotSetIsAssumedAloudOrTakenFromTheTable) {
+  const std::string arm = kSource + "/configs/robots/ur10.yaml";
+  Random random(904);
+  const Arm real = testing::WithRandomErrors(LoadArm(arm), &random);
+  WriteWhole(directory_ / "real.yaml", FormatArm(real, ""));
+  WriteWhole(directory_ / "frames.csv",
+             "name,x_mm,y_mm,z_mm,wx_deg,wy_deg,wz_deg\ntool,0,50,200,0,0,0\n");
+  const std::string move = "movel(p[0.4,0.2,0.5,0,3.1,0])\n";
+  const std::string tool = "set_tcp(p[0,0.05,0.2,0,0,0])\n";
+  const auto correct = [&](const std::string& text, const std::string& more) {
+    WriteWhole(directory_ / "a.script", text);
+    const auto result = testing::RunProcess(
+        std::string(ALIDADE_BINARY) + " correct " + (directory_ / "real.yaml") +
+        " " + (directory_ / "a.script") + " --nominal=" + arm +
+        " --out=" + (directory_ / "b.script") + more);
+    EXPECT_EQ(result.status, 0) << result.err;
+    return result.out;
+  };
+  const std::string frames = " --frames=" + (directory_ / "frames.csv");
+  EXPECT_THAT(correct(move + "movej([0,-1,1,0,1,0])\n" + move, ""),
+              HasSubstr("Assumed\n  line 1 and 1 other position: the program "
+                        "sets no tool"));
+  const std::string at_flange = ReadWhole(directory_ / "b.script");
+  EXPECT_THAT(correct(move, frames), ::testing::Not(HasSubstr("Assumed")));
+  const std::string by_table = ReadWhole(directory_ / "b.script");
+  EXPECT_THAT(correct(tool + move, ""), ::testing::Not(HasSubstr("Assumed")));
+  EXPECT_EQ(ReadWhole(directory_ / "b.script"), tool + by_table);
+  EXPECT_NE(at_flange.substr(0, by_table.size()), by_table);
+  // Tools begin at the nominal arm's target, which is a reflector here.
+  Arm with_tool = LoadArm(arm);
+  with_tool.last_from_target().translation().z() += 0.04;
+  WriteWhole(directory_ / "tool.yaml", FormatArm(with_tool, ""));
+  EXPECT_THAT(correct(tool + move, " --nominal=" + (directory_ / "tool.yaml")),
+              HasSubstr("Assumed\n  the program's tools begin at the arm "
+                        "file's target, 40.0 mm from"));
+}
+
+TEST_F(RefusedProgramTest, ALineIsNotedOnceAndMotionsBySpeedAreToo) {
+  const std::string arm = kSource + "/configs/robots/ur10.yaml";
+  WriteWhole(directory_ / "a.script",
+             "movel(pose_trans(p[0.4,0.2,0.5,0,3.1,0], p[0,0,0.1,0,0,0]))\n"
+             "speedl([0,0,0.1,0,0,0], a=1, t=2)\nservoj(q_now, t=0.1)\n");
+  const auto result = testing::RunProcess(
+      std::string(ALIDADE_BINARY) + " correct " + arm + " " +
+      (directory_ / "a.script") + " --nominal=" + arm +
+      " --out=" + (directory_ / "b.script"));
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(
+      result.out,
+      HasSubstr("Not touched\n  line 1: pose_trans computes with a pose\n"
+                "  line 2: speedl moves by a speed, to no position\n"
+                "  line 3: moves to what is computed at run time\n"));
+}
+
 TEST_F(RefusedProgramTest, WhatIsNotUnderstoodIsNamedByItsLine) {
   EXPECT_THAT(Refusal("a.src", "DEF a()\nPTP {A1 0,A2 0}\nEND\n"),
               HasSubstr("line 2: states only some of A1 to A6"));
@@ -263,11 +318,13 @@ TEST_F(RefusedProgramTest, WhatIsNotUnderstoodIsNamedByItsLine) {
       Refusal("a.dat",
               "DECL E6POS XP1={X 400,Y 0,Z 600,A 0,B 90,C 0,S 2,T 0,E1 7}\n"),
       HasSubstr("external axis (E1)"));
-  EXPECT_THAT(Refusal("a.script",
-                      "p1=p[0.4,0,0.5,0,3.1,0]\nmovel(p1)\n"
-                      "p1[2]=0.3\n",
-                      "ur10"),
-              HasSubstr("p1 is moved to and also used otherwise (line 3)"));
+  EXPECT_THAT(
+      Refusal("a.script",
+              "p1=p[0.4,0,0.5,0,3.1,0]\nmovel(p1)\n"
+              "p1[2]=0.3\n",
+              "ur10"),
+      HasSubstr("p1 is moved to and also used otherwise (line 3): let a "
+                "variable of its own"));
   EXPECT_THAT(Refusal("a.script", "movel(p[9,0,0.5,0,3.1,0])\n", "ur10"),
               HasSubstr("line 1: out of reach"));
   EXPECT_THAT(Refusal("a.mod",

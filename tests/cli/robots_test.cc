@@ -155,5 +155,22 @@ measurement: {sigma: 0.02}
   EXPECT_THAT(checked.err, HasSubstr("did you mean \"robots/ur10e\"?"));
 }
 
+TEST_F(RobotsTest, ANameWithoutItsFolderIsRefusedWithIt) {
+  Write("job.yaml", R"(format: alidade-job-2
+units: {length: mm, angle: deg}
+title: bare name
+arm: ur10e
+data: data.csv
+measurement: {sigma: 0.02}
+)");
+  for (const char* command :
+       {"show ur10e", "check job.yaml", "import data.csv --arm=ur10e"}) {
+    const ProcessResult result = Alidade(command);
+    EXPECT_EQ(result.status, 2) << command;
+    EXPECT_THAT(result.err, HasSubstr("\"ur10e\" is no file, did you mean "
+                                      "\"robots/ur10e\"?"));
+  }
+}
+
 }  // namespace
 }  // namespace alidade::internal

@@ -133,6 +133,12 @@ TEST_F(TrackerPathTest, ThreeCommandsLeadFromAnExportToAResult) {
         "nothing was measured in line 6", "left out: line 44", "78 poses"}) {
     EXPECT_THAT(import.out, HasSubstr(text));
   }
+  // The rows 2 and 40 are left out.
+  const std::string data = ReadWhole(Path("spring/data.csv"));
+  EXPECT_THAT(data, HasSubstr("z_mm,note\n"));
+  EXPECT_THAT(data, HasSubstr(",No 1 (line 5)\n"));
+  EXPECT_THAT(data, HasSubstr(",No 41 (line 45)\n"));
+  EXPECT_THAT(data, ::testing::Not(HasSubstr("No 40")));
 
   const ProcessResult calibrate =
       Alidade("calibrate spring/job.yaml --report --out=spring/result");
@@ -150,6 +156,21 @@ TEST_F(TrackerPathTest, ThreeCommandsLeadFromAnExportToAResult) {
   const ProcessResult identify = Alidade("identify spring/job.yaml");
   EXPECT_EQ(identify.status, 0) << identify.err;
   EXPECT_THAT(identify.out, HasSubstr("62 poses"));
+}
+
+TEST_F(TrackerPathTest, AFooterIsLeftOutAsTheMessageSays) {
+  WriteWhole(Path("foot.txt"), Export() + "Mean;;;;;;;12,5;13,5;14,5;\r\n");
+  const ProcessResult refused = Alidade("import foot.txt --arm=arm.yaml");
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--exclude=85 of `import`"));
+  for (const char* rows : {"85", "85-", "'No = Mean'"}) {
+    const ProcessResult imported = Alidade(
+        std::string("import foot.txt --arm=arm.yaml --exclude=") + rows);
+    ASSERT_EQ(imported.status, 0) << imported.err;
+    EXPECT_THAT(imported.out, HasSubstr("78 poses"));
+  }
+  EXPECT_THAT(Alidade("import foot.txt --arm=arm.yaml --exclude=last").err,
+              HasSubstr("\"last\" is neither lines of the file"));
 }
 
 // Numbers in place of lost targets: three times the same, of any size; beyond

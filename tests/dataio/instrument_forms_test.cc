@@ -83,6 +83,18 @@ INSTANTIATE_TEST_SUITE_P(
              "p2\t1\t2\t3\t\t\t\t1\t2\n",
              {"A1 deg", "A2 deg"},
              {"Measured X", "Measured Y", "Measured Z"}},
+        Form{"TimesAmongUnits",
+             "Messung\n\nZeit;Pkt;Achse1 Soll;Achse2 Soll;X;Y;Z\n"
+             "hh:mm:ss;;\xc2\xb0;\xc2\xb0;mm;mm;mm\n"
+             "10:00:01;1;12,5;-45;1234,5;-200,25;0,125\n"
+             "10:00:02;2;1;2;;;\n",
+             {"Achse1 Soll", "Achse2 Soll"},
+             {"X", "Y", "Z"}},
+        Form{"UnknownAmongUnits",
+             "Text;A 1;A 2;X;Y;Z\nfree;deg;deg;mm;mm;mm\n"
+             "a;12,5;-45;1234,5;-200,25;0,125\nb;1;2;;;\n",
+             {"A 1", "A 2"},
+             {"X", "Y", "Z"}},
         Form{"MotionCapture",
              "Format Version,1.23,Take Name,Take 1,Export Frame Rate,120\n\n"
              ",,,,Rotation,Rotation,Rotation,Rotation,Position,Position,"

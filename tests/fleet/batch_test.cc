@@ -12,6 +12,7 @@
 #include "alidade/error.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/serialization/job_config.h"
+#include "src/serialization/job_list.h"
 #include "src/serialization/result_json.h"
 #include "src/serialization/simulation_file.h"
 #include "src/simulation/simulation.h"

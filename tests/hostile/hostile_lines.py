@@ -103,6 +103,8 @@ def write_bad(folder):
                      b" " * 47,
         "empty.json": b"",
         "deep.json": b"[" * 100000,
+        "deep_old.json": b'{"format": "alidade-result-1", "a": ' +
+                         b"[" * 100000 + b"]" * 100000 + b"}",
         "cut.json": b'{"format": "alidade-result-2", "arm": {"name": "x',
         "other.json": b'{"a": 1}',
         "numbers.json": b'{"format": "alidade-result-2", "verdict": 1e999}',

@@ -80,6 +80,20 @@ TEST(WriteResultDirectoryTest, IsWholeOrOld) {
 // What a killed run has left beside the directory or in it: a result that was
 // being written, and the old one after the exchange, with a folder of the user
 // that had not yet moved on.
+TEST(WriteResultDirectoryTest, AFailureNamesThePlaceAndLeavesNoNewDirectory) {
+  const testing::TemporaryDirectory scratch;
+  const std::string directory = scratch / "new";
+  const std::string too_long(300, 'a');
+  try {
+    WriteResultDirectory(directory, {{"arm.yaml", "1"}, {too_long, "1"}});
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.location().file, directory + "/" + too_long);
+    EXPECT_THAT(error.message(), ::testing::HasSubstr("choose another --out"));
+  }
+  EXPECT_FALSE(fs::exists(directory));
+}
+
 TEST(WriteResultDirectoryTest, ClearsWhatAKilledRunLeft) {
   const testing::TemporaryDirectory scratch;
   const std::string directory = scratch / "result";

@@ -30,6 +30,16 @@ Arm LoadText(const std::string& text) {
   return LoadArm(directory.Write("arm.yaml", text));
 }
 
+TEST(ArmFileTest, AnArmThatComesWithAlidadeByItsName) {
+  std::vector<std::string> inputs;
+  const Arm arm = LoadArm("robots/rv2aj_wrist", &inputs);
+  EXPECT_EQ(
+      arm.name,
+      LoadArm(SourcePath("configs/robots/rv2aj_wrist.yaml"), &inputs).name);
+  ExpectInputError([] { LoadArm("robots/rv2aj_wrisk"); },
+                   {0, 0, "", "rv2aj_wrist"});
+}
+
 TEST(LoadArmTest, ReadsTheWristArmOfTheStudy) {
   const Arm arm = LoadArm(SourcePath("configs/robots/rv2aj_wrist.yaml"));
   ASSERT_EQ(arm.num_joints(), 5);

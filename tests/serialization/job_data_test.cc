@@ -355,7 +355,8 @@ TEST(JobDataErrorTest, Entries) {
                     {7, 29, "data[2].tarket", "did you mean \"target\"?"});
   files.ExpectError("data: {file: a.csv, rotation: xyz}\n",
                     {7, 31, "data.rotation",
-                     "unknown convention of rotations \"xyz\", expected one "
+                     "unknown convention of rotations \"xyz\", did you mean "
+                     "\"intrinsic_xyz\" or \"extrinsic_xyz\"? Expected one "
                      "of ignore, rotation_vector, intrinsic_xyz"});
   files.ExpectError("data: {file: a.csv, rotation: intrinsic_xy}\n",
                     {7, 31, "data.rotation", "did you mean \"intrinsic_xy"});

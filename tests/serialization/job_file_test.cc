@@ -365,7 +365,10 @@ TEST(LoadJobTest, NamesTheForeignHeaderThatIsMissing) {
       directory,
       "data: {file: foreign.csv, columns: {joints: [b_deg, q2_mm]}}\n");
   ExpectInputError([&] { LoadJob(job); },
-                   {1, 0, "b_deg", "column is missing, expected b_deg"});
+                   {1, 0, "b_deg",
+                    "column is missing, expected b_deg, did you mean "
+                    "\"a_deg\"? The columns are a_deg, q2_mm, x_mm, y_mm, "
+                    "z_mm (named in"});
 }
 
 TEST(LoadJobTest, HoldsOutAFractionOfTheConfigurations) {

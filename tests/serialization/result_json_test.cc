@@ -324,5 +324,15 @@ TEST(LoadResultJsonTest, ReadsNullAsNotANumber) {
   EXPECT_TRUE(std::isnan(read.parameters[1].value));
 }
 
+// What old names are replaced in is walked through by recursion.
+TEST(ParseResultJsonTest, RefusesDeepNesting) {
+  constexpr std::size_t kDepth = 100000;
+  const std::string text = R"({"format": "alidade-result-1", "a": )" +
+                           std::string(kDepth, '[') + std::string(kDepth, ']') +
+                           "}";
+  ExpectInputError([&] { ParseResultJson(text, "result.json"); },
+                   {0, 0, "", "nested deeper than 100 levels"});
+}
+
 }  // namespace
 }  // namespace alidade::internal

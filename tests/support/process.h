@@ -18,18 +18,9 @@ struct ProcessResult {
   std::string err;
 };
 
-inline std::string ReadWhole(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
+std::string ReadWhole(const std::filesystem::path& path);
 
-inline void WriteWhole(const std::filesystem::path& path,
-                       const std::string& text) {
-  std::filesystem::create_directories(path.parent_path());
-  std::ofstream(path, std::ios::binary) << text;
-}
+void WriteWhole(const std::filesystem::path& path, const std::string& text);
 
 /// A directory of its own that is gone when the object is.
 class TemporaryDirectory {
@@ -54,24 +45,11 @@ class TemporaryDirectory {
 };
 
 /// Runs a command line of the shell and keeps what it prints.
-inline ProcessResult RunProcess(const std::string& command) {
-  const TemporaryDirectory scratch;
-  const std::string out = scratch / "out";
-  const std::string err = scratch / "err";
-  const int raw =
-      std::system(("( " + command + " ) >" + out + " 2>" + err).c_str());
-  ProcessResult result;
-  result.status = WIFEXITED(raw) ? WEXITSTATUS(raw) : 128 + WTERMSIG(raw);
-  result.out = ReadWhole(out);
-  result.err = ReadWhole(err);
-  return result;
-}
+ProcessResult RunProcess(const std::string& command);
 
 /// The same in a directory.
-inline ProcessResult RunIn(const std::filesystem::path& directory,
-                           const std::string& command) {
-  return RunProcess("cd " + directory.string() + " && " + command);
-}
+ProcessResult RunIn(const std::filesystem::path& directory,
+                    const std::string& command);
 
 }  // namespace alidade::internal::testing
 
