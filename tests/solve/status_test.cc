@@ -347,6 +347,22 @@ TEST(CeresStatusTest, EndWithoutAStepIsASolutionAtAMinimumOfAnyCost) {
   }
 }
 
+// Even where nothing is left to gain: the limits are off.
+TEST(PseudoInverseStatusTest, WithoutLimitsAllIterationsAreMade) {
+  Calibration calibration = testing::NoisyFlangeCalibration(1, 40);
+  calibration.data.positions() = calibration.model.Predict(
+      calibration.model.NominalValues(), calibration.data.joint_values);
+  SolverOptions options;
+  options.precision_limit_factor = 0.0;
+  options.function_tolerance = 0.0;
+  options.max_iterations = 4;
+  Eigen::VectorXd values = calibration.model.NominalValues();
+  const SolverSummary summary =
+      calibration.Solve(testing::kPseudoInverse, &values, options);
+  EXPECT_EQ(summary.status, SolverStatus::kIterationLimit) << summary.message;
+  EXPECT_EQ(summary.iterations.size(), 5U);
+}
+
 TEST(PseudoInverseStatusTest, LimitWithAGrownCostIsNotUsable) {
   const Calibration calibration = testing::NoisyFlangeCalibration(1, 40);
   int grown = 0;
