@@ -101,6 +101,24 @@ TEST_P(BoundsTest, FindsTheMinimumOfAllActiveSets) {
   }
 }
 
+// Which bounds hold does not depend on how large the sigmas are.
+TEST_P(BoundsTest, EndsAtTheSameValuesWhateverTheCost) {
+  const Calibration calibration = testing::NoisyFlangeCalibration(3, 60);
+  const std::vector<Bound> bounds =
+      BoundsBefore(calibration, GetParam(), {"d2", "d3", "alpha3", "theta3"});
+  Eigen::VectorXd expected = calibration.model.NominalValues();
+  SolveLevenbergMarquardt(WithBounds(calibration, bounds), SolverOptions(),
+                          &expected);
+  for (const double scale : {1e6, 1e-3}) {
+    Calibration scaled = calibration;
+    *testing::Edit(&scaled.data.sigmas()) *= scale;
+    Eigen::VectorXd values = calibration.model.NominalValues();
+    SolveLevenbergMarquardt(WithBounds(scaled, bounds), SolverOptions(),
+                            &values);
+    EXPECT_LT((values - expected).cwiseAbs().maxCoeff(), 1e-9) << scale;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Parts, BoundsTest, ::testing::Values(0.1, 0.5, 0.9));
 
 // The records of one solve after the other: each begins with number 0.

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "alidade/forward_kinematics.h"
 #include "src/common/random.h"
 #include "src/solve/solve.h"
 #include "tests/solve/solvers_test_util.h"
@@ -207,6 +208,8 @@ TEST_P(SolverStatusTest, ZeroResidualAtTheStartIsSolved) {
   Eigen::VectorXd values = calibration_.model.NominalValues();
   const SolverSummary summary = calibration_.Solve(GetParam(), &values);
   EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
+  // Which nobody asked for.
+  EXPECT_NE(summary.message, "the wanted precision is reached");
   // Rounding of 1e-16 m against sigmas of 1e-5 m, in 56 poses.
   EXPECT_LE(summary.initial_cost, 1e-18);
   EXPECT_LE(summary.final_cost, 1e-18);
@@ -233,6 +236,34 @@ TEST_P(SolverStatusTest, HopelessStartLeavesNothingThatIsNotFinite) {
       }
     }
   }
+}
+
+// Of exact poses whose orientations weigh far more than their positions.
+TEST_P(SolverStatusTest, OrientationsHaveAPrecisionLimitToo) {
+  const testing::Calibration positions = testing::FlangeCalibration(4);
+  const ParameterLayout& layout = positions.model.layout();
+  const Arm real =
+      layout.WithValues(positions.model.nominal(), positions.true_values);
+  const Eigen::Index count = positions.data.num_poses();
+  Eigen::MatrixXd measured(6, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Eigen::Isometry3d pose =
+        TargetPose(real, positions.data.joint_values.col(i));
+    const Eigen::AngleAxisd turn(pose.linear());
+    measured.col(i) << pose.translation(), turn.angle() * turn.axis();
+  }
+  Calibration calibration = positions;
+  ObservationBlock& block = calibration.data.blocks.front();
+  block.kind = MeasurementKind::kPose;
+  block.measured = measured;
+  Eigen::MatrixXd sigmas(6, count);
+  sigmas.topRows(3).setConstant(1e-3);
+  sigmas.bottomRows(3).setConstant(1e-5);
+  block.sigmas = sigmas;
+  calibration.CountStartRank();
+  Eigen::VectorXd values = calibration.model.NominalValues();
+  const SolverSummary summary = calibration.Solve(GetParam(), &values);
+  EXPECT_EQ(summary.status, SolverStatus::kPrecisionLimit) << summary.message;
 }
 
 // With a tolerance that any step meets, a first step that is rejected, as
@@ -314,6 +345,22 @@ TEST(CeresStatusTest, EndWithoutAStepIsASolutionAtAMinimumOfAnyCost) {
     const SolverSummary again = calibration.Solve(testing::kCeres, &values);
     EXPECT_TRUE(again.IsSolutionUsable()) << again.message;
   }
+}
+
+// Even where nothing is left to gain: the limits are off.
+TEST(PseudoInverseStatusTest, WithoutLimitsAllIterationsAreMade) {
+  Calibration calibration = testing::NoisyFlangeCalibration(1, 40);
+  calibration.data.positions() = calibration.model.Predict(
+      calibration.model.NominalValues(), calibration.data.joint_values);
+  SolverOptions options;
+  options.precision_limit_factor = 0.0;
+  options.function_tolerance = 0.0;
+  options.max_iterations = 4;
+  Eigen::VectorXd values = calibration.model.NominalValues();
+  const SolverSummary summary =
+      calibration.Solve(testing::kPseudoInverse, &values, options);
+  EXPECT_EQ(summary.status, SolverStatus::kIterationLimit) << summary.message;
+  EXPECT_EQ(summary.iterations.size(), 5U);
 }
 
 TEST(PseudoInverseStatusTest, LimitWithAGrownCostIsNotUsable) {
