@@ -9,6 +9,7 @@
 #include <fstream>
 #include <map>
 #include <regex>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -30,9 +31,36 @@ namespace fs = std::filesystem;
 std::string Mpirun(int processes) {
   return "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
          "ASAN_OPTIONS=detect_leaks=0 " +
-         std::string(ALIDADE_MPIEXEC) + " --oversubscribe --quiet " +
+         std::string(ALIDADE_MPIEXEC) + " --oversubscribe " +
          "--mca btl_vader_single_copy_mechanism none -n " +
          std::to_string(processes) + " ";
+}
+
+// What the program said: mpirun's own notices, which differ between versions,
+// stand between lines of dashes.
+std::string WithoutNotices(const std::string& text) {
+  const std::string dashes(60, '-');
+  std::string kept;
+  std::istringstream lines(text);
+  bool is_notice = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.compare(0, dashes.size(), dashes) == 0) {
+      is_notice = !is_notice;
+    } else if (!is_notice) {
+      kept += line + "\n";
+    }
+  }
+  return kept;
+}
+
+ProcessResult WithoutNotices(ProcessResult result) {
+  result.out = WithoutNotices(result.out);
+  result.err = WithoutNotices(result.err);
+  return result;
+}
+
+ProcessResult RunQuietly(const std::string& command) {
+  return WithoutNotices(testing::RunProcess(command));
 }
 
 int Count(const std::string& text, const std::string& what) {
@@ -77,9 +105,9 @@ class MpiTest : public ::testing::Test {
   ProcessResult Calibrate(const std::string& launcher,
                           const std::string& directory) const {
     fs::create_directories(scratch_ / directory);
-    return testing::RunIn(scratch_ / directory,
-                          launcher + ALIDADE_BINARY + " calibrate " +
-                              (scratch_ / "job.yaml") + " --out=result");
+    return WithoutNotices(testing::RunIn(
+        scratch_ / directory, launcher + ALIDADE_BINARY + " calibrate " +
+                                  (scratch_ / "job.yaml") + " --out=result"));
   }
 
   std::string ResultFile(const std::string& directory,
@@ -131,8 +159,8 @@ TEST_F(MpiTest, AMissingFileEndsAllWithOneMessage) {
 }
 
 TEST_F(MpiTest, OtherCommandsRunAlone) {
-  const ProcessResult result = testing::RunProcess(
-      Mpirun(2) + ALIDADE_BINARY + " show " + (scratch_ / "job.yaml"));
+  const ProcessResult result = RunQuietly(Mpirun(2) + ALIDADE_BINARY +
+                                          " show " + (scratch_ / "job.yaml"));
   EXPECT_EQ(result.status, 2);
   EXPECT_EQ(Count(result.err, "alidade: "), 1) << result.err;
   EXPECT_THAT(result.err, HasSubstr("2 were started together"));
@@ -157,8 +185,8 @@ class MpiBatchTest : public ::testing::Test {
   // `launcher`: what comes before the program.
   ProcessResult Batch(const std::string& launcher, const std::string& words,
                       const std::string& out) const {
-    return testing::RunProcess(launcher + ALIDADE_BINARY + " batch " + words +
-                               " --out=" + (scratch_ / out));
+    return RunQuietly(launcher + ALIDADE_BINARY + " batch " + words +
+                      " --out=" + (scratch_ / out));
   }
 
   std::map<std::string, std::string> Outcome(const std::string& out) const {
@@ -200,17 +228,17 @@ TEST_F(MpiBatchTest, DryRunIsPrintedOnce) {
 
 TEST_F(MpiBatchTest, WhatEndsTheBatchEndsAllWithOneMessage) {
   const std::string few = WriteFew(6);
-  const ProcessResult unwritable = testing::RunProcess(
+  const ProcessResult unwritable = RunQuietly(
       Mpirun(2) + ALIDADE_BINARY + " batch " + few + " --out=/dev/null/x");
   EXPECT_EQ(unwritable.status, 2);
   EXPECT_EQ(Count(unwritable.err, "alidade: "), 1) << unwritable.err;
   EXPECT_THAT(unwritable.err, HasSubstr("directory cannot be made"));
   // Files of more than 4 kB cannot be written by any process.
-  const ProcessResult full = testing::RunProcess(
-      "echo \"trap '' XFSZ; ulimit -f 8; exec \\\"\\$@\\\"\" >" +
-      (scratch_ / "full.sh") + "; " + Mpirun(3) + "bash " +
-      (scratch_ / "full.sh") + " " + ALIDADE_BINARY + " batch " + few +
-      " --out=" + (scratch_ / "full"));
+  const ProcessResult full =
+      RunQuietly("echo \"trap '' XFSZ; ulimit -f 8; exec \\\"\\$@\\\"\" >" +
+                 (scratch_ / "full.sh") + "; " + Mpirun(3) + "bash " +
+                 (scratch_ / "full.sh") + " " + ALIDADE_BINARY + " batch " +
+                 few + " --out=" + (scratch_ / "full"));
   EXPECT_EQ(full.status, 2);
   EXPECT_EQ(Count(full.err, "alidade: "), 1) << full.err;
   EXPECT_THAT(full.err, HasSubstr("result.json: cannot be written: File"));
@@ -285,12 +313,12 @@ TEST_F(MpiBatchTest, AProcessThatDiesEndsTheRunAndTheNextGoesOn) {
 TEST(LaunchTest, ARankWithoutASizeIsRefused) {
   for (const std::string environment :
        {"PMIX_RANK=1", "PMI_RANK=0", "PMIX_RANK=2 PMI_SIZE=2"}) {
-    const ProcessResult result = testing::RunProcess(
-        environment + " " + ALIDADE_BINARY + " calibrate nothing.yaml");
+    const ProcessResult result = RunQuietly(environment + " " + ALIDADE_BINARY +
+                                            " calibrate nothing.yaml");
     EXPECT_EQ(result.status, 2) << environment;
     EXPECT_THAT(result.err, HasSubstr("but not of how many")) << environment;
   }
-  const ProcessResult result = testing::RunProcess(
+  const ProcessResult result = RunQuietly(
       "PMIX_RANK=one " + std::string(ALIDADE_BINARY) + " plan nothing.yaml");
   EXPECT_EQ(result.status, 2);
   EXPECT_THAT(result.err, HasSubstr("PMIX_RANK = \"one\" is no number"));
