@@ -27,7 +27,8 @@ struct IterationRecord {
   double cost = 0.0;       ///< chi-square, sum of squared whitened residuals
   double max_error = 0.0;  ///< largest |p_predicted - p_measured| (m)
   double rms_error = 0.0;  ///< root mean square of the same (m)
-  /// Norm of the step in the parameters (mixed m and rad); 0 at entry 0.
+  /// Norm of the step in the parameters (mixed m and rad); 0 at entry 0, and
+  /// with Ceres 2.2 at steps rejected before the first that is accepted.
   double step_norm = 0.0;
   bool accepted = true;         ///< false: the step was rejected
   double time_s = 0.0;          ///< wall time since the solve began

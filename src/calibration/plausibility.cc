@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -111,7 +112,7 @@ class Diagnosis {
     std::vector<std::string> found;
     for (const Cure& cure : cures) found.push_back(cure.mistake->text);
     const std::vector<InputMistake> doubles = DoubleMistakes(arm_, found);
-    const double best = cures.empty() ? kInfinity : cures.front().Relative();
+    const double best = BestRelative(cures);
     for (Cure& cure : FindCures(doubles)) {
       if (cure.Relative() <= kAlike * best) cures.push_back(std::move(cure));
     }
@@ -165,7 +166,19 @@ class Diagnosis {
         explaining.push_back(std::move(cure));
       }
     }
+    // Which of several that explain it alike is the best, rounding decides.
+    std::sort(explaining.begin(), explaining.end(),
+              [](const Cure& a, const Cure& b) {
+                return std::less<>()(a.mistake, b.mistake);
+              });
     return explaining;
+  }
+
+  // Infinite where there is none.
+  static double BestRelative(const std::vector<Cure>& cures) {
+    double best = kInfinity;
+    for (const Cure& cure : cures) best = std::min(best, cure.Relative());
+    return best;
   }
 
   bool IsCure(const Cure& cure) const {
@@ -178,7 +191,7 @@ class Diagnosis {
     if (!inverse_) return;
     const Cure cure{&mistake, *inverse_, SolvedMisfit(arm_, *inverse_)};
     if (!IsCure(cure)) return;
-    const double best = cures->empty() ? kInfinity : cures->front().Relative();
+    const double best = BestRelative(*cures);
     if (cure.Relative() > kAlike * best) return;
     cures->insert(cure.Relative() < best ? cures->begin() : cures->end(), cure);
   }
@@ -218,7 +231,9 @@ class Diagnosis {
              "two together: check whether the arm file describes the arm that "
              "was measured";
     }
-    const std::string error = FormatLength(cures.front().misfit, 2);
+    double misfit = kInfinity;
+    for (const Cure& cure : cures) misfit = std::min(misfit, cure.misfit);
+    const std::string error = FormatLength(misfit, 2);
     const std::string how =
         " (calibrated with two thirds of them, the others "
         "are " +

@@ -42,24 +42,30 @@ double PredictedDecrease(const ceres::IterationSummary& iteration) {
 class StoppingRules : public ceres::IterationCallback {
  public:
   StoppingRules(const Formulation& formulation, Progress* progress)
-      : formulation_(formulation), progress_(progress) {}
+      : formulation_(formulation),
+        values_(formulation.Values()),
+        progress_(progress) {}
 
   ceres::CallbackReturnType operator()(
       const ceres::IterationSummary& iteration) override {
     if (iteration.iteration == 0) return ceres::SOLVER_CONTINUE;
     IterationStep step;
-    step.norm = iteration.step_norm;
+    const Eigen::VectorXd before =
+        std::exchange(values_, formulation_.Values());
     step.accepted = iteration.step_is_successful;
+    // Before the first step that succeeds, Ceres 2.2 has no norm.
+    step.norm = step.accepted ? (values_ - before).norm() : iteration.step_norm;
     step.predicted_decrease = PredictedDecrease(iteration);
     const std::optional<double> known = formulation_.PredictedDecrease();
     if (known && iteration.step_is_valid) step.predicted_decrease = *known;
-    return progress_->Record(step, formulation_.Values())
+    return progress_->Record(step, values_)
                ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
                : ceres::SOLVER_CONTINUE;
   }
 
  private:
   const Formulation& formulation_;
+  Eigen::VectorXd values_;
   Progress* progress_;
 };
 

@@ -15,6 +15,7 @@
 #include <set>
 #include <sstream>
 #include <string>
+#include <system_error>
 #include <thread>
 
 #include "src/common/files.h"
@@ -70,6 +71,11 @@ class Process {
   }
   std::string Name() const { return std::to_string(process_) + "-"; }
   void Kill() { kill(process_, SIGKILL); }
+  bool HasEnded() const {
+    siginfo_t info = {};
+    waitid(P_PID, process_, &info, WEXITED | WNOHANG | WNOWAIT);
+    return info.si_pid == process_;
+  }
   /// True where it ended by itself.
   bool Wait() {
     int status = 0;
@@ -89,26 +95,40 @@ int NumKills(int usual) {
   return wanted == nullptr ? usual : std::atoi(wanted);
 }
 
-// Killed at random moments of the second half of a run, in which it writes,
-// exchanges and clears.
+// Killed at random moments of the second half of a run, and every other time as
+// soon as a file of the new result is seen, or a little later: however long the
+// machine takes to get there, some runs are killed while they write.
 TEST(KillTest, AResultIsWholeOrOld) {
   const std::string job = ALIDADE_SOURCE_DIR "/configs/jobs/rv2aj_flange.yaml";
   const TemporaryDirectory scratch;
   const std::string out = scratch / "result";
-  const auto begin = std::chrono::steady_clock::now();
-  ASSERT_TRUE(Process(job, out, 1).Wait());
-  const std::chrono::duration<double> whole =
-      std::chrono::steady_clock::now() - begin;
-  WriteWhole(out + "/notes.txt", "mine");
-  // What runs have left of results that were not finished: of all, or of one.
+  // What there is of results that are not finished: of all runs, or of one. A
+  // folder may be renamed while it is read, which ends the reading.
   const auto num_staged = [&scratch](const std::string& process = "") {
     int count = 0;
-    for (const auto& entry : fs::recursive_directory_iterator(scratch.path())) {
-      const std::string path = entry.path().string();
+    std::error_code error;
+    for (fs::recursive_directory_iterator entry(scratch.path(), error), end;
+         entry != end; entry.increment(error)) {
+      const std::string path = entry->path().string();
       if (path.find("alidade-staged-" + process) != std::string::npos) ++count;
     }
     return count;
   };
+  // Until its folder and a file are there, or it has ended.
+  const auto await_writing = [&num_staged](const Process& process) {
+    while (num_staged(process.Name()) < 2 && !process.HasEnded()) {
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+    }
+  };
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
+  Process first(job, out, 1);
+  await_writing(first);
+  const auto begin_of_writing = Clock::now();
+  ASSERT_TRUE(first.Wait());
+  const std::chrono::duration<double> whole = Clock::now() - begin;
+  const std::chrono::duration<double> writing = Clock::now() - begin_of_writing;
+  WriteWhole(out + "/notes.txt", "mine");
   const int num_kills = NumKills(8);
   ASSERT_GT(num_kills, 0);
   int killed = 0;
@@ -116,11 +136,15 @@ TEST(KillTest, AResultIsWholeOrOld) {
   Random random(7);
   for (int trial = 0; killed < num_kills && trial < 3 * num_kills; ++trial) {
     Process process(job, out, 2 + trial);
-    std::this_thread::sleep_for(whole * random.Uniform(0.5, 1.05));
+    if (trial % 2 == 1) {
+      await_writing(process);
+      std::this_thread::sleep_for(writing * random.Uniform(0, 1));
+    } else {
+      std::this_thread::sleep_for(whole * random.Uniform(0.5, 1.05));
+    }
     process.Kill();
     const bool has_ended = process.Wait();
     if (!has_ended) ++killed;
-    // Its folder and a file.
     if (!has_ended && num_staged(process.Name()) > 1) ++killed_in_writing;
     EXPECT_EQ(WhatIsMixed(out), "") << trial;
     EXPECT_TRUE(fs::exists(out + "/notes.txt")) << trial;

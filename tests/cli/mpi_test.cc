@@ -26,13 +26,14 @@ using testing::ProcessResult;
 
 namespace fs = std::filesystem;
 
-// Open MPI keeps memory to the end, and asks before it runs as root; machines
-// without the right to read another process' memory warn of it.
+// Open MPI keeps memory to the end, and asks before it runs as root. The
+// processes speak over the loopback: shared memory is a file, which a limit of
+// files' sizes limits too, and a machine may have no other network.
 std::string Mpirun(int processes) {
   return "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
          "ASAN_OPTIONS=detect_leaks=0 " +
          std::string(ALIDADE_MPIEXEC) + " --oversubscribe " +
-         "--mca btl_vader_single_copy_mechanism none -n " +
+         "--mca btl self,tcp --mca btl_tcp_if_include lo -n " +
          std::to_string(processes) + " ";
 }
 

@@ -27,6 +27,10 @@ void RunTarget(const FuzzTarget& target, const std::string& input);
 /// Ends the process, saying what does not hold, where it does not.
 void Require(bool holds, const std::string& what);
 
+/// Requires one line of visible UTF-8, at a place that the input has.
+void CheckMessage(const InputError& error, const std::string& input,
+                  const std::string& path);
+
 /// read(), of what we have written ourselves: no InputError is right.
 template <typename Read>
 auto ReadBack(const std::string& written, const Read& read) {

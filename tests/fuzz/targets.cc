@@ -201,7 +201,8 @@ void ReadTables(const std::string& input, const std::string& path) {
   static const auto* const formats = new std::vector<DataFormat>(DataFormats());
   try {
     ReadTableAs(input, path, formats->front());
-  } catch (const InputError&) {
+  } catch (const InputError& error) {
+    CheckMessage(error, input, path);
     ReadTableAs(input, path, formats->back());
   }
 }

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -47,7 +48,9 @@ TEST_P(SolverOptionsRealFieldTest, NamesFieldAndConstraint) {
   for (const double value : GetParam().invalid) {
     SolverOptions options;
     options.*GetParam().field = value;
-    ExpectNamed(options, GetParam().name, ::testing::PrintToString(value));
+    std::ostringstream text;
+    text << value;
+    ExpectNamed(options, GetParam().name, text.str());
   }
 }
 
