@@ -35,12 +35,13 @@ class FanucReader : ProgramReader {
           std::min(text_.text().find('}', open), text_.size());
       ReadPosition(at, open, close);
     }
-    const auto uses = UsesAbove(positions);
+    auto uses = UsesAbove(positions);
     for (ProgramTarget& target : program_->targets) {
+      // Of a position that is stated twice, the first is used.
       const auto lines =
-          uses.find(target.name.substr(0, target.name.find_first_of(":]")));
-      target.uses =
-          lines == uses.end() ? std::vector<int>{target.line} : lines->second;
+          uses.extract(target.name.substr(0, target.name.find_first_of(":]")));
+      target.uses = lines.empty() ? std::vector<int>{target.line}
+                                  : std::move(lines.mapped());
     }
   }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <limits>
+#include <map>
 
 #include "src/common/numbers.h"
 
@@ -194,27 +196,35 @@ void ProgramReader::ListOtherMoves(
   }
 }
 
-std::vector<int> ProgramReader::UsesOf(const ProgramTarget& target) const {
+std::vector<int> ProgramReader::UsesOf(const ProgramTarget& target,
+                                       int end) const {
   std::vector<int> lines;
-  if (target.name.empty() || !IsWordCharacter(target.name.back())) {
-    return {target.line};
-  }
-  for (std::size_t at = text_.FindWord(target.name, 0); at != std::string::npos;
-       at = text_.FindWord(target.name, at + 1)) {
-    const int line = text_.LineOf(at);
-    if (line > target.line) lines.push_back(line);
+  if (!target.name.empty() && IsWordCharacter(target.name.back())) {
+    const std::size_t begin = target.numbers.front().begin;
+    for (std::size_t at = text_.FindWord(target.name, begin);
+         at != std::string::npos; at = text_.FindWord(target.name, at + 1)) {
+      const int line = text_.LineOf(at);
+      if (line >= end) break;
+      if (line > target.line) lines.push_back(line);
+    }
   }
   return lines.empty() ? std::vector<int>{target.line} : lines;
 }
 
 void ProgramReader::SortTargets() {
-  for (ProgramTarget& target : program_->targets) {
-    target.uses = UsesOf(target);
-  }
-  std::stable_sort(program_->targets.begin(), program_->targets.end(),
+  std::vector<ProgramTarget>& targets = program_->targets;
+  std::stable_sort(targets.begin(), targets.end(),
                    [](const ProgramTarget& a, const ProgramTarget& b) {
                      return a.numbers.front().begin < b.numbers.front().begin;
                    });
+  // Each is used until its variable is given another position.
+  std::map<std::string, int> next;
+  for (auto target = targets.rbegin(); target != targets.rend(); ++target) {
+    const auto [given_again, is_last] = next.try_emplace(target->name);
+    target->uses = UsesOf(*target, is_last ? std::numeric_limits<int>::max()
+                                           : given_again->second);
+    given_again->second = target->line;
+  }
 }
 
 bool KnowsFrame(const std::string& name, int line, RobotProgram* program) {

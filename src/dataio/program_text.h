@@ -90,8 +90,9 @@ class ProgramReader {
   /// Targets in the order of the text, with the lines that use them.
   void SortTargets();
 
-  /// Lines behind the target's own that name it; its own where there are none.
-  std::vector<int> UsesOf(const ProgramTarget& target) const;
+  /// Lines behind the target's own and before `end` that name it; its own where
+  /// there are none.
+  std::vector<int> UsesOf(const ProgramTarget& target, int end) const;
 
   const ProgramText text_;
   RobotProgram* const program_;

@@ -31,8 +31,8 @@ struct ProgramTarget {
   bool is_joints = false;
   int line = 0;
   std::string name;  ///< of the variable; may be empty
-  /// Lines that move to it, ascending, or its own where none names it; the
-  /// order of a program's motions. Never empty.
+  /// Lines that move to it, ascending, until its variable is given another
+  /// position; its own where there are none. The order of a program's motions.
   std::vector<int> uses;
   /// Joint values, or x, y, z and the orientation as the language writes it.
   std::vector<NumberSpan> numbers;

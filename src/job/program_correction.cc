@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "alidade/error.h"
 #include "alidade/units.h"
@@ -143,36 +145,36 @@ class ProgramCorrector {
   }
 
  private:
-  // By the first lines that move to them; in the order of the text in a line.
+  // A line that moves to a target; in the order of the text in a line.
+  using Motion = std::pair<int, Eigen::Index>;
+
+  // By the first lines that move to them.
   std::vector<Eigen::Index> InOrderOfMotion() {
-    std::vector<Eigen::Index> order(program_.targets.size());
-    std::iota(order.begin(), order.end(), Eigen::Index{0});
-    std::stable_sort(order.begin(), order.end(),
-                     [this](Eigen::Index a, Eigen::Index b) {
-                       return program_.targets[a].uses.front() <
-                              program_.targets[b].uses.front();
-                     });
-    is_solved_.assign(order.size(), false);
+    const auto count = static_cast<Eigen::Index>(program_.targets.size());
+    std::vector<Motion> first;
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const std::vector<int>& lines = program_.targets[i].uses;
+      first.emplace_back(lines.front(), i);
+      for (const int line : lines) motions_.emplace_back(line, i);
+    }
+    std::sort(first.begin(), first.end());
+    std::sort(motions_.begin(), motions_.end());
+    is_solved_.assign(program_.targets.size(), false);
+    std::vector<Eigen::Index> order;
+    for (const Motion& motion : first) order.push_back(motion.second);
     return order;
   }
 
   // Where the program is before it first moves to target i: at the position
   // that the nearest line above moves to, or the one before in the same line.
-  Eigen::VectorXd MotorsBefore(Eigen::Index i) const {
-    const int first = program_.targets[i].uses.front();
-    Eigen::Index nearest = -1;
-    int nearest_line = -1;
-    for (Eigen::Index k = 0;
-         k < static_cast<Eigen::Index>(program_.targets.size()); ++k) {
-      if (!is_solved_[k] || k == i) continue;
-      for (const int line : program_.targets[k].uses) {
-        if (line > first || (line == first && k > i)) break;
-        if (line < nearest_line) continue;
-        nearest = k;
-        nearest_line = line;
-      }
+  // Called in the order of motion.
+  Eigen::VectorXd MotorsBefore(Eigen::Index i) {
+    const Motion first(program_.targets[i].uses.front(), i);
+    for (; motions_[num_passed_] < first; ++num_passed_) {
+      const Eigen::Index target = motions_[num_passed_].second;
+      if (is_solved_[target]) nearest_ = target;
     }
-    if (nearest >= 0) return result_.correction.asked_motors.col(nearest);
+    if (nearest_) return result_.correction.asked_motors.col(*nearest_);
     return MotorsFromJoints(arms_.nominal, MiddleOfLimits(arms_.nominal));
   }
 
@@ -223,6 +225,9 @@ class ProgramCorrector {
   const CorrectionArms& arms_;
   const CorrectionOptions& options_;
   std::vector<bool> is_solved_;
+  std::vector<Motion> motions_;
+  std::size_t num_passed_ = 0;  // of motions_
+  std::optional<Eigen::Index> nearest_;
   ProgramCorrection result_;
 };
 

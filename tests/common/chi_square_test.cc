@@ -78,8 +78,14 @@ TEST(ChiSquareTest, QuantilesInvertProbabilitiesInBothTails) {
     for (const double p : {1e-300, 1e-100, 1e-9, 0.01, 0.5, 0.50001, 0.99}) {
       SCOPED_TRACE(testing::Message() << "dof " << dof << ", p " << p);
       const double x = ChiSquareQuantile(p, dof);
-      // Few degrees of freedom: x itself may be below the smallest double.
-      if (x > 0.0) ExpectRelative(ChiSquareCdf(x, dof), p, 1e-12);
+      // Few degrees of freedom: x itself may be below the smallest double, for
+      // which versions of Boost give that one or zero.
+      if (x > std::numeric_limits<double>::min()) {
+        ExpectRelative(ChiSquareCdf(x, dof), p, 1e-12);
+      } else {
+        EXPECT_GE(ChiSquareCdf(std::numeric_limits<double>::min(), dof),
+                  p * (1.0 - 1e-12));
+      }
       const double y = ChiSquareUpperQuantile(p, dof);
       ExpectRelative(ChiSquareSurvival(y, dof), p, 1e-12);
     }
