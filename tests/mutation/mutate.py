@@ -69,8 +69,10 @@ def load(name, default):
 
 
 def save(name, value):
-    with open(os.path.join(WORK, name), "w") as file:
+    path = os.path.join(WORK, name)
+    with open(path + ".new", "w") as file:
         json.dump(value, file)
+    os.replace(path + ".new", path)
 
 
 def write_if_new(path, content):
@@ -350,11 +352,12 @@ def equivalents():
 
 def report(numbered, results, modules):
     known = equivalents()
-    rows = ["| module | mutants | killed | equivalent | survived | not reached "
-            "| score |", "|---|---|---|---|---|---|---|"]
+    rows = ["| module | mutants | killed | of these by time | equivalent | "
+            "survived | not reached | score |", "|---|---|---|---|---|---|---|---|"]
     texts = []
     for module in modules:
         counts = collections.Counter()
+        by_time = 0
         for mutant in numbered.values():
             if mutant.module != module:
                 continue
@@ -367,10 +370,11 @@ def report(numbered, results, modules):
                              f"- {before}\n+ {after}\n{reason or ''}")
                 status = title
             counts[status] += 1
+            by_time += results[key_of(mutant)]["by"].endswith(": timeout")
         total = sum(counts.values())
         real = total - counts["equivalent"]
         rows.append(
-            f"| {module} | {total} | {counts['killed']} | "
+            f"| {module} | {total} | {counts['killed']} | {by_time} | "
             f"{counts['equivalent']} | {counts['survived']} | "
             f"{counts['not reached']} | "
             f"{100 * counts['killed'] / max(real, 1):.1f} % |")

@@ -4,10 +4,13 @@ then a few tests for each mutant until one fails."""
 import collections
 import concurrent.futures
 import json
+import math
 import os
 import re
 import resource
+import signal
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -50,9 +53,13 @@ class Results:
 
 
 def run(program, directory, environment, seconds):
-    """Status and output of a program, killed with its children after a time."""
+    """Status and output of a program, killed with its children after so much
+    time of a processor, which a busy machine does not shorten: status None."""
+    most = None if seconds is None else math.ceil(seconds)
 
     def limit():
+        if most is not None:
+            resource.setrlimit(resource.RLIMIT_CPU, (most, most))
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
         resource.setrlimit(resource.RLIMIT_FSIZE, (FILE_SIZE, FILE_SIZE))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
@@ -65,7 +72,10 @@ def run(program, directory, environment, seconds):
             preexec_fn=limit,
             env={**os.environ, "TMPDIR": scratch, **environment})
         try:
-            status = process.wait(seconds)
+            # One that waits takes no time of a processor.
+            status = process.wait(None if most is None else 60 + 20 * most)
+            if -status in (signal.SIGXCPU, signal.SIGKILL):
+                status = None
         except subprocess.TimeoutExpired:
             status = None
         finally:
@@ -88,7 +98,11 @@ def record_one(build, module):
                 return path
     with open(path + ".new", "w") as file:
         file.write(stamp + "\n")
-    run(program, build, {"ALIDADE_MUTANTS_REACHED": path + ".new"}, None)
+    status, output = run(program, build,
+                         {"ALIDADE_MUTANTS_REACHED": path + ".new"}, None)
+    if status not in (0, 1):
+        sys.exit(f"mutate: without a mutant, {program} ended with status "
+                 f"{status}:\n{output[-2000:]}")
     os.replace(path + ".new", path)
     return path
 
