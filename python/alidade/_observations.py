@@ -106,7 +106,8 @@ def observe(points: Array, sigma: Any, rotations: Any, convention: Any,
     if rotations is None and covariance is None:
         return {"kind": "position", "measured": points,
                 "sigmas": noise["sigmas"], "whiteners": []}
-    turns, name = np.empty((count, 0)), "rotation_vector"
+    turns: Array = np.empty((count, 0))
+    name = "rotation_vector"
     if rotations is not None:
         turns, name = _rotations_of(rotations, convention, count)
         is_whole = covariance is not None and (
@@ -127,7 +128,8 @@ def observe(points: Array, sigma: Any, rotations: Any, convention: Any,
             if "sigmas" not in noise:
                 raise wrong("sigma_rotation", "found None beside a covariance "
                             "of positions, expected it (rad)")
-            noise["rotation_sigmas"] = noise["sigmas"] / LEVER
+            noise["rotation_sigmas"] = np.asarray(
+                noise["sigmas"] / LEVER, dtype=np.float64)
     try:
         return _core.observe(points, turns, name, noise, inverse)
     except InputError as error:
@@ -236,7 +238,7 @@ def add_part(block: Any, place: Any, core: _core.Measurements) -> None:
         return
     poses = place[np.array(block["poses"] or range(size), dtype=int)]
     is_kept = poses >= 0
-    seconds = np.array(block["seconds"], dtype=int)
+    seconds: Any = np.array(block["seconds"], dtype=int)
     if block["kind"] == "difference":
         seconds = place[seconds]
         is_kept &= seconds >= 0

@@ -30,7 +30,7 @@ class Evaluation(Record):
         count = len(self["residual_after"])
         frame = pandas.DataFrame(index=pandas.RangeIndex(count))
         labels = self["labels"]
-        at = np.arange(count)
+        at: Any = np.arange(count)
         if labels is not None:
             at = np.array([label[1] for label in labels], dtype=int)
             frame["kind"] = [label[0] for label in labels]
