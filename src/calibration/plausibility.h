@@ -1,7 +1,6 @@
 #ifndef ALIDADE_SRC_CALIBRATION_PLAUSIBILITY_H_
 #define ALIDADE_SRC_CALIBRATION_PLAUSIBILITY_H_
 
-#include <Eigen/Core>
 #include <optional>
 
 #include "alidade/arm.h"
@@ -9,20 +8,10 @@
 #include "alidade/communicator.h"
 #include "alidade/dataset.h"
 #include "alidade/identifiability.h"
+#include "src/calibration/mistake_search.h"
 #include "src/kernel/measurement_model.h"
 
 namespace alidade::internal {
-
-struct InputDiagnosis {
-  /// The median residual against the tolerated one (m), or the number of lost
-  /// targets; nothing where nothing is wrong.
-  std::optional<Finding> finding;
-  /// The sentence says what to mend, and nothing is to be fitted before.
-  bool is_explained = false;
-  /// The number of the position, among those of the first target, from which on
-  /// another station measured; 0: there is one station.
-  Eigen::Index first_of_second_station = 0;
-};
 
 /// What speaks against the data before anything is calibrated:
 ///
