@@ -35,6 +35,7 @@ constexpr double kAlike = 2.0;
 // Cures that are looked at more closely, and of these those that are solved.
 constexpr std::size_t kMostFitted = 60;
 constexpr std::size_t kMostSolved = 8;
+
 // A cure and the error that it leaves. Cures compare by the part of how far the
 // positions then lie apart: a smaller unit makes every error smaller.
 struct Cure {
@@ -184,9 +185,9 @@ class MistakeSearch {
     if (!inverse_) return;
     const Cure cure{&mistake, *inverse_, SolvedMisfit(arm_, *inverse_)};
     if (!IsCure(cure)) return;
-    const double best = BestRelative(*cures);
-    if (cure.Relative() > kAlike * best) return;
-    cures->insert(cure.Relative() < best ? cures->begin() : cures->end(), cure);
+    if (cure.Relative() <= kAlike * BestRelative(*cures)) {
+      cures->push_back(cure);
+    }
   }
 
   // Each part has to fit alone, with the nominal arm and after a calibration.
