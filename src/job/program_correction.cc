@@ -245,6 +245,12 @@ std::vector<std::string> AssumptionsOf(const RobotProgram& program,
   for (const auto& [kind, lines] : program.unstated) {
     notes.push_back(UnstatedFrameNote(kind, lines));
   }
+  if (program.language == ProgramLanguage::kUrScript &&
+      program.frames.count("base") > 0) {
+    notes.push_back(
+        "the row base of --frames is not used: URScript's poses are in the "
+        "robot's own base");
+  }
   const double away = nominal.last_from_target().translation().norm();
   const bool has_tools =
       std::any_of(program.targets.begin(), program.targets.end(),

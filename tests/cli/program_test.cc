@@ -274,6 +274,12 @@ TEST_F(RefusedProgramTest, AToolThatIsNotSetIsAssumedAloudOrTakenFromTheTable) {
   const std::string at_flange = ReadWhole(directory_ / "b.script");
   EXPECT_THAT(correct(move, frames), ::testing::Not(HasSubstr("Assumed")));
   const std::string by_table = ReadWhole(directory_ / "b.script");
+  WriteWhole(directory_ / "based.csv",
+             "name,x_mm,y_mm,z_mm,wx_deg,wy_deg,wz_deg\n"
+             "tool,0,50,200,0,0,0\nbase,0,500,0,0,0,0\n");
+  EXPECT_THAT(correct(move, " --frames=" + (directory_ / "based.csv")),
+              HasSubstr("Assumed\n  the row base of --frames is not used"));
+  EXPECT_EQ(ReadWhole(directory_ / "b.script"), by_table);
   EXPECT_THAT(correct(tool + move, ""), ::testing::Not(HasSubstr("Assumed")));
   EXPECT_EQ(ReadWhole(directory_ / "b.script"), tool + by_table);
   EXPECT_NE(at_flange.substr(0, by_table.size()), by_table);

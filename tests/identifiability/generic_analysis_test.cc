@@ -8,7 +8,11 @@
 #include <vector>
 
 #include "src/identifiability/analysis.h"
+#include "src/identifiability/factor.h"
+#include "src/identifiability/generic_data.h"
+#include "src/identifiability/perturbation.h"
 #include "src/identifiability/rank.h"
+#include "src/kernel/reduction.h"
 #include "tests/support/classic_arms.h"
 #include "tests/support/rv2aj_arms.h"
 
@@ -169,6 +173,27 @@ TEST(Rv2ajGenericTest, WristLosesTwoAtItsGeometry) {
   EXPECT_EQ(Texts(analysis).count(
                 "at_geometry: beta4 is linearly dependent on -160 mm * r2"),
             1u);
+}
+
+// Of perturbed arms of the same rank the first one speaks.
+TEST(Rv2ajGenericTest, StructuralRankIsThatOfTheFirstArmOfLargestRank) {
+  const MeasurementModel model(testing::Rv2ajWrist());
+  const std::vector<int> columns = JointColumns(model.layout());
+  const IdentifiabilityOptions options;
+  const GenericAnalysis analysis =
+      Analyze(model, columns, MeasurementKind::kPosition, options);
+  Dataset pattern =
+      MakePositions(Eigen::MatrixXd::Zero(5, 1), Eigen::Matrix3Xd::Zero(3, 1),
+                    Eigen::Matrix3Xd::Ones(3, 1));
+  const int num_poses = std::max(64, 4 * static_cast<int>(columns.size()));
+  const Dataset data = MakeGenericData(model, pattern, num_poses, options.seed);
+  const RankReport first = AnalyzeRank(
+      ScaleColumns(model, columns,
+                   JacobianFactor(model, PerturbedValues(model, options, 0),
+                                  data, columns)),
+      options.relative_tolerance);
+  ASSERT_EQ(first.rank, 18);
+  EXPECT_EQ(analysis.structural_rank.gap, first.gap);
 }
 
 TEST(Rv2ajGenericTest, RelationsAreTheSameForAHundredSeeds) {

@@ -59,6 +59,22 @@ TEST(PredictDeviationsTest,
   EXPECT_TRUE(std::isinf(deviations[2]));
 }
 
+// Two columns of unit norm, all but parallel: singular values sqrt(2) and
+// `ratio` times as much. Rounding leaves four digits of it.
+Eigen::MatrixXd AllButParallel(double ratio) {
+  Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(2, 2);
+  factor << 1, 1, 0, 2.0 * ratio;
+  return factor;
+}
+
+TEST(PredictDeviationsTest, DirectionsBelowATrillionthOfTheLargestAreNotTold) {
+  const Eigen::Vector2d none =
+      Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(std::isinf(PredictDeviations(AllButParallel(0.8e-12), none)[0]));
+  const double told = PredictDeviations(AllButParallel(1.25e-12), none)[0];
+  EXPECT_NEAR(told * 2.5e-12, 1.0, 1e-2);
+}
+
 // A random matrix of `rows` x `columns`, its columns of the sizes that lengths
 // and angles have: condition of some tens once they are of unit norm.
 Eigen::MatrixXd RandomJacobian(int rows, int columns, Random* random) {

@@ -1,0 +1,57 @@
+#include "src/dataio/robot_program.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace alidade::internal {
+namespace {
+
+using ::testing::ElementsAre;
+
+// The lines that move to each position of a program, in the text's order.
+std::vector<std::vector<int>> UsesIn(const std::string& path,
+                                     const std::string& text) {
+  const RobotProgram program = ParseProgram(text, path, 6, {});
+  EXPECT_TRUE(program.refused.empty());
+  std::vector<std::vector<int>> uses;
+  for (const ProgramTarget& target : program.targets) {
+    uses.push_back(target.uses);
+  }
+  return uses;
+}
+
+// The order of a program's motions follows from these lines.
+TEST(RobotProgramTest, APositionIsUsedUntilItsVariableIsGivenAnother) {
+  EXPECT_THAT(UsesIn("a.script",
+                     "set_tcp(p[0,0,0.1,0,0,0])\n"
+                     "corner = p[0.4,0.2,0.5,0,3.1,0]\n"
+                     "movej([0,-1,1,0,1,0])\n"
+                     "movel(corner)\n"
+                     "corner = p[0.5,0.2,0.5,0,3.1,0]\n"
+                     "movel(corner)\n"
+                     "movel(corner, a=1.2)\n"),
+              ElementsAre(ElementsAre(4), ElementsAre(3), ElementsAre(6, 7)));
+  EXPECT_THAT(UsesIn("a.src",
+                     "DEF a()\n"
+                     "DECL AXIS XP1\n"
+                     "XP1={A1 0,A2 10,A3 5,A4 0,A5 30,A6 0}\n"
+                     "PTP XP1\n"
+                     "PTP XP1 C_PTP\n"
+                     "XP1={A1 9,A2 10,A3 5,A4 0,A5 30,A6 0}\n"
+                     "PTP XP1\n"
+                     "END\n"),
+              ElementsAre(ElementsAre(4, 5), ElementsAre(7)));
+}
+
+TEST(RobotProgramTest, APositionThatNothingMovesToIsUsedWhereItStands) {
+  EXPECT_THAT(UsesIn("a.script",
+                     "movej([0,-1,1,0,1,0])\n"
+                     "movel(p[0.4,0.2,0.5,0,3.1,0])\n"),
+              ElementsAre(ElementsAre(1), ElementsAre(2)));
+}
+
+}  // namespace
+}  // namespace alidade::internal
