@@ -58,6 +58,18 @@ TEST(EliminateTest, ReturnsToTheOrderAmongEquals) {
   factor.col(4) << 0.0, 0.0, 1.0;
   const Elimination found = Eliminate(factor, 1e-9);
   EXPECT_EQ(found.kept, (std::vector<int>{0, 3, 4}));
+  // Column 4 has no part in column 1, nor column 3 in column 2: neither may
+  // take its place.
+  ASSERT_EQ(found.dependent.size(), 2U);
+  const Eigen::Vector3d expected[] = {{2.0, 1e-3, 0.0}, {2.0, 0.0, 2e-3}};
+  for (const DependentColumn& column : found.dependent) {
+    // Rounding, through an exchange of coefficients of a thousand.
+    EXPECT_LE((column.coefficients - expected[column.index - 1])
+                  .cwiseAbs()
+                  .maxCoeff(),
+              1e-12)
+        << column.index;
+  }
 }
 
 // Every coefficient of a random matrix of low rank is bounded, whatever the

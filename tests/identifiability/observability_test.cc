@@ -23,6 +23,14 @@ TEST(ObservabilityTest, IndicesOfKnownSingularValues) {
   EXPECT_NEAR(indices.condition, 4.0, 1e-14);
 }
 
+TEST(ObservabilityTest, OfOneParameterAreItsColumnsNorm) {
+  const ObservabilityIndices indices =
+      ComputeObservability(Eigen::MatrixXd::Constant(4, 1, 3.0), 9);
+  EXPECT_NEAR(indices.o1, 2.0, 1e-14);
+  EXPECT_NEAR(indices.o5, 6.0, 1e-14);
+  EXPECT_EQ(indices.condition, 1.0);
+}
+
 TEST(ObservabilityTest, ShortRankHasZeroIndices) {
   const Eigen::Vector3d s(8.0, 4.0, 0.0);
   const ObservabilityIndices indices =
@@ -163,6 +171,10 @@ TEST(PredictTotalOfRowsTest,
   EXPECT_EQ(PredictTotal(jacobian, none, difference), infinity);
   EXPECT_EQ(PredictTotal(jacobian, none, Eigen::RowVector3d(0, 0, 1)),
             infinity);
+  // In whatever unit.
+  EXPECT_EQ(PredictTotal(jacobian, none, 1e-4 * difference), infinity);
+  EXPECT_NEAR(PredictTotal(jacobian, none, Eigen::RowVector3d(0, 3e4, 3e4)),
+              3e4, 1e-9);
   // Numbers without rounding but that of the decomposition.
   EXPECT_NEAR(PredictTotal(jacobian, none, Eigen::RowVector3d(1, 0, 0)), 0.5,
               1e-14);

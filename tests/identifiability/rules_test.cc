@@ -9,6 +9,8 @@
 
 #include "alidade/units.h"
 #include "src/common/random.h"
+#include "src/identifiability/perturbation.h"
+#include "src/identifiability/rank.h"
 #include "tests/identifiability/rules_test_util.h"
 #include "tests/support/edit.h"
 #include "tests/support/random_arms.h"
@@ -423,6 +425,35 @@ TEST_P(RandomArmRulesTest, DoesNotDependOnThreads) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Joints, RandomArmRulesTest, ::testing::Range(1, 8));
+
+// As in the rank method: between perturbations that tell all that can be told
+// and those that tell nothing the three arms that are tried differ.
+TEST(PerturbedRankTest, IsThatOfTheFirstArmOfLargestRank) {
+  const Arm arm = testing::Rv2ajWrist();
+  const MeasurementModel model(arm);
+  const Dataset data = testing::MeasureStudyPoses(arm);
+  IdentifiabilityOptions options;
+  bool has_later = false;
+  for (int step = 0; step < 160; ++step) {
+    options.perturbation = 1e-2 * std::pow(10.0, -0.05 * step);
+    const IdentifiabilityResult result = ApplyRules(model, data, options);
+    const std::vector<int> order =
+        InCanonicalOrder(model.layout(), FreeColumns(result));
+    RankReport expected;
+    for (int draw = 0; draw < 3; ++draw) {
+      const RankReport report =
+          AnalyzeRank(ScaledFactor(model, PerturbedValues(model, options, draw),
+                                   data, order),
+                      options.relative_tolerance);
+      if (report.rank <= expected.rank) continue;
+      expected = report;
+      has_later = has_later || draw > 0;
+    }
+    EXPECT_EQ(result.perturbed_rank.rank, expected.rank) << step;
+    EXPECT_EQ(result.perturbed_rank.gap, expected.gap) << step;
+  }
+  EXPECT_TRUE(has_later);
+}
 
 }  // namespace
 }  // namespace alidade::internal
