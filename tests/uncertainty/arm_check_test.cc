@@ -120,6 +120,80 @@ TEST_F(ArmCheckTest, AChangedZeroIsFoundWithTheStatedProbability) {
       0.9);
 }
 
+// Nothing of the arm is unknown: errors are what was measured beside it.
+TEST_F(ArmCheckTest, ErrorsAreThoseOfThePositions) {
+  covariance_.root.setZero();
+  Eigen::Matrix3Xd off(3, kPoses);
+  for (double& entry : off.reshaped()) entry = 3.0 * kSigma * random_.Normal();
+  const Dataset data =
+      MakePositions(joint_values_,
+                    model_.Predict(model_.NominalValues(), joint_values_) + off,
+                    Eigen::Matrix3Xd::Constant(3, kPoses, kSigma));
+  Arm beside = model_.nominal();
+  beside.instrument_from_base.translation().y() += 1e-3;
+  const ArmCheckResult check =
+      CheckArm(model_, MeasurementModel(beside), covariance_, data, options_);
+  // Rounding of positions of a metre.
+  EXPECT_NEAR(check.rms_error, off.norm() / std::sqrt(kPoses), 1e-14);
+  EXPECT_NEAR(check.max_error, off.colwise().norm().maxCoeff(), 1e-14);
+  EXPECT_NEAR(check.predicted_rms, std::sqrt(3.0) * kSigma, 1e-14);
+  EXPECT_NEAR(check.uncalibrated_rms, 1e-3, 1e-14);
+  EXPECT_NEAR(check.statistic, off.squaredNorm() / (kSigma * kSigma), 1e-8);
+}
+
+// The target's rotation, which positions do not see, beside the base.
+TEST_F(ArmCheckTest, WhatNothingSeesIsRefittedWithoutHarm) {
+  const Dataset data = Measure(DrawArm());
+  for (int axis = 0; axis < 3; ++axis) {
+    options_.refitted.push_back(
+        model_.layout().Column(ParameterKind::kBaseTranslation, axis));
+  }
+  const ArmCheckResult expected = Check(data);
+  for (int axis = 0; axis < 3; ++axis) {
+    options_.refitted.push_back(
+        model_.layout().Column(ParameterKind::kToolRotation, axis));
+  }
+  const ArmCheckResult check = Check(data);
+  EXPECT_EQ(check.degrees_of_freedom, 3.0 * kPoses - 3.0);
+  EXPECT_EQ(check.degrees_of_freedom, expected.degrees_of_freedom);
+  EXPECT_NEAR(check.statistic, expected.statistic, 1e-9);
+}
+
+// Of any power, also one that is hardly above the significance: what is found
+// with it is of the noncentrality that has it.
+TEST_F(ArmCheckTest, SizesThatAreFoundFollowFromThePower) {
+  const Dataset data = Measure(model_.NominalValues());
+  const ArmCheckResult usual = Check(data);
+  ASSERT_EQ(usual.power, 0.9);
+  const double dof = usual.degrees_of_freedom;
+  const auto power_of = [&](double noncentrality) {
+    return NoncentralFisherSurvival(usual.limit / dof, dof, kInfinity,
+                                    noncentrality);
+  };
+  double lower = 0.0;
+  double upper = 1e3;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (lower + upper);
+    (power_of(middle) < 0.9 ? lower : upper) = middle;
+  }
+  for (const double power : {0.21, 0.5, 0.99}) {
+    options_.power = power;
+    const ArmCheckResult check = Check(data);
+    const double zero = check.found_zero[1] / usual.found_zero[1];
+    // Bisection ends at a millionth of the noncentrality.
+    EXPECT_NEAR(power_of(upper * zero * zero), power, 1e-5);
+    EXPECT_NEAR(check.found_move / usual.found_move, zero, 1e-9);
+  }
+  // Of a known arm, and of a poor instrument: a move of 1 / sqrt(3) sigma along
+  // each axis of each position adds a third of their number.
+  covariance_.root.setZero();
+  options_.power = 0.9;
+  const Dataset poor =
+      MakePositions(joint_values_, data.positions(),
+                    Eigen::Matrix3Xd::Constant(3, kPoses, 1.0));
+  EXPECT_NEAR(Check(poor).found_move, std::sqrt(upper / kPoses), 1e-5);
+}
+
 TEST_F(ArmCheckTest, AMovedBaseIsNoFaultOnceItIsRefitted) {
   std::vector<int> base;
   for (int k = 0; k < 3; ++k) {

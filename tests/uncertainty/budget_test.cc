@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "src/common/distributions.h"
 #include "src/common/random.h"
 #include "src/kernel/reduction.h"
 #include "tests/support/classic_arms.h"
@@ -107,7 +108,10 @@ TEST(BudgetTest, ParametersContributeWhatTheirCovarianceMovesPositionsBy) {
   EXPECT_NEAR(budget.position.std, expected, 1e-8 * expected);
   EXPECT_NEAR(budget.measured.std, std::hypot(expected, kSigma),
               1e-8 * expected);
+  double before = kInfinity;
   for (const ParameterContribution& one : budget.parameters) {
+    EXPECT_LE(one.contribution(), before) << one.name;
+    before = one.contribution();
     const auto column = ur10.model().layout().Find(one.name);
     const auto k =
         std::find(columns.begin(), columns.end(), *column) - columns.begin();
@@ -152,6 +156,13 @@ TEST(BudgetTest, ExpandedUncertaintyHoldsAsOftenAsItSays) {
                      (norms <= budget.position.expanded_distance).count()) /
                  300.0;
   }
+  // Exactly, over the axes of all places: fifty even quantiles stand for them.
+  double exceeded = 0.0;
+  for (const double variance : spread.rowwise().squaredNorm()) {
+    const double std = std::sqrt(variance + kSigma * kSigma);
+    exceeded += 2.0 * NormalCdf(-budget.position.expanded / std) / 900.0;
+  }
+  EXPECT_NEAR(exceeded, 0.05, 1e-4);
   EXPECT_NEAR(axes / kTrials, 0.95, 0.004);
   EXPECT_NEAR(distances / kTrials, 0.95, 0.006);
 }
@@ -168,6 +179,18 @@ TEST(BudgetTest, CoverageFactorIsStudentsWhereAllPlacesAreAlike) {
   EXPECT_NEAR(position.coverage_factor, 2.306, 5e-4);  // JCGM 100, table G.2
   // sqrt(3 F(0.95; 3, 8)), F = 4.066 of tables.
   EXPECT_NEAR(position.expanded_distance, 2e-4 * std::sqrt(3.0 * 4.066), 1e-7);
+}
+
+// Nothing is off: the quantile of the normal distribution of what is not there.
+TEST(BudgetTest, OfNothingIsNothing) {
+  BudgetOf ur10;
+  ur10.prediction.root.setZero();
+  ur10.options.confidence = 0.9;
+  const CombinedUncertainty position = ur10.Make()->position;
+  EXPECT_EQ(position.std, 0.0);
+  EXPECT_EQ(position.expanded, 0.0);
+  EXPECT_EQ(position.expanded_distance, 0.0);
+  EXPECT_NEAR(position.coverage_factor, 1.644854, 1e-5);
 }
 
 TEST(BudgetTest, NothingCountsTwice) {

@@ -98,6 +98,30 @@ TEST(CovarianceTest, WhatNothingTellsIsInfiniteAndTheRestIsNot) {
   EXPECT_NEAR(told[1], std::sqrt(9.0 / 4.0 + 1.0 / 16.0), 1e-12);
 }
 
+TEST(CovarianceTest, AColumnOfZerosLeavesTheOthersAsTheyAre) {
+  const Eigen::MatrixXd factor = Eigen::Vector3d(2.0, 0.0, 4.0).asDiagonal();
+  const ParameterCovariance covariance = InverseInformation(
+      factor, {0, 1, 2}, Eigen::VectorXd::Constant(3, kInfinity));
+  const Eigen::VectorXd deviations = covariance.Deviations();
+  EXPECT_NEAR(deviations[0], 0.5, 1e-15);
+  EXPECT_EQ(deviations[1], kInfinity);
+  EXPECT_NEAR(deviations[2], 0.25, 1e-15);
+}
+
+// But for 1e-13 of it the second column repeats the first: rounding may be all
+// that tells them apart.
+TEST(CovarianceTest, WhatRoundingTellsIsNotTold) {
+  Eigen::Matrix2d factor;
+  factor << 1.0, 1.0, 0.0, 1e-13;
+  const Eigen::VectorXd none = Eigen::VectorXd::Constant(2, kInfinity);
+  EXPECT_EQ(InverseInformation(factor, {0, 1}, none).Deviations()[0],
+            kInfinity);
+  factor(1, 1) = 1e-9;
+  // Rounding over the smallest part.
+  EXPECT_NEAR(InverseInformation(factor, {0, 1}, none).Deviations()[0] * 1e-9,
+              1.0, 1e-5);
+}
+
 TEST(ModelExcessTest, AddsToTheNoiseOfARowWhatItsKindLacks) {
   ModelExcess excess;
   EXPECT_FALSE(excess.is_there());

@@ -218,8 +218,34 @@ TEST(DiagnosticsTest, NormalityIsAndersonAndDarlings) {
     EXPECT_GT(fall, 0.0) << a;
     EXPECT_LT(fall, 0.02) << a;
   }
+  // Pieces begin where they are published to.
+  EXPECT_NEAR(AndersonDarlingPValue(0.6), 0.11943, 1e-5);
+  EXPECT_NEAR(AndersonDarlingPValue(0.34), 0.49823, 1e-5);
+  EXPECT_NEAR(AndersonDarlingPValue(0.2), 0.88425, 1e-5);
   EXPECT_LT(AndersonDarlingPValue(1e4), 1e-100);  // where the fit would grow
   EXPECT_TRUE(std::isnan(TestNormality(Eigen::VectorXd::Ones(20)).p_value));
+}
+
+// Of 6000 residuals of the right arm five of six are tested, evenly.
+TEST(DiagnosticsTest, NormalityOfManyIsThatOfAnEvenSample) {
+  const MeasurementModel model(testing::Rv2ajFlange());
+  const Dataset data =
+      testing::NoisyPositions(model.nominal(), 2000, kSigma, 31);
+  const std::vector<int> columns = testing::FlangeFreeColumns(model.layout());
+  const Eigen::VectorXd no_priors;
+  const std::vector<RobustLoss> losses;
+  const Eigen::VectorXd values = model.NominalValues();
+  const FittedProblem problem{model, data, columns, no_priors, losses, values};
+  const ResidualDiagnostics diagnostics =
+      DiagnoseResiduals(problem, CovarianceOf(problem), true, data);
+  ASSERT_EQ(diagnostics.studentised.size(), 6000);
+  Eigen::VectorXd some(5000);
+  for (int k = 0; k < 5000; ++k) {
+    some[k] = diagnostics.studentised[k + k / 5];
+  }
+  const TestResult expected = TestNormality(some);
+  EXPECT_NEAR(diagnostics.normality.statistic, expected.statistic, 1e-9);
+  EXPECT_GT(expected.p_value, 0.001);
 }
 
 // p-values of true normal samples are spread evenly over [0, 1].

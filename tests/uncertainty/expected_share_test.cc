@@ -72,6 +72,16 @@ TEST(ExpectedSharesTest, OfKnownParametersAreThoseOfABinomial) {
              0.03);
 }
 
+// Nothing but sigma is unknown, of five degrees of freedom: 2.5 % of estimates
+// are below sqrt(0.8312 / 5) sigma, 2.015 times which hold 0.5887.
+TEST(ExpectedSharesTest, OfAnEstimatedSigmaFollowItsDistribution) {
+  PredictedRows rows;
+  rows.spread = Eigen::MatrixXd::Zero(3, 2);
+  rows.all = 100000000;
+  // The cube root is off by 0.01 there, and 400 draws by 0.02.
+  EXPECT_NEAR(ExpectedShares(rows, kConfidence, 5.0).first, 0.5887, 0.03);
+}
+
 TEST(ExpectedSharesTest, AreThoseOfASimulation) {
   constexpr int kDof = 12;
   PredictedRows rows = RandomRows(40, 0.35);

@@ -4,320 +4,27 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <functional>
 #include <string>
 #include <vector>
 
-#include "src/common/distributions.h"
-#include "src/common/random.h"
-#include "src/model/joint_draw.h"
+#include "alidade/rotation.h"
 #include "src/uncertainty/looks.h"
-#include "src/uncertainty/residual_gram.h"
-#include "src/uncertainty/residual_structure.h"
-#include "src/uncertainty/structure_columns.h"
-#include "tests/support/matrix_kinematics.h"
 #include "tests/support/noisy_positions.h"
-#include "tests/support/reference_solution.h"
-#include "tests/support/rv2aj_arms.h"
-#include "tests/support/study.h"
+#include "tests/uncertainty/fitted_arm.h"
 
 namespace alidade::internal {
 namespace {
 
-constexpr double kSigma = 0.02e-3;
+using testing::Bent;
+using testing::Fitted;
+using testing::kSigma;
+using testing::OffBy;
+using testing::RealArm;
+using testing::Rigid;
+
 const StatedNoise kGiven = std::array<double, 2>{1.0, 1.0};
-
-Eigen::Vector3d PositionOf(const Arm& arm, const Eigen::VectorXd& joints) {
-  return testing::MatrixPosition(arm, joints.data()).cast<double>();
-}
-
-// What the real arm does at joint values, of row i.
-using RealArm = std::function<Eigen::Vector3d(const Eigen::VectorXd&, int)>;
-
-// An RV-2AJ fitted to what a real arm did, each pose measured `repeats` times.
-class Fitted {
- public:
-  Fitted(int poses, int repeats, std::uint64_t seed, const RealArm& real,
-         double noise = kSigma)
-      : model_(testing::Rv2ajFlange()),
-        columns_(testing::FlangeFreeColumns(ParameterLayout(5))) {
-    const Eigen::MatrixXd drawn =
-        DrawJointValues(model_.nominal(), poses, seed);
-    Eigen::MatrixXd joints(5, poses * repeats);
-    Eigen::Matrix3Xd points(3, poses * repeats);
-    Random random(seed, 77);
-    for (int i = 0; i < joints.cols(); ++i) {
-      joints.col(i) = drawn.col(i / repeats);
-      points.col(i) = real(joints.col(i), i / repeats);
-      for (double& value : points.col(i)) value += noise * random.Normal();
-    }
-    data_ = MakePositions(joints, points, kSigma);
-    values_ = testing::SolveReference(
-                  model_.nominal(), model_.NominalValues().cast<long double>(),
-                  data_, columns_)
-                  .values.cast<double>();
-  }
-
-  FittedProblem problem() const {
-    return {model_, data_, columns_, no_priors_, losses_, values_};
-  }
-  LackAssessment Assess(const StatedNoise& stated) const {
-    return AssessLackOfFit(problem(), CovarianceOf(problem()), stated);
-  }
-  Linearization Rows() const {
-    Linearization rows;
-    model_.Linearize(values_, data_, columns_, &rows);
-    return rows;
-  }
-  void AddCovariate(const std::string& name, const Eigen::MatrixXd& values) {
-    data_.covariate_names.push_back(name);
-    data_.covariates = values;
-  }
-  const MeasurementModel& model() const { return model_; }
-  const Dataset& data() const { return data_; }
-
- private:
-  const MeasurementModel model_;
-  Dataset data_;
-  const std::vector<int> columns_;
-  const Eigen::VectorXd no_priors_;
-  const std::vector<RobustLoss> losses_;
-  Eigen::VectorXd values_;
-};
-
-Eigen::Vector3d Rigid(const Eigen::VectorXd& joints, int /*row*/) {
-  return PositionOf(testing::Rv2ajFlange(), joints);
-}
-
-// Off by a draw of so much in each axis, the same at each visit of a pose.
-RealArm OffBy(double size, std::uint64_t seed) {
-  return [=](const Eigen::VectorXd& joints, int row) {
-    Random random(seed, static_cast<std::uint64_t>(row));
-    Eigen::Vector3d off;
-    for (double& value : off) value = size * random.Normal();
-    return Eigen::Vector3d(Rigid(joints, row) + off);
-  };
-}
-
-// The derivative of the heights of the frames beyond joint j and of the target
-// by the joint's value: what the moment of unit weights is, up to its sign.
-double MomentByHeights(const Arm& arm, const Eigen::VectorXd& joints, int j) {
-  const Eigen::Vector3d upwards = -arm.errors.gravity;
-  constexpr double kStep = 1e-6;
-  double moment = 0.0;
-  for (int frames = j + 2; frames <= arm.num_joints() + 1; ++frames) {
-    Arm part = arm;
-    const bool is_target = frames > arm.num_joints();
-    if (!is_target) {
-      // The frame of joint `frames - 1`: all beyond it left out.
-      for (int k = frames; k < arm.num_joints(); ++k) part.joints[k] = Joint();
-      part.last_from_target().setIdentity();
-    }
-    Eigen::VectorXd up = joints;
-    Eigen::VectorXd down = joints;
-    up[j] += kStep;
-    down[j] -= kStep;
-    moment += upwards.dot(PositionOf(part, up) - PositionOf(part, down)) /
-              (2.0 * kStep);
-  }
-  return moment;
-}
-
-// Of an arm that stands, and of one that hangs on a wall.
-class GravityMomentsTest : public ::testing::TestWithParam<Eigen::Vector3d> {};
-
-INSTANTIATE_TEST_SUITE_P(Directions, GravityMomentsTest,
-                         ::testing::Values(Eigen::Vector3d(0.0, 0.0, -1.0),
-                                           Eigen::Vector3d(0.6, -0.8, 0.0)));
-
-TEST_P(GravityMomentsTest, AreSlopesOfHeights) {
-  Arm arm = testing::Rv2ajFlange();
-  arm.errors.gravity = GetParam();
-  arm.last_from_target().translation() << 0.03, -0.02, 0.05;
-  const MeasurementModel model(arm);
-  const Dataset data = testing::NoisyPositions(arm, 20, kSigma, 3);
-  const StructureColumns columns(model, model.NominalValues(), data, 60, true);
-  Linearization rows;
-  model.Linearize(model.NominalValues(), data, columns.directions(), &rows);
-  int checked = 0;
-  for (const StructureFamily& family : columns.families()) {
-    if (family.kind != StructureKind::kGravityMoment || family.joint == 0) {
-      continue;
-    }
-    const int theta =
-        model.layout().Column(ParameterKind::kTheta, family.joint - 1);
-    const auto place = std::find(columns.directions().begin(),
-                                 columns.directions().end(), theta) -
-                       columns.directions().begin();
-    for (int i = 0; i < 20; ++i) {
-      Eigen::MatrixXd filled(3, columns.size());
-      const Eigen::MatrixXd mine = rows.jacobian.middleRows(3 * i, 3);
-      columns.Fill(i, 0, mine, filled);
-      const double moment =
-          MomentByHeights(arm, data.joint_values.col(i), family.joint - 1);
-      const Eigen::Vector3d expected = -moment * mine.col(place);
-      EXPECT_LT((filled.col(family.columns.front()) - expected).norm(),
-                1e-6 * mine.col(place).norm())
-          << "joint " << family.joint;
-      ++checked;
-    }
-  }
-  EXPECT_EQ(checked, 100);
-}
-
-// Against least squares of the dense rows by a singular value decomposition.
-TEST(StructureFitTest, GainsAreThoseOfLeastSquares) {
-  const Fitted fitted(40, 1, 5, Rigid);
-  const FittedProblem problem = fitted.problem();
-  const Looks looks = TakeLooks(problem);
-  const StructureColumns columns(fitted.model(), problem.values, looks.data,
-                                 looks.residuals.size(), true);
-  const ResidualGram gram =
-      SumLooks(problem, looks, columns, CovarianceOf(problem).root);
-  const StructureFit fit(problem, gram);
-  Linearization directions;
-  fitted.model().Linearize(problem.values, fitted.data(), columns.directions(),
-                           &directions);
-  Eigen::MatrixXd dense(120, columns.size());
-  for (int i = 0; i < 40; ++i) {
-    columns.Fill(i, 0, directions.jacobian.middleRows(3 * i, 3),
-                 dense.middleRows(3 * i, 3));
-  }
-  const Linearization rows = fitted.Rows();
-  const auto squares = [&](const std::vector<int>& with) {
-    Eigen::MatrixXd all(
-        120, rows.jacobian.cols() + static_cast<Eigen::Index>(with.size()));
-    all << rows.jacobian, dense(Eigen::all, with);
-    const double nothing = 1e-8 * all.colwise().norm().maxCoeff();
-    for (auto column : all.colwise()) {
-      column /= std::max(nothing, column.norm());
-    }
-    const Eigen::BDCSVD<Eigen::MatrixXd> svd =
-        Eigen::BDCSVD<Eigen::MatrixXd>(
-            all, Eigen::ComputeThinU | Eigen::ComputeThinV)
-            .setThreshold(1e-3);
-    return (rows.residuals - all * svd.solve(rows.residuals)).squaredNorm();
-  };
-  EXPECT_NEAR(fit.AllSquares(), squares({}), 1e-6 * squares({}));
-  EXPECT_NEAR(fit.AllFreedom(), 120.0 - 18.0, 1e-6);
-  for (const StructureFamily& family : columns.families()) {
-    const double expected = squares({}) - squares(family.columns);
-    EXPECT_NEAR(fit.GainOf(family.columns).squares, expected, 1e-3)
-        << NameOf(StructureTest{family.kind, family.joint, family.covariate});
-  }
-}
-
-// Densely, of two looks at each of twenty configurations: means, and what each
-// sum says of them.
-TEST(ResidualGramTest, SumsAreThoseOfTheRows) {
-  const Fitted fitted(20, 2, 5, Rigid);
-  const FittedProblem problem = fitted.problem();
-  const Looks looks = TakeLooks(problem);
-  const StructureColumns columns(fitted.model(), problem.values, looks.data,
-                                 looks.residuals.size(), false);
-  const Eigen::MatrixXd root = CovarianceOf(problem).root;
-  const ResidualGram gram = SumLooks(problem, looks, columns, root);
-  EXPECT_DOUBLE_EQ(gram.rows[kLengths], 60.0);
-  EXPECT_DOUBLE_EQ(gram.inverse_counts[kLengths], 30.0);
-  EXPECT_NEAR(gram.precision[kLengths] * kSigma * kSigma, 60.0, 1e-9);
-  EXPECT_EQ(gram.rows[kRotations], 0.0);
-  const Linearization all = fitted.Rows();
-  const Eigen::MatrixXd information = all.jacobian.transpose() * all.jacobian;
-  EXPECT_LT((gram.information - information).norm(),
-            1e-12 * information.norm());
-  Eigen::MatrixXd common = Eigen::MatrixXd::Zero(18, 18);
-  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(18, 18);
-  ASSERT_EQ(gram.scores.cols(), 20);
-  for (int i = 0; i < 20; ++i) {
-    const Eigen::MatrixXd free = all.jacobian.middleRows(6 * i, 3);
-    products += free.transpose() * free;
-    common += 4.0 / (kSigma * kSigma) * free.transpose() * free;
-    const Eigen::Vector3d mean = 0.5 * (all.residuals.segment<3>(6 * i) +
-                                        all.residuals.segment<3>(6 * i + 3));
-    const Eigen::Matrix3d rest =
-        Eigen::Matrix3d::Identity() -
-        2.0 * free * root * root.transpose() * free.transpose();
-    const Eigen::Matrix3d freed =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(rest)
-            .operatorInverseSqrt();
-    const Eigen::VectorXd score = 2.0 * free.transpose() * (freed * mean);
-    EXPECT_LT((gram.scores.col(i) - score).norm(), 1e-9 * score.norm());
-  }
-  EXPECT_LT((gram.common[kLengths] - common).norm(), 1e-12 * common.norm());
-  EXPECT_LT((gram.products[kLengths].topLeftCorner(18, 18) - products).norm(),
-            1e-12 * products.norm());
-}
-
-// F of each family by its gain, and Holm's correction: the smallest of k
-// p-values times k, the next times k - 1, and none below the one before.
-TEST(FindStructureTest, StatisticsAreFAndPValuesHolms) {
-  const Fitted fitted(60, 1, 5, Rigid);
-  const FittedProblem problem = fitted.problem();
-  const Looks looks = TakeLooks(problem);
-  const StructureColumns columns(fitted.model(), problem.values, looks.data,
-                                 looks.residuals.size(), true);
-  const ResidualGram gram =
-      SumLooks(problem, looks, columns, CovarianceOf(problem).root);
-  StructureFit fit(problem, gram);
-  const double all = fit.AllSquares();
-  const std::vector<StructureTest> tests =
-      FindStructure(columns.families(), &fit);
-  // But those of columns that are zero.
-  ASSERT_GE(tests.size(), 20U);
-  double least = 0.0;
-  for (std::size_t k = 0; k < tests.size(); ++k) {
-    SCOPED_TRACE(NameOf(tests[k]));
-    EXPECT_FALSE(tests[k].is_found);
-    // The same kind may be of several families: one has this statistic.
-    double nearest = 1e9;
-    StructureFit::Gain best;
-    const auto f_of = [&](const StructureFit::Gain& gain) {
-      return gain.squares / gain.rank /
-             ((all - gain.squares) / (162.0 - gain.rank));
-    };
-    for (const StructureFamily& family : columns.families()) {
-      if (family.kind != tests[k].kind || family.joint != tests[k].joint) {
-        continue;
-      }
-      const StructureFit::Gain gain = fit.GainOf(family.columns);
-      const double off = std::abs(f_of(gain) - tests[k].statistic);
-      if (!(off < nearest)) continue;
-      nearest = off;
-      best = gain;
-    }
-    EXPECT_EQ(tests[k].degrees_of_freedom, best.rank);
-    EXPECT_NEAR(tests[k].explained, best.squares / all, 1e-12);
-    const double p = FisherSurvival(f_of(best), best.rank, 162.0 - best.rank);
-    const auto rest = static_cast<double>(tests.size() - k);
-    least = std::max(least, std::min(1.0, rest * p));
-    EXPECT_LT(nearest, 1e-9);
-    EXPECT_NEAR(tests[k].p_value, least, 1e-9);
-  }
-}
-
-TEST(LooksTest, ASampleIsOfWholeConfigurations) {
-  constexpr int kRepeats = 4;
-  const MeasurementModel model(testing::Rv2ajFlange());
-  const Eigen::MatrixXd drawn = DrawJointValues(model.nominal(), 2000, 3);
-  Eigen::MatrixXd joints(5, kRepeats * drawn.cols());
-  for (Eigen::Index i = 0; i < joints.cols(); ++i) {
-    joints.col(i) = drawn.col(i / kRepeats);
-  }
-  const Dataset data =
-      MakePositions(joints, Eigen::Matrix3Xd::Zero(3, joints.cols()), kSigma);
-  const std::vector<int> columns =
-      testing::FlangeFreeColumns(ParameterLayout(5));
-  const Eigen::VectorXd no_priors;
-  const std::vector<RobustLoss> losses;
-  const Eigen::VectorXd values = model.NominalValues();
-  const Looks looks =
-      TakeLooks({model, data, columns, no_priors, losses, values});
-  EXPECT_TRUE(looks.is_sample);
-  // 5000 of 8000 poses, four of each configuration.
-  EXPECT_EQ(looks.counts, std::vector<int>(1250, kRepeats));
-  EXPECT_EQ(looks.repeat_freedom[kLengths], 3.0 * 1250 * (kRepeats - 1));
-}
 
 TEST(LackOfFitTest, CleanDataLackNothing) {
   const Fitted fitted(60, 1, 5, Rigid);
@@ -344,8 +51,20 @@ TEST(LackOfFitTest, RepeatsTellNoiseFromWhatTheModelLacks) {
     EXPECT_NEAR(found.lack.noise, kSigma, 0.1 * kSigma);
     EXPECT_NEAR(std::sqrt(found.lack.excess_variance / 3.0), kOff, 0.1 * kOff);
     EXPECT_LT(found.lack.p_value, 1e-12);
+    // Welch and Satterthwaite, of means of three measurements.
+    const double of_noise = std::pow(found.lack.noise, 2) / 3.0;
+    const double beyond =
+        std::pow(found.lack.residual, 2) - std::pow(found.lack.noise, 2);
+    EXPECT_NEAR(
+        found.lack.excess_degrees_of_freedom,
+        beyond * beyond /
+            (std::pow(beyond + of_noise, 2) / found.lack.degrees_of_freedom +
+             of_noise * of_noise / (3.0 * 80 * 2)),
+        1e-6);
     ASSERT_FALSE(found.warnings.empty());
     EXPECT_NE(found.warnings[0].find("times the repeatability"),
+              std::string::npos);
+    EXPECT_NE(found.warnings[0].find("Predictions contain them ("),
               std::string::npos);
   }
 }
@@ -402,11 +121,35 @@ TEST(LackOfFitTest, PredictionsTakeErrorsOfPosesOnce) {
       1.0, 0.2);
 }
 
-// Joint 2 gives way by its gravity moment.
-Eigen::Vector3d Bent(const Eigen::VectorXd& joints, int row) {
-  Eigen::VectorXd moved = joints;
-  moved[1] -= 4e-4 * MomentByHeights(testing::Rv2ajFlange(), joints, 1);
-  return Rigid(moved, row);
+// The same with priors that are as wide as what the data tell: C F C.
+TEST(LackOfFitTest, PriorsAreInThePredictionsCovariance) {
+  const Fitted fitted(50, 1, 6, OffBy(0.1e-3, 9));
+  const FittedProblem at = fitted.problem();
+  Eigen::VectorXd priors =
+      Eigen::VectorXd::Constant(at.values.size(), HUGE_VAL);
+  const Eigen::VectorXd usual = CovarianceOf(at).Deviations();
+  for (std::size_t k = 0; k < at.free_columns.size(); ++k) {
+    priors[at.free_columns[k]] = usual[static_cast<Eigen::Index>(k)];
+  }
+  const FittedProblem problem{at.model, at.data,   at.free_columns,
+                              priors,   at.losses, at.values};
+  const LackAssessment found =
+      AssessLackOfFit(problem, CovarianceOf(problem), kGiven);
+  ASSERT_TRUE(found.differs);
+  const Eigen::MatrixXd jacobian = fitted.Rows().jacobian;
+  const Eigen::MatrixXd information = jacobian.transpose() * jacobian;
+  const Eigen::MatrixXd of_priors =
+      usual.cwiseAbs2().cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd inverse = (information + of_priors).inverse();
+  const double variance =
+      1.0 + found.lack.excess_variance / (3.0 * kSigma * kSigma);
+  const Eigen::MatrixXd expected =
+      inverse * (variance * information + of_priors) * inverse;
+  const Eigen::VectorXd deviations = found.prediction.Deviations();
+  for (Eigen::Index k = 0; k < expected.rows(); ++k) {
+    const double std = std::sqrt(expected(k, k));
+    EXPECT_NEAR(deviations[k], std, 1e-5 * std);
+  }
 }
 
 // What is alike at neighbouring configurations does not average out as errors
@@ -422,6 +165,23 @@ TEST(LackOfFitTest, RobustDeviationsAreThoseOfBlocks) {
   EXPECT_GT(mean_ratio(Bent), 1.3);
 }
 
+// A loss that is tuned to sigma leaves of the noise what the excess does not
+// take, where that is more than repeats show.
+TEST(LackOfFitTest, RobustFitsLeaveTheRestOfSigmaToTheNoise) {
+  const Fitted fitted(80, 3, 6, OffBy(0.5 * kSigma, 9), 0.5 * kSigma);
+  const FittedProblem at = fitted.problem();
+  const std::vector<RobustLoss> losses = TunedLosses(LossKind::kHuber);
+  const FittedProblem problem{at.model,  at.data, at.free_columns,
+                              at.priors, losses,  at.values};
+  const LackAssessment found =
+      AssessLackOfFit(problem, CovarianceOf(problem), kGiven);
+  EXPECT_EQ(found.lack.source, NoiseSource::kRepeats);
+  const ModelExcess& excess = found.prediction.excess;
+  const double part = excess.length / (kSigma * kSigma);
+  EXPECT_NEAR(part, 0.25, 0.08);
+  EXPECT_NEAR(excess.noise_ratio[kLengths], 1.0 - part, 1e-9);
+}
+
 // Without anything stated, what is left beside the structure is the noise.
 TEST(LackOfFitTest, StructureIsNamedAndTakenForTheExcess) {
   const LackAssessment found = Fitted(60, 1, 8, Bent).Assess(StatedNoise());
@@ -434,6 +194,84 @@ TEST(LackOfFitTest, StructureIsNamedAndTakenForTheExcess) {
   ASSERT_FALSE(found.warnings.empty());
   EXPECT_NE(found.warnings[0].find("the gravity moment of joint 2"),
             std::string::npos);
+}
+
+// Each pose twice, without any spread: what is left is of the mean of two.
+TEST(LackOfFitTest, StructureOfMeansLeavesTheNoiseOfOneMeasurement) {
+  const RealArm noisy = [](const Eigen::VectorXd& joints, int row) {
+    return Eigen::Vector3d(OffBy(kSigma, 9)(joints, row) - Rigid(joints, row) +
+                           Bent(joints, row));
+  };
+  const LackAssessment one = Fitted(60, 1, 8, noisy, 0.0).Assess(StatedNoise());
+  const LackAssessment two = Fitted(60, 2, 8, noisy, 0.0).Assess(StatedNoise());
+  EXPECT_EQ(one.lack.source, NoiseSource::kStructure);
+  EXPECT_EQ(two.lack.source, NoiseSource::kStructure);
+  EXPECT_EQ(two.lack.looks, 60);
+  EXPECT_NEAR(two.lack.noise / one.lack.noise, std::sqrt(2.0), 1e-6);
+}
+
+// Orientations that are off by five times their sigma, positions by one.
+TEST(LackOfFitTest, OrientationsHaveAnExcessOfTheirOwn) {
+  constexpr double kAngle = 1e-4;
+  const MeasurementModel model(testing::Rv2ajFlange());
+  const Eigen::MatrixXd joints = DrawJointValues(model.nominal(), 60, 4);
+  const testing::VectorXl exact = testing::MatrixValues(model.nominal());
+  Random random(12);
+  Dataset data = MakePositions(joints, Eigen::Matrix3Xd::Zero(3, 60), kSigma);
+  Eigen::MatrixXd measured(6, 60);
+  Eigen::MatrixXd sigmas(6, 60);
+  for (int i = 0; i < 60; ++i) {
+    const Eigen::Matrix4d frame =
+        testing::MatrixTargetFrame(model.nominal(), exact, joints.col(i).data())
+            .cast<double>();
+    Eigen::Vector3d turn;
+    for (double& x : turn) x = 5.0 * kAngle * random.Normal();
+    for (int axis = 0; axis < 3; ++axis) {
+      measured(axis, i) = frame(axis, 3) + kSigma * random.Normal();
+    }
+    measured.col(i).tail<3>() = VectorFromRotation(Eigen::Matrix3d(
+        RotationFromVector<double>(turn) * frame.topLeftCorner<3, 3>()));
+    sigmas.col(i) << kSigma, kSigma, kSigma, kAngle, kAngle, kAngle;
+  }
+  data.blocks[0].kind = MeasurementKind::kPose;
+  data.blocks[0].measured = measured;
+  data.blocks[0].sigmas = sigmas;
+  const std::vector<int> columns = testing::FlangeFreeColumns(model.layout());
+  const Eigen::VectorXd no_priors;
+  const std::vector<RobustLoss> losses;
+  const Eigen::VectorXd values = model.NominalValues();
+  const FittedProblem problem{model, data, columns, no_priors, losses, values};
+  const LackAssessment found =
+      AssessLackOfFit(problem, CovarianceOf(problem), kGiven);
+  EXPECT_EQ(found.lack.excess_variance, 0.0);
+  // 24 of 25 variances of each component; 180 of them are good to a tenth.
+  const double expected = 3.0 * 24.0 * kAngle * kAngle;
+  EXPECT_NEAR(found.lack.rotation_excess_variance, expected, 0.35 * expected);
+  EXPECT_FALSE(found.lack.structure.empty());
+}
+
+// Of a sample nobody knows where the arm came from.
+TEST(LackOfFitTest, SamplesAreNotTestedForTheApproach) {
+  const MeasurementModel model(testing::Rv2ajFlange());
+  const std::vector<int> columns = testing::FlangeFreeColumns(model.layout());
+  const Eigen::VectorXd no_priors;
+  const std::vector<RobustLoss> losses;
+  const Eigen::VectorXd values = model.NominalValues();
+  for (const int num_poses : {1000, 6000}) {
+    const Dataset data =
+        testing::NoisyPositions(model.nominal(), num_poses, kSigma, 13);
+    const FittedProblem problem{model,     data,   columns,
+                                no_priors, losses, values};
+    const LackOfFit lack =
+        AssessLackOfFit(problem, CovarianceOf(problem), kGiven).lack;
+    EXPECT_EQ(lack.is_sample, num_poses > 5000);
+    const bool has_approach =
+        std::any_of(lack.structure.begin(), lack.structure.end(),
+                    [](const StructureTest& test) {
+                      return test.kind == StructureKind::kApproach;
+                    });
+    EXPECT_EQ(has_approach, num_poses < 5000);
+  }
 }
 
 // A temperature, recorded in no order, by which the arm grows.

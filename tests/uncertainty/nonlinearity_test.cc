@@ -111,6 +111,27 @@ TEST(NonlinearityTest, ProfileIsOfTheGrowthOfTheCost) {
   EXPECT_NEAR(angle.lower, -angle.upper, 1e-9);
 }
 
+// A cost that grows faster than the parabola, whose bound is beyond the
+// profile: from both sides the crossing is found by secants, not by halving.
+TEST(NonlinearityTest, ProfileIsFoundInAFewSolves) {
+  const Polar polar(0.3);
+  const ParameterCovariance covariance = polar.covariance();
+  const double deviation = covariance.Deviations()[1];
+  int solves = 0;
+  const Resolve steep = [&](int fixed, Eigen::VectorXd* values) {
+    ++solves;
+    const double z = ((*values)[fixed] - kRadius) / deviation;
+    // 2 at |z| = 1.42329, by the cubic equation.
+    const double root = std::abs(z) * (1.0 + 0.2 * z * z);
+    return std::optional<double>(root * root);
+  };
+  const ConfidenceInterval radius =
+      ProfileInterval(polar.problem(), covariance, 1, 2.0, 0.0, steep);
+  EXPECT_NEAR((radius.upper - kRadius) / deviation, 1.42329, 2e-4);
+  EXPECT_NEAR((kRadius - radius.lower) / deviation, 1.42329, 2e-4);
+  EXPECT_LE(solves, 12);
+}
+
 // An error of the size of the radius leaves any angle possible.
 TEST(NonlinearityTest, ProfileWithoutEndIsInfinite) {
   const Polar polar(0.7);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -97,6 +98,20 @@ TEST(PredictionTest, SemiAxesAreThoseOfTheEllipsoid) {
   EXPECT_LT((SemiAxes(covariance) - axes).norm(), 1e-13);
 }
 
+// The true arm stands a millimetre beside the calibrated one.
+TEST(PredictionTest, TrueErrorsAreThoseOfTheTrueArm) {
+  const Known known;
+  Eigen::VectorXd truth = known.model.NominalValues();
+  truth[known.model.layout().Column(ParameterKind::kBaseTranslation, 1)] +=
+      1e-3;
+  const PredictedMap map = MapPrediction(
+      known.model, known.model.NominalValues(), known.covariance, 40, 3, truth);
+  ASSERT_EQ(map.true_error.size(), 40);
+  EXPECT_NEAR(map.true_error.minCoeff(), 1e-3, 1e-14);
+  EXPECT_NEAR(map.true_error.maxCoeff(), 1e-3, 1e-14);
+  EXPECT_NEAR(map.true_summary.rms, 1e-3, 1e-14);
+}
+
 TEST(PredictionTest, WhatIsNotToldIsSeenAsInfinite) {
   Known known;
   // Nothing tells the first column any more.
@@ -106,6 +121,25 @@ TEST(PredictionTest, WhatIsNotToldIsSeenAsInfinite) {
       known.model, known.model.NominalValues(), known.covariance,
       DrawJointValues(known.model.nominal(), 1, 1));
   EXPECT_EQ(predicted[0].position(0, 0), kInfinity);
+}
+
+// The first joint's axis is vertical: its height moves no other coordinate, and
+// turns nothing.
+TEST(PredictionTest, WhatIsNotToldOfOneAxisIsSeenAsInfinite) {
+  Known known;
+  const int height = known.model.layout().Find("r1").value();
+  const auto place =
+      std::find(known.columns.begin(), known.columns.end(), height);
+  ASSERT_NE(place, known.columns.end());
+  known.covariance.null_space =
+      Eigen::MatrixXd::Identity(known.covariance.size(),
+                                known.covariance.size())
+          .col(place - known.columns.begin());
+  const std::vector<PoseCovariance> predicted = PredictCovariances(
+      known.model, known.model.NominalValues(), known.covariance,
+      DrawJointValues(known.model.nominal(), 1, 1));
+  EXPECT_EQ(predicted[0].position(2, 2), kInfinity);
+  EXPECT_TRUE(std::isfinite(predicted[0].rotation(2, 2)));
 }
 
 // Calibrations drawn from their own covariance, and fresh measurements.
