@@ -247,7 +247,7 @@ std::vector<std::string> AssumptionsOf(const RobotProgram& program,
   }
   if (program.language == ProgramLanguage::kUrScript &&
       program.frames.count("base") > 0) {
-    notes.push_back(
+    notes.emplace_back(
         "the row base of --frames is not used: URScript's poses are in the "
         "robot's own base");
   }

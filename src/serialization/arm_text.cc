@@ -14,12 +14,12 @@ namespace alidade {
 namespace internal {
 namespace {
 
-// "90 deg", for people.
+// "90 deg", for people: -0 is 0.
 std::string Readable(double value, Dimension dimension) {
   const bool is_angle = dimension == Dimension::kAngle;
   std::array<char, 64> text;
   std::snprintf(text.data(), text.size(), "%.6g %s",
-                value / (is_angle ? kDegree : kMillimetre),
+                value / (is_angle ? kDegree : kMillimetre) + 0.0,
                 is_angle ? "deg" : "mm");
   return text.data();
 }
