@@ -72,8 +72,8 @@ std::optional<ProgramLanguage> ProgramLanguageOf(const std::string& path);
 
 /// Reads a program for an arm of so many joints. `frames`: tools and bases
 /// that it refers to and does not state, "tool 1", "base 2" (KRL, Fanuc) or by
-/// their names (RAPID); "tool" and "base": what holds where it sets none
-/// (URScript, KRL). @throws InputError where the file cannot be read.
+/// their names (RAPID); "tool" (URScript, KRL) and "base" (KRL): what holds
+/// where it sets none. @throws InputError where the file cannot be read.
 RobotProgram ReadProgram(
     const std::string& path, int num_joints,
     const std::map<std::string, Eigen::Isometry3d>& frames);

@@ -248,8 +248,8 @@ std::vector<std::string> AssumptionsOf(const RobotProgram& program,
   if (program.language == ProgramLanguage::kUrScript &&
       program.frames.count("base") > 0) {
     notes.emplace_back(
-        "the row base of --frames is not used: URScript's poses are in the "
-        "robot's own base");
+        "poses are in the robot's own base: URScript knows no other, and the "
+        "row base of --frames is not used");
   }
   const double away = nominal.last_from_target().translation().norm();
   const bool has_tools =

@@ -278,7 +278,7 @@ TEST_F(RefusedProgramTest, AToolThatIsNotSetIsAssumedAloudOrTakenFromTheTable) {
              "name,x_mm,y_mm,z_mm,wx_deg,wy_deg,wz_deg\n"
              "tool,0,50,200,0,0,0\nbase,0,500,0,0,0,0\n");
   EXPECT_THAT(correct(move, " --frames=" + (directory_ / "based.csv")),
-              HasSubstr("Assumed\n  the row base of --frames is not used"));
+              HasSubstr("Assumed\n  poses are in the robot's own base: "));
   EXPECT_EQ(ReadWhole(directory_ / "b.script"), by_table);
   EXPECT_THAT(correct(tool + move, ""), ::testing::Not(HasSubstr("Assumed")));
   EXPECT_EQ(ReadWhole(directory_ / "b.script"), tool + by_table);

@@ -46,11 +46,21 @@ TEST(RobotProgramTest, APositionIsUsedUntilItsVariableIsGivenAnother) {
               ElementsAre(ElementsAre(4, 5), ElementsAre(7)));
 }
 
-TEST(RobotProgramTest, APositionThatNothingMovesToIsUsedWhereItStands) {
+TEST(RobotProgramTest, APositionWithinAMotionIsUsedOnItsOwnLine) {
   EXPECT_THAT(UsesIn("a.script",
                      "movej([0,-1,1,0,1,0])\n"
                      "movel(p[0.4,0.2,0.5,0,3.1,0])\n"),
               ElementsAre(ElementsAre(1), ElementsAre(2)));
+}
+
+// So is one that another file moves to.
+TEST(RobotProgramTest, APositionThatNothingMovesToIsUsedOnItsOwnLine) {
+  EXPECT_THAT(UsesIn("a.dat",
+                     "DEFDAT A\n"
+                     "DECL E6AXIS XP1={A1 0,A2 10,A3 5,A4 0,A5 30,A6 0}\n"
+                     "DECL E6AXIS XP2={A1 9,A2 10,A3 5,A4 0,A5 30,A6 0}\n"
+                     "ENDDAT\n"),
+              ElementsAre(ElementsAre(2), ElementsAre(3)));
 }
 
 }  // namespace

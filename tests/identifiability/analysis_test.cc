@@ -23,13 +23,8 @@ using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using testing::StudyData;
 using ::testing::UnorderedElementsAre;
-
-Dataset StudyData(const Arm& arm) {
-  Dataset data = testing::MeasureStudyPoses(arm);
-  testing::Edit(&data.sigmas())->setConstant(0.02 * kMillimetre);
-  return data;
-}
 
 const ParameterDecision& Find(const IdentifiabilityResult& result,
                               const std::string& name) {

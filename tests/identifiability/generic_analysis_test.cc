@@ -174,23 +174,23 @@ TEST(Rv2ajGenericTest, WristLosesTwoAtItsGeometry) {
             1u);
 }
 
-// Smaller and smaller perturbations, until they tell nothing: in between the
-// three arms that are tried differ in their ranks. Of equal ranks the first one
-// speaks.
+// The perturbation shrinks until it has no effect; in between, the ranks of the
+// three perturbed arms differ. Of equal ranks the first arm's report is taken.
 TEST(Rv2ajGenericTest, StructuralRankIsThatOfTheFirstArmOfLargestRank) {
   const MeasurementModel model(testing::Rv2ajWrist());
   const std::vector<int> columns = JointColumns(model.layout());
   const Dataset pattern =
       MakePositions(Eigen::MatrixXd::Zero(5, 1), Eigen::Matrix3Xd::Zero(3, 1),
                     Eigen::Matrix3Xd::Ones(3, 1));
+  // As NumGenericPoses of generic_analysis.cc.
   const int num_poses = std::max(64, 4 * static_cast<int>(columns.size()));
   IdentifiabilityOptions options;
   const Dataset data = MakeGenericData(model, pattern, num_poses, options.seed);
-  std::set<int> speakers;
+  std::set<int> chosen_draws;
   for (int step = 0; step < 160; ++step) {
     options.perturbation = 1e-2 * std::pow(10.0, -0.05 * step);
     RankReport expected;
-    int speaker = 0;
+    int chosen = 0;
     for (int draw = 0; draw < 3; ++draw) {
       const RankReport report =
           AnalyzeRank(ScaledFactor(model, PerturbedValues(model, options, draw),
@@ -198,18 +198,20 @@ TEST(Rv2ajGenericTest, StructuralRankIsThatOfTheFirstArmOfLargestRank) {
                       options.relative_tolerance);
       if (report.rank <= expected.rank) continue;
       expected = report;
-      speaker = draw;
+      chosen = draw;
     }
-    speakers.insert(speaker);
+    chosen_draws.insert(chosen);
     const GenericAnalysis analysis =
         Analyze(model, columns, MeasurementKind::kPosition, options);
     EXPECT_EQ(analysis.structural_rank.rank, expected.rank) << step;
+    // The same functions of the same numbers: equal to the last bit.
     EXPECT_EQ(analysis.structural_rank.gap, expected.gap) << step;
   }
-  EXPECT_GE(speakers.size(), 2U);
+  EXPECT_GE(chosen_draws.size(), 2U);
 }
 
-// beta, alpha, other angles, lengths: what later ones could stand for as well.
+// The order in which dependent parameters are tried: beta, alpha, other angles,
+// lengths.
 int PreferenceOf(const Parameter& parameter) {
   if (parameter.name.find("beta") == 0) return 0;
   if (parameter.name.find("alpha") == 0) return 1;

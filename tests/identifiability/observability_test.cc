@@ -23,10 +23,13 @@ TEST(ObservabilityTest, IndicesOfKnownSingularValues) {
   EXPECT_NEAR(indices.condition, 4.0, 1e-14);
 }
 
-TEST(ObservabilityTest, OfOneParameterAreItsColumnsNorm) {
+TEST(ObservabilityTest, OneParameterHasItsColumnsNormAsSingularValue) {
   const ObservabilityIndices indices =
       ComputeObservability(Eigen::MatrixXd::Constant(4, 1, 3.0), 9);
-  EXPECT_NEAR(indices.o1, 2.0, 1e-14);
+  EXPECT_NEAR(indices.o1, 2.0, 1e-14);  // 6 / sqrt(9)
+  EXPECT_EQ(indices.o2, 1.0);
+  EXPECT_NEAR(indices.o3, 6.0, 1e-14);
+  EXPECT_NEAR(indices.o4, 6.0, 1e-14);
   EXPECT_NEAR(indices.o5, 6.0, 1e-14);
   EXPECT_EQ(indices.condition, 1.0);
 }
@@ -75,12 +78,13 @@ Eigen::MatrixXd AllButParallel(double ratio) {
   return factor;
 }
 
-TEST(PredictDeviationsTest, DirectionsBelowATrillionthOfTheLargestAreNotTold) {
+TEST(PredictDeviationsTest,
+     DirectionsBelowATrillionthOfTheLargestAreUnidentifiable) {
   const Eigen::Vector2d none =
       Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
   EXPECT_TRUE(std::isinf(PredictDeviations(AllButParallel(0.8e-12), none)[0]));
-  const double told = PredictDeviations(AllButParallel(1.25e-12), none)[0];
-  EXPECT_NEAR(told * 2.5e-12, 1.0, 1e-2);
+  const double deviation = PredictDeviations(AllButParallel(1.25e-12), none)[0];
+  EXPECT_NEAR(deviation * 2.5e-12, 1.0, 1e-2);
 }
 
 // A random matrix of `rows` x `columns`, its columns of the sizes that lengths

@@ -426,8 +426,8 @@ TEST_P(RandomArmRulesTest, DoesNotDependOnThreads) {
 
 INSTANTIATE_TEST_SUITE_P(Joints, RandomArmRulesTest, ::testing::Range(1, 8));
 
-// As in the rank method: between perturbations that tell all that can be told
-// and those that tell nothing the three arms that are tried differ.
+// As for the rank method: between perturbations large enough for full rank and
+// those without effect, the ranks of the three perturbed arms differ.
 TEST(PerturbedRankTest, IsThatOfTheFirstArmOfLargestRank) {
   const Arm arm = testing::Rv2ajWrist();
   const MeasurementModel model(arm);
@@ -450,6 +450,7 @@ TEST(PerturbedRankTest, IsThatOfTheFirstArmOfLargestRank) {
       has_later = has_later || draw > 0;
     }
     EXPECT_EQ(result.perturbed_rank.rank, expected.rank) << step;
+    // The same functions of the same numbers: equal to the last bit.
     EXPECT_EQ(result.perturbed_rank.gap, expected.gap) << step;
   }
   EXPECT_TRUE(has_later);

@@ -15,8 +15,8 @@ import tempfile
 import threading
 import time
 
-# A mutant may ask for any memory and write any file. A test makes one of holes
-# of 20 GB.
+# A mutant may ask for any memory and write any file; mapped_file_test makes a
+# sparse one of 20 GB.
 MEMORY = 6 << 30
 FILE_SIZE = 20 << 30
 # Tests of a program that run together: those that take seconds come after

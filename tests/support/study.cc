@@ -34,6 +34,11 @@ Dataset MeasureStudyPoses(const Arm& nominal, const Measurement& measurement) {
   return Simulate(config);
 }
 
+Dataset StudyData(const Arm& nominal) {
+  Dataset data = MeasureStudyPoses(nominal);
+  return MakePositions(data.joint_values, data.positions(), 0.02 * kMillimetre);
+}
+
 Dataset MeasureGenericPoses(const Arm& nominal,
                             const Eigen::VectorXd& true_values, int num_poses,
                             const Measurement& measurement) {

@@ -36,6 +36,9 @@ SimulationConfig MeasurementOf(const Arm& nominal,
 Dataset MeasureStudyPoses(const Arm& nominal,
                           const Measurement& measurement = {});
 
+/// The same without noise, of sigmas of 0.02 mm.
+Dataset StudyData(const Arm& nominal);
+
 /// Any arm at poses drawn uniformly within its limits.
 Dataset MeasureGenericPoses(const Arm& nominal,
                             const Eigen::VectorXd& true_values, int num_poses,

@@ -138,6 +138,7 @@ TEST_F(ArmCheckTest, ErrorsAreThoseOfThePositions) {
   EXPECT_NEAR(check.max_error, off.colwise().norm().maxCoeff(), 1e-14);
   EXPECT_NEAR(check.predicted_rms, std::sqrt(3.0) * kSigma, 1e-14);
   EXPECT_NEAR(check.uncalibrated_rms, 1e-3, 1e-14);
+  // The same rounding over sigma, times twice the residuals.
   EXPECT_NEAR(check.statistic, off.squaredNorm() / (kSigma * kSigma), 1e-8);
 }
 
@@ -156,11 +157,12 @@ TEST_F(ArmCheckTest, WhatNothingSeesIsRefittedWithoutHarm) {
   const ArmCheckResult check = Check(data);
   EXPECT_EQ(check.degrees_of_freedom, 3.0 * kPoses - 3.0);
   EXPECT_EQ(check.degrees_of_freedom, expected.degrees_of_freedom);
+  // The same space by another factorisation: rounding of 24 residuals.
   EXPECT_NEAR(check.statistic, expected.statistic, 1e-9);
 }
 
-// Of any power, also one that is hardly above the significance: what is found
-// with it is of the noncentrality that has it.
+// For any power, even one just above the significance (0.2): the size that is
+// found has the noncentrality at which the test has that power.
 TEST_F(ArmCheckTest, SizesThatAreFoundFollowFromThePower) {
   const Dataset data = Measure(model_.NominalValues());
   const ArmCheckResult usual = Check(data);
@@ -184,8 +186,8 @@ TEST_F(ArmCheckTest, SizesThatAreFoundFollowFromThePower) {
     EXPECT_NEAR(power_of(upper * zero * zero), power, 1e-5);
     EXPECT_NEAR(check.found_move / usual.found_move, zero, 1e-9);
   }
-  // Of a known arm, and of a poor instrument: a move of 1 / sqrt(3) sigma along
-  // each axis of each position adds a third of their number.
+  // A known arm and an instrument of sigma = 1 m: a move of 1 m, 1 / sqrt(3) m
+  // along each axis, adds 1 to the noncentrality for each position.
   covariance_.root.setZero();
   options_.power = 0.9;
   const Dataset poor =

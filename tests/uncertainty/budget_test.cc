@@ -156,7 +156,8 @@ TEST(BudgetTest, ExpandedUncertaintyHoldsAsOftenAsItSays) {
                      (norms <= budget.position.expanded_distance).count()) /
                  300.0;
   }
-  // Exactly, over the axes of all places: fifty even quantiles stand for them.
+  // Exactly, over the axes of all configurations. Fifty even quantiles stand
+  // for them, which moves the rate by 2e-5 here.
   double exceeded = 0.0;
   for (const double variance : spread.rowwise().squaredNorm()) {
     const double std = std::sqrt(variance + kSigma * kSigma);
@@ -181,7 +182,7 @@ TEST(BudgetTest, CoverageFactorIsStudentsWhereAllPlacesAreAlike) {
   EXPECT_NEAR(position.expanded_distance, 2e-4 * std::sqrt(3.0 * 4.066), 1e-7);
 }
 
-// Nothing is off: the quantile of the normal distribution of what is not there.
+// All contributions are zero: the coverage factor is the normal quantile.
 TEST(BudgetTest, OfNothingIsNothing) {
   BudgetOf ur10;
   ur10.prediction.root.setZero();

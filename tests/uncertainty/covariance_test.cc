@@ -108,9 +108,8 @@ TEST(CovarianceTest, AColumnOfZerosLeavesTheOthersAsTheyAre) {
   EXPECT_NEAR(deviations[2], 0.25, 1e-15);
 }
 
-// But for 1e-13 of it the second column repeats the first: rounding may be all
-// that tells them apart.
-TEST(CovarianceTest, WhatRoundingTellsIsNotTold) {
+// The second column differs from the first by 1e-13, which may be rounding.
+TEST(CovarianceTest, ColumnsThatDifferByRoundingAreUnidentifiable) {
   Eigen::Matrix2d factor;
   factor << 1.0, 1.0, 0.0, 1e-13;
   const Eigen::VectorXd none = Eigen::VectorXd::Constant(2, kInfinity);

@@ -73,13 +73,16 @@ TEST(ExpectedSharesTest, OfKnownParametersAreThoseOfABinomial) {
 }
 
 // Nothing but sigma is unknown, of five degrees of freedom: 2.5 % of estimates
-// are below sqrt(0.8312 / 5) sigma, 2.015 times which hold 0.5887.
+// are below sqrt(0.8312 / 5) sigma, 2.015 times which hold 0.5887, and 2.5 %
+// above sqrt(12.83 / 5) sigma, which hold 0.9988.
 TEST(ExpectedSharesTest, OfAnEstimatedSigmaFollowItsDistribution) {
   PredictedRows rows;
   rows.spread = Eigen::MatrixXd::Zero(3, 2);
   rows.all = 100000000;
   // The cube root is off by 0.01 there, and 400 draws by 0.02.
-  EXPECT_NEAR(ExpectedShares(rows, kConfidence, 5.0).first, 0.5887, 0.03);
+  const auto shares = ExpectedShares(rows, kConfidence, 5.0);
+  EXPECT_NEAR(shares.first, 0.5887, 0.03);
+  EXPECT_NEAR(shares.second, 0.9988, 0.001);
 }
 
 TEST(ExpectedSharesTest, AreThoseOfASimulation) {

@@ -125,7 +125,8 @@ TEST(PredictionTest, WhatIsNotToldIsSeenAsInfinite) {
 
 // The first joint's axis is vertical: its height moves no other coordinate, and
 // turns nothing.
-TEST(PredictionTest, WhatIsNotToldOfOneAxisIsSeenAsInfinite) {
+TEST(PredictionTest,
+     UnidentifiableHeightMakesPositionsInfiniteAndRotationsNot) {
   Known known;
   const int height = known.model.layout().Find("r1").value();
   const auto place =

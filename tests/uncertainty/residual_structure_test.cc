@@ -155,7 +155,8 @@ TEST(ResidualGramTest, SumsAreThoseOfTheRows) {
             1e-12 * products.norm());
 }
 
-// Of positions and differences together: those of both alone.
+// The sums over positions and differences together are those of each kind,
+// added.
 TEST(ResidualGramTest, SumsOfSeveralKindsAreThoseOfEach) {
   const Fitted fitted(20, 1, 5, Rigid);
   const FittedProblem at = fitted.problem();
@@ -178,13 +179,29 @@ TEST(ResidualGramTest, SumsOfSeveralKindsAreThoseOfEach) {
     const Looks looks = TakeLooks(problem);
     // Of the same poses, whatever was observed at them.
     const StructureColumns columns(at.model, at.values, looks.data, 60, true);
-    return SumLooks(problem, looks, columns, root).products[kLengths];
+    return SumLooks(problem, looks, columns, root);
   };
-  const Eigen::MatrixXd expected = sum(fitted.data()) + sum(second);
-  EXPECT_LT((sum(both) - expected).norm(), 1e-12 * expected.norm());
-  const Eigen::Index last = expected.cols() - 1;
-  EXPECT_LT((sum(both) - expected).col(last).norm(),
-            1e-12 * expected.col(last).norm());
+  const ResidualGram together = sum(both);
+  const ResidualGram one = sum(fitted.data());
+  const ResidualGram other = sum(second);
+  // The order of additions differs.
+  const auto expect_sum = [](const Eigen::MatrixXd& actual,
+                             const Eigen::MatrixXd& expected) {
+    EXPECT_LT((actual - expected).norm(), 1e-12 * expected.norm());
+  };
+  const Eigen::MatrixXd products =
+      one.products[kLengths] + other.products[kLengths];
+  expect_sum(together.products[kLengths], products);
+  expect_sum(together.products[kLengths].rightCols<1>(),
+             products.rightCols<1>());
+  expect_sum(together.information, one.information + other.information);
+  expect_sum(together.common[kLengths],
+             one.common[kLengths] + other.common[kLengths]);
+  EXPECT_DOUBLE_EQ(together.rows[kLengths], 60.0 + 36.0);
+  EXPECT_DOUBLE_EQ(together.inverse_counts[kLengths], 60.0 + 36.0);
+  EXPECT_NEAR(together.precision[kLengths],
+              one.precision[kLengths] + other.precision[kLengths],
+              1e-12 * together.precision[kLengths]);
 }
 
 // F of each family by its gain, and Holm's correction: the smallest of k
