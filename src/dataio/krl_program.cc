@@ -293,6 +293,10 @@ class KrlReader : ProgramReader {
       if (!is_known) Leave(value.begin, name + " is an element of an array");
       return;
     }
+    if (!IsName(name)) {
+      Leave(value.begin, "is given to no variable");
+      return;
+    }
     std::string type;
     for (const char* candidate : {"E6AXIS", "AXIS", "E6POS", "POS", "FRAME"}) {
       const std::string word = candidate;

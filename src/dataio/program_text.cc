@@ -14,6 +14,12 @@ bool MayBeName(const std::string& text) {
          std::isdigit(static_cast<unsigned char>(text.front())) == 0;
 }
 
+bool IsName(const std::string& text) {
+  return MayBeName(text) && std::all_of(text.begin(), text.end(), [](char c) {
+           return IsWordCharacter(c) || c == '.';
+         });
+}
+
 ProgramText::ProgramText(const std::string& text, std::string_view comment,
                          char quote, bool keep_case)
     : masked_(text) {

@@ -59,6 +59,8 @@ class ProgramText {
 
 /// Whether a text may be that of a variable: neither nothing nor a number.
 bool MayBeName(const std::string& text);
+/// And has nothing that is written again: no brackets, numbers or signs.
+bool IsName(const std::string& text);
 
 /// Names of the tool and the base that hold where a program sets none.
 constexpr char kUnstatedTool[] = "tool";

@@ -241,7 +241,7 @@ class RapidReader : ProgramReader {
     if (brace != kNowhere) name.erase(brace);
     name.erase(name.find_last_not_of(" \t") + 1);
     name.erase(0, name.find_last_of(" \t") + 1);
-    if (!MayBeName(name)) {
+    if (!IsName(name)) {
       Leave(literal.begin, "is given to no variable");
       return;
     }

@@ -63,5 +63,19 @@ TEST(RobotProgramTest, APositionThatNothingMovesToIsUsedOnItsOwnLine) {
               ElementsAre(ElementsAre(2), ElementsAre(3)));
 }
 
+// What stands before ":=" may be anything where brackets are missing.
+TEST(RobotProgramTest, WhatIsNoNameIsNoVariable) {
+  const RobotProgram program = ParseProgram(
+      "MODULE a\n"
+      "[0,0,0,0,30,0],[9E9]]here:=[[0,0,0,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n"
+      "MoveAbsJ here,v100,fine,tool0;\n"
+      "ENDMODULE\n",
+      "a.mod", 6, {});
+  EXPECT_TRUE(program.targets.empty());
+  ASSERT_EQ(program.left.size(), 2U);
+  EXPECT_EQ(program.left[0].line, 2);
+  EXPECT_EQ(program.left[0].text, "is given to no variable");
+}
+
 }  // namespace
 }  // namespace alidade::internal
