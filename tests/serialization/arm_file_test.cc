@@ -258,15 +258,6 @@ void ExpectSameBits(const Joint& a, const Joint& b) {
   EXPECT_TRUE(SameBits(a.upper, b.upper));
 }
 
-TEST(FormatArmTest, ALimitOfMinusZeroIsZero) {
-  Arm arm;
-  arm.joints.resize(1);
-  arm.joints[0].lower = -0.0;
-  arm.joints[0].upper = 2.0 * kPi;
-  EXPECT_NE(FormatArm(arm, "").find("]  # 0 deg to 360 deg\n"),
-            std::string::npos);
-}
-
 TEST(FormatArmTest, ReadsBackToTheSameBits) {
   Random random(1);
   Arm arm;
