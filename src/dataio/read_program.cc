@@ -32,6 +32,22 @@ void RefuseSharedNumbers(RobotProgram* program) {
   }
 }
 
+// A rotation vector, for one, whose square no number holds.
+void RefuseEndlessPoses(RobotProgram* program) {
+  const auto is_endless = [&](const ProgramTarget& target) {
+    if (target.is_joints ||
+        PoseOf(program->language, target).matrix().allFinite()) {
+      return false;
+    }
+    program->refused.push_back(
+        {target.line, "a position of numbers that are too large"});
+    return true;
+  };
+  std::vector<ProgramTarget>& targets = program->targets;
+  targets.erase(std::remove_if(targets.begin(), targets.end(), is_endless),
+                targets.end());
+}
+
 }  // namespace
 
 RobotProgram ReadProgram(
@@ -63,6 +79,7 @@ RobotProgram ParseProgram(
       break;
   }
   RefuseSharedNumbers(&program);
+  RefuseEndlessPoses(&program);
   const auto by_line = [](const ProgramNote& a, const ProgramNote& b) {
     return a.line < b.line;
   };

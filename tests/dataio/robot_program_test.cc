@@ -77,5 +77,15 @@ TEST(RobotProgramTest, WhatIsNoNameIsNoVariable) {
   EXPECT_EQ(program.left[0].text, "is given to no variable");
 }
 
+TEST(RobotProgramTest, APositionThatNoNumberHoldsIsRefused) {
+  const RobotProgram program =
+      ParseProgram("movel(p[0.4,0.2,0.5,0,3,1e308])\n", "a.script", 6, {});
+  EXPECT_TRUE(program.targets.empty());
+  ASSERT_EQ(program.refused.size(), 1U);
+  EXPECT_EQ(program.refused[0].line, 1);
+  EXPECT_EQ(program.refused[0].text,
+            "a position of numbers that are too large");
+}
+
 }  // namespace
 }  // namespace alidade::internal
