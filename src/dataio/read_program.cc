@@ -34,13 +34,19 @@ void RefuseSharedNumbers(RobotProgram* program) {
 
 // A rotation vector, for one, whose square no number holds.
 void RefuseEndlessPoses(RobotProgram* program) {
+  const auto is_finite = [&](const std::string& name) {
+    const auto frame = program->frames.find(name);
+    return frame == program->frames.end() || frame->second.matrix().allFinite();
+  };
   const auto is_endless = [&](const ProgramTarget& target) {
     if (target.is_joints ||
-        PoseOf(program->language, target).matrix().allFinite()) {
+        (is_finite(target.tool) && is_finite(target.frame) &&
+         PoseOf(program->language, target).matrix().allFinite())) {
       return false;
     }
     program->refused.push_back(
-        {target.line, "a position of numbers that are too large"});
+        {target.line,
+         "a position, tool or base of numbers that are too large"});
     return true;
   };
   std::vector<ProgramTarget>& targets = program->targets;

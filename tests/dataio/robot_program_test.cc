@@ -78,13 +78,16 @@ TEST(RobotProgramTest, WhatIsNoNameIsNoVariable) {
 }
 
 TEST(RobotProgramTest, APositionThatNoNumberHoldsIsRefused) {
-  const RobotProgram program =
-      ParseProgram("movel(p[0.4,0.2,0.5,0,3,1e308])\n", "a.script", 6, {});
-  EXPECT_TRUE(program.targets.empty());
-  ASSERT_EQ(program.refused.size(), 1U);
-  EXPECT_EQ(program.refused[0].line, 1);
-  EXPECT_EQ(program.refused[0].text,
-            "a position of numbers that are too large");
+  for (const char* text :
+       {"movel(p[0.4,0.2,0.5,0,3,1e308])\n",
+        "set_tcp(p[0,0,0.1,0,3,1e308]) movel(p[0.4,0.2,0.5,0,3,0])\n"}) {
+    const RobotProgram program = ParseProgram(text, "a.script", 6, {});
+    EXPECT_TRUE(program.targets.empty()) << text;
+    ASSERT_EQ(program.refused.size(), 1U) << text;
+    EXPECT_EQ(program.refused[0].line, 1);
+    EXPECT_EQ(program.refused[0].text,
+              "a position, tool or base of numbers that are too large");
+  }
 }
 
 }  // namespace
