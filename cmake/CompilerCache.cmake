@@ -10,6 +10,7 @@ if(PROJECT_IS_TOP_LEVEL AND ALIDADE_CCACHE
    AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER
     ${CMAKE_COMMAND} -E env
+    CCACHE_DEPEND=1
     CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
     ${ALIDADE_CCACHE})
 endif()

@@ -2,17 +2,15 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
-#include <limits>
 
 #include "alidade/robust_loss.h"
 #include "src/calibration/sigma_change.h"
+#include "src/common/constants.h"
 #include "src/kernel/partition.h"
 #include "src/kernel/reduction.h"
 
 namespace alidade::internal {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 bool IsDistance(const ObservationBlock& block) {
   return block.kind == MeasurementKind::kPointDistance;

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <utility>
 
+#include "src/common/constants.h"
 #include "src/kernel/holdout.h"
 #include "src/kernel/measurement_model.h"
 #include "src/model/joint_draw.h"
@@ -13,7 +13,6 @@
 namespace alidade::internal {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr Eigen::Index kMostPoses = 500;
 
 std::string UnitOf(const DenseTerm& term, const Arm& arm) {

@@ -15,7 +15,7 @@ namespace alidade::internal {
 namespace {
 
 // Of more observations the extremes are not looked for.
-constexpr Eigen::Index kMostObservations = 1'000'000;
+constexpr Eigen::Index kMostLookedAt = 1'000'000;
 // Accuracy that differs by less is the same everywhere.
 constexpr double kSame = 1.02;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -174,7 +174,7 @@ class Guide {
   // largest error.
   std::string MeasuredWorst() const {
     const Eigen::Index size = judged_.residual_after.cols();
-    if (errors_.after.n == 0 || size == 0 || size > kMostObservations) {
+    if (errors_.after.n == 0 || size == 0 || size > kMostLookedAt) {
       return "";
     }
     Eigen::Index worst = -1;
@@ -233,7 +233,7 @@ class Guide {
   void AddCoverage() {
     constexpr double kFullEnough = 0.6;
     const auto& values = result_.train.joint_values;
-    if (values.cols() == 0 || values.cols() > kMostObservations ||
+    if (values.cols() == 0 || values.cols() > kMostLookedAt ||
         values.rows() != result_.arm.num_joints()) {
       return;
     }

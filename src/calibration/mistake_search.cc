@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,13 +11,12 @@
 #include "src/calibration/input_mistakes.h"
 #include "src/calibration/position_fit.h"
 #include "src/calibration/stations.h"
+#include "src/common/constants.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
 
 namespace alidade::internal {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // At the nominal geometry, of the reach.
 constexpr double kTolerated = 0.02;

@@ -10,7 +10,7 @@
 namespace alidade::internal {
 namespace {
 
-constexpr Eigen::Index kMostObservations = 200'000;
+constexpr Eigen::Index kMostGrouped = 200'000;
 constexpr std::size_t kMostListed = 1000;
 constexpr std::ptrdiff_t kFewestRepeats = 3;
 
@@ -116,7 +116,7 @@ PosePerformance Measure(const EvaluatedSet& set, const Repeats& repeats) {
 std::optional<PosePerformanceSummary> MeasurePosePerformance(
     const std::string& poses, const EvaluatedSet& set,
     const std::vector<Outlier>& outliers) {
-  if (set.residual_after.cols() > kMostObservations) return std::nullopt;
+  if (set.residual_after.cols() > kMostGrouped) return std::nullopt;
   std::vector<PosePerformance> all;
   for (const Repeats& repeats : FindRepeats(set, outliers)) {
     all.push_back(Measure(set, repeats));

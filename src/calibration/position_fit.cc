@@ -1,19 +1,17 @@
 #include "src/calibration/position_fit.h"
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 #include <vector>
 
 #include "src/calibration/frame_fit.h"
 #include "src/calibration/preparation.h"
+#include "src/common/constants.h"
 #include "src/initialization/frame_start.h"
 #include "src/model/chain_axes.h"
 
 namespace alidade::internal {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Of the positions in a calibration (m).
 constexpr double kSigma = 1e-4;

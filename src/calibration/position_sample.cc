@@ -14,7 +14,7 @@
 namespace alidade::internal {
 namespace {
 
-constexpr Eigen::Index kFewest = 12;
+constexpr Eigen::Index kFewestOfSample = 12;
 constexpr Eigen::Index kEnough = 60;
 
 bool IsTaken(const ObservationBlock& block, Eigen::Index i) {
@@ -151,7 +151,7 @@ class Positions {
     for (const std::int64_t number : nearest) {
       if (number < count_) adjacent.push_back(number);
     }
-    if (static_cast<Eigen::Index>(adjacent.size()) >= kFewest) {
+    if (static_cast<Eigen::Index>(adjacent.size()) >= kFewestOfSample) {
       chosen_ = std::move(adjacent);
     }
   }
@@ -227,7 +227,7 @@ class Positions {
 std::optional<PositionSample> SamplePositions(const Dataset& data,
                                               Communicator* communicator) {
   const Positions positions(HoldersOf(communicator, data), data);
-  if (positions.count() < kFewest || !positions.are_finite()) {
+  if (positions.count() < kFewestOfSample || !positions.are_finite()) {
     return std::nullopt;
   }
   return positions.Sample();

@@ -17,7 +17,7 @@
 namespace alidade::internal {
 namespace {
 
-constexpr Eigen::Index kMostObservations = 2000;
+constexpr Eigen::Index kMostRefitted = 2000;
 constexpr int kFolds = 5;
 constexpr int kRepeats = 4;
 constexpr double kWider = 100.0;
@@ -56,7 +56,7 @@ class CrossCheck {
       : fit_(fit),
         p_(static_cast<Eigen::Index>(fit.problem.free_columns.size())) {
     const Dataset data = EvenSubset(fit.task.communicator,
-                                    fit.task.data.training, kMostObservations);
+                                    fit.task.data.training, kMostRefitted);
     ListRows(data);
     const Eigen::VectorXd nominal = fit.model().NominalValues();
     with_.setZero(p_);

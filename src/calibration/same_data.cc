@@ -8,7 +8,7 @@
 namespace alidade::internal {
 namespace {
 
-constexpr Eigen::Index kMostObservations = 1000000;
+constexpr Eigen::Index kMostCompared = 1000000;
 
 // Coarse decimals make some repeated measurements alike; a copy makes half of
 // all.
@@ -42,8 +42,7 @@ Prints PrintsOf(const Dataset& data) {
 }
 
 bool IsTooLarge(const Dataset& data) {
-  return data.partition.has_value() ||
-         data.num_observations() > kMostObservations;
+  return data.partition.has_value() || data.num_observations() > kMostCompared;
 }
 
 // Of `count` of `all` measurements, where that is more than `threshold` of all.

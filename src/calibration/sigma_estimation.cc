@@ -15,14 +15,13 @@
 #include "src/calibration/preparation.h"
 #include "src/calibration/sigma_change.h"
 #include "src/calibration/trimmed_fit.h"
+#include "src/common/constants.h"
 #include "src/identifiability/observability.h"
 #include "src/kernel/partition.h"
 #include "src/kernel/reduction.h"
 
 namespace alidade::internal {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The ratio of sigma to the priors settles in two or three rounds.
 constexpr int kSigmaRounds = 4;

@@ -9,7 +9,7 @@
 namespace alidade::internal {
 namespace {
 
-constexpr Eigen::Index kFewest = 15;
+constexpr Eigen::Index kFewestOfStation = 15;
 constexpr Eigen::Index kStride = 4;
 
 }  // namespace
@@ -29,11 +29,11 @@ PositionSample TakePart(const PositionSample& sample, Eigen::Index from,
 
 std::optional<StationChange> FindStationChange(const Arm& arm,
                                                const PositionSample& sample) {
-  const Eigen::Index last = sample.size() - kFewest;
+  const Eigen::Index last = sample.size() - kFewestOfStation;
   double least = std::numeric_limits<double>::infinity();
   Eigen::Index best = 0;
   const auto look = [&](Eigen::Index split) {
-    if (split < kFewest || split > last) return;
+    if (split < kFewestOfStation || split > last) return;
     const auto square = [&](Eigen::Index from, Eigen::Index to) {
       return static_cast<double>(to - from) *
              std::pow(RmsMisfit(arm, TakePart(sample, from, to)), 2);
@@ -43,7 +43,7 @@ std::optional<StationChange> FindStationChange(const Arm& arm,
     least = sum;
     best = split;
   };
-  for (Eigen::Index split = kFewest; split <= last; split += kStride) {
+  for (Eigen::Index split = kFewestOfStation; split <= last; split += kStride) {
     look(split);
   }
   const Eigen::Index near = best;

@@ -42,7 +42,7 @@ std::optional<JobOutputs> OutputsOf(const CommandLine& line) {
   return ValueOf<JobOutputs>(line.outputs);
 }
 
-ExitStatus StatusOf(BatchStatus worst) {
+ExitStatus ExitStatusOf(BatchStatus worst) {
   switch (worst) {
     case BatchStatus::kNotRun:
     case BatchStatus::kDone:
@@ -115,7 +115,7 @@ ExitStatus Run(const CommandLine& line, Communicator* communicator) {
   if (!is_root) return kExitDone;
   reporter.End();
   PrintSummary(summary, options);
-  return StatusOf(summary.Worst());
+  return ExitStatusOf(summary.Worst());
 }
 
 }  // namespace

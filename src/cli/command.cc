@@ -1,11 +1,11 @@
 #include "src/cli/command.h"
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <iostream>
 #include <limits>
 
+#include "src/common/characters.h"
 #include "src/common/utf8.h"
 #include "src/dataio/dataset_npy.h"
 
@@ -284,9 +284,7 @@ void PrintError(const std::string& message) {
 bool IsDataFile(const std::string& path) {
   if (IsNpy(path)) return true;
   if (path.size() < 4) return false;
-  std::string ending = path.substr(path.size() - 4);
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
+  const std::string ending = LowerCase(path.substr(path.size() - 4));
   for (const char* known : {".csv", ".txt", ".tsv", ".dat", ".asc"}) {
     if (ending == known) return true;
   }

@@ -17,6 +17,9 @@ enum ExitStatus {
   kExitNumerical = 3,     ///< a numerical failure, or a solve that is refused
 };
 
+/// Of --seed where it is not given.
+inline constexpr std::uint64_t kDefaultSeed = 1;
+
 /// What the user wrote after the command's name.
 struct CommandLine {
   std::vector<std::string> files;

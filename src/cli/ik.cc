@@ -11,7 +11,6 @@ namespace alidade::internal {
 namespace {
 
 constexpr int kTrials = 200;
-constexpr std::uint64_t kDefaultSeed = 1;
 
 PoseSolutions Solve(const CommandLine& line, const Arm& arm,
                     const TargetTable& table) {

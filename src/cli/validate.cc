@@ -29,7 +29,6 @@ namespace {
 
 constexpr int kRandomPoses = 10000;
 constexpr int kMapPoses = 2000;
-constexpr std::uint64_t kDefaultSeed = 1;
 
 // Where data state no sigma and none was found by a fit: for errors in mm it
 // plays no part.

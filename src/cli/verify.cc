@@ -13,9 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFewestPoses = 3;
-constexpr int kMostPoses = 50;
-constexpr std::uint64_t kDefaultSeed = 1;
+constexpr int kFewestPlanned = 3;
+constexpr int kMostPlanned = 50;
 
 VerificationOptions OptionsOf(const CommandLine& line) {
   VerificationOptions options;
@@ -57,11 +56,11 @@ ExitStatus RunCheckPlan(const CommandLine& line) {
                      "is there already, and measurements may stand in it; "
                      "expected another --out=FILE");
   }
-  if (line.poses < kFewestPoses || line.poses > kMostPoses) {
+  if (line.poses < kFewestPlanned || line.poses > kMostPlanned) {
     throw InputError({}, "--poses=" + std::to_string(line.poses) +
                              ", must be between " +
-                             std::to_string(kFewestPoses) + " and " +
-                             std::to_string(kMostPoses));
+                             std::to_string(kFewestPlanned) + " and " +
+                             std::to_string(kMostPlanned));
   }
   const ArmSource source = LoadArmSource(line.files[0], line.nominal);
   RefuseCovariates(source.real);

@@ -5,7 +5,8 @@
 #include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
-#include <limits>
+
+#include "src/common/constants.h"
 
 namespace alidade::internal {
 namespace {
@@ -28,7 +29,6 @@ using Normal = boost::math::normal_distribution<double, Policy>;
 using StudentT = boost::math::students_t_distribution<double, Policy>;
 
 constexpr double kAsGoodAsInfinite = 1e8;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 

@@ -7,17 +7,18 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
 #include <filesystem>
 #include <optional>
-#include <regex>
 #include <string_view>
 #include <system_error>
 #include <vector>
 
 #include "alidade/error.h"
+#include "src/common/characters.h"
 #include "src/common/file_descriptor.h"
 
 namespace alidade::internal {
@@ -38,12 +39,26 @@ namespace fs = std::filesystem;
                        "; choose another --out");
 }
 
+constexpr std::string_view kTemporaryMark = ".tmp-";
+
 // Unique among threads by the counter and among processes by the id; O_EXCL
 // takes care of files that a killed process of the same id left behind.
 std::string TemporaryName(const std::string& path) {
   static std::atomic<unsigned> counter{0};
-  return path + ".tmp-" + std::to_string(getpid()) + "-" +
+  return path + std::string(kTemporaryMark) + std::to_string(getpid()) + "-" +
          std::to_string(counter.fetch_add(1));
+}
+
+bool IsTemporary(std::string_view name) {
+  const auto are_digits = [](std::string_view text) {
+    return !text.empty() && std::all_of(text.begin(), text.end(), IsDigit);
+  };
+  const std::size_t mark = name.rfind(kTemporaryMark);
+  if (mark == std::string_view::npos) return false;
+  name.remove_prefix(mark + kTemporaryMark.size());
+  const std::size_t dash = name.find('-');
+  return dash != std::string_view::npos && are_digits(name.substr(0, dash)) &&
+         are_digits(name.substr(dash + 1));
 }
 
 // What a symbolic link points to, so that the link stays one.
@@ -215,11 +230,10 @@ void SyncDirectory(const std::string& path) {
 }
 
 void RemoveTemporaries(const std::string& directory) {
-  static const std::regex kName(R"(.*\.tmp-\d+-\d+)");
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(directory, error)) {
     std::error_code ignored;
-    if (std::regex_match(entry.path().filename().string(), kName) &&
+    if (IsTemporary(entry.path().filename().string()) &&
         entry.is_regular_file(ignored)) {
       fs::remove(entry.path(), ignored);
     }

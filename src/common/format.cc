@@ -44,6 +44,10 @@ std::string FormatSignificant(double value, int digits) {
   return FixedNumber(value, std::max(0, kept - 1 - exponent));
 }
 
+std::string FormatPercent(double share, int digits) {
+  return FormatSignificant(100.0 * share, digits) + " %";
+}
+
 std::string FormatLength(double metres, int digits) {
   return FormatSignificant(metres / kMillimetre, digits) + " mm";
 }

@@ -13,6 +13,8 @@ namespace alidade::internal {
 /// `value` with `digits` significant digits, scientific below 1e-3 and from
 /// 1e6: "0.01234", "2.31e-13", "0"; "nan", "inf", "-inf". Never "-0".
 std::string FormatSignificant(double value, int digits);
+/// A share of 1 in percent: FormatSignificant and " %".
+std::string FormatPercent(double share, int digits);
 /// A length in mm: FormatSignificant and " mm".
 std::string FormatLength(double metres, int digits = 4);
 /// A parameter in the unit people read (mm or deg) with fixed decimals and

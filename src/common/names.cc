@@ -3,20 +3,13 @@
 #include <algorithm>
 #include <numeric>
 
+#include "src/common/characters.h"
+
 namespace alidade::internal {
 namespace {
 
 constexpr std::size_t kMaxQuoted = 40;
 constexpr std::size_t kMaxListed = 16;
-
-// Not std::tolower: it depends on the locale.
-char LowerCase(char c) {
-  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-}
-
-bool IsControl(char c) {
-  return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
-}
 
 // Levenshtein distance, one row of its table at a time.
 std::size_t EditDistance(std::string_view a, std::string_view b) {

@@ -14,11 +14,11 @@
 #include <limits>
 #include <system_error>
 
+#include "src/common/constants.h"
+
 namespace alidade::internal {
 namespace {
 
-constexpr std::array<double, 10> kPowersOfTen = {1e0, 1e1, 1e2, 1e3, 1e4,
-                                                 1e5, 1e6, 1e7, 1e8, 1e9};
 constexpr double kMaxInteger = 1e15;
 
 constexpr int kMostDigits = 16;
@@ -117,6 +117,10 @@ void AppendDecimal(std::string_view digits, int exponent, std::string* text) {
 }
 
 }  // namespace
+
+std::string FixedPercent(double share, int decimals) {
+  return FixedNumber(100.0 * share, decimals) + " %";
+}
 
 std::string FixedNumber(double value, int decimals) {
   std::string text;

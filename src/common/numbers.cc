@@ -6,9 +6,10 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <limits>
 #include <system_error>
 
+#include "src/common/characters.h"
+#include "src/common/constants.h"
 #include "src/common/names.h"
 
 namespace alidade::internal {
@@ -23,11 +24,8 @@ constexpr std::array<Unit, 6> kUnits = {{
     {"mrad", Dimension::kAngle, -3, 1.0},
 }};
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 // Longer than any number that a program prints with all its digits.
 constexpr std::size_t kMaxNumberSize = 400;
-
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 
 // std::from_chars alone would take "inf" and "nan".
 bool StartsLikeNumber(std::string_view text) {
@@ -52,8 +50,7 @@ bool IsNotFinite(std::string_view text) {
     text.remove_prefix(1);
   }
   if (!text.empty() && text.front() == '.') text.remove_prefix(1);
-  std::string word(text);
-  for (char& c : word) c = static_cast<char>(c | 0x20);
+  const std::string word = LowerCase(std::string(text));
   return word == "nan" || word == "inf" || word == "infinity";
 }
 
@@ -99,10 +96,6 @@ double ParseFinite(std::string_view text) {
                          std::isfinite(value) && (value != 0.0 || IsZero(text));
   return is_finite ? value : kNan;
 }
-
-// These powers of ten are doubles.
-constexpr std::array<double, 13> kPowersOfTen = {
-    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12};
 
 // NaN where ParseNumber gives nothing.
 double ShiftedNumber(std::string_view text, int exponent) {

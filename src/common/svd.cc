@@ -2,8 +2,9 @@
 
 #include <Eigen/QR>
 #include <Eigen/SVD>
-#include <limits>
 #include <utility>
+
+#include "src/common/constants.h"
 
 namespace alidade::internal {
 namespace {
@@ -14,8 +15,6 @@ Eigen::MatrixXd TriangularFactor(
     const Eigen::HouseholderQR<Eigen::MatrixXd>& qr) {
   return qr.matrixQR().topRows(qr.cols()).triangularView<Eigen::Upper>();
 }
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 

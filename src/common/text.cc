@@ -4,16 +4,13 @@
 
 #include <algorithm>
 
+#include "src/common/characters.h"
 #include "src/common/utf8.h"
 
 namespace alidade::internal {
 namespace {
 
 constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD
-
-bool IsControl(char c) {
-  return static_cast<unsigned char>(c) < 0x20U || c == 0x7F;
-}
 
 }  // namespace
 

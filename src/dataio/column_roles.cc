@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "alidade/error.h"
+#include "src/common/characters.h"
 #include "src/common/names.h"
 #include "src/common/numbers.h"
 #include "src/dataio/csv_columns.h"
@@ -27,8 +28,6 @@ bool HasOneOf(const Words& words,
     return IsOneOf(word, some);
   });
 }
-
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 
 // "actual", "q", "0" of "actual_q0 [rad]": runs of letters and of digits, and
 // what "TargetPosX" has of words.

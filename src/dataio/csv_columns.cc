@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "src/common/characters.h"
 #include "src/common/names.h"
 #include "src/common/numbers.h"
 #include "src/dataio/csv_dialect.h"
@@ -94,14 +95,6 @@ constexpr std::array<UnitWord, 35> kUnitWords = {{
     {"feet", kFeet},
 }};
 
-std::string Lower(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c | 0x20);
-  }
-  return lower;
-}
-
 bool IsOpening(char c) { return c == '[' || c == '('; }
 bool IsClosing(char c) { return c == ']' || c == ')'; }
 
@@ -160,7 +153,7 @@ bool IsOtherUnit(std::string_view text) {
                                                               "unit",
                                                               "units",
                                                               "count"};
-  const std::string word = Lower(WithoutFrame(text));
+  const std::string word = LowerCase(std::string(WithoutFrame(text)));
   return std::find(kWords.begin(), kWords.end(), word) != kWords.end() ||
          IsTimeFormat(word);
 }
@@ -251,7 +244,7 @@ std::string_view WithoutUnit(std::string_view header) {
 }
 
 const Unit* FindHeaderUnit(std::string_view text) {
-  const std::string word = Lower(WithoutFrame(text));
+  const std::string word = LowerCase(std::string(WithoutFrame(text)));
   for (const UnitWord& entry : kUnitWords) {
     if (word == entry.word) return &entry.unit;
   }

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "src/common/characters.h"
 #include "src/common/numbers.h"
 
 namespace alidade::internal {
 namespace {
-
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 
 // How many bytes at the start are a blank that stands between digits: a space,
 // or one of Unicode's that does not break.
@@ -118,14 +117,6 @@ NumberMarks MarkAlone(std::string_view cell, const Groups& groups) {
   return {NumberShape::kDecimal, mark};
 }
 
-std::string Lower(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c | 0x20);
-  }
-  return lower;
-}
-
 }  // namespace
 
 NumberMarks MarksOf(std::string_view cell) {
@@ -189,7 +180,7 @@ bool IsNotMeasured(std::string_view cell) {
       "none",   "nil",     "-",     "--",       "---",       "----",
       "*",      "***",     "?",     "#n/a",     "#nv",       "#value!",
       "#wert!", "#div/0!", "#ref!", "#num!"};
-  const std::string lower = Lower(cell);
+  const std::string lower = LowerCase(std::string(cell));
   return std::find(kWords.begin(), kWords.end(), lower) != kWords.end();
 }
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "alidade/rotation.h"
+#include "src/common/constants.h"
 #include "src/common/names.h"
 #include "src/common/numbers.h"
 #include "src/common/text.h"
@@ -16,8 +16,6 @@
 
 namespace alidade::internal {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Two of the angles turn about one axis there.
 constexpr char kGimbalLock[] =

@@ -1,13 +1,13 @@
 #include <glog/logging.h>
 
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "alidade/units.h"
+#include "src/common/constants.h"
 #include "src/common/names.h"
 #include "src/common/numbers.h"
 #include "src/common/text.h"
@@ -19,8 +19,6 @@
 
 namespace alidade::internal {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // A number of degrees that reads back to exactly `angle` (rad), the one with
 // the fewest decimals first; nothing where no double is near enough to do so.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -17,6 +16,7 @@
 #include <vector>
 
 #include "alidade/error.h"
+#include "src/common/characters.h"
 #include "src/common/files.h"
 #include "src/common/numbers.h"
 
@@ -211,10 +211,7 @@ TriangleMesh ReadObj(const std::string& path, const std::string& text) {
 }
 
 std::string EndingOf(const std::string& path) {
-  std::string ending = std::filesystem::path(path).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return ending;
+  return LowerCase(std::filesystem::path(path).extension().string());
 }
 
 // Three whole numbers below 2^21 as one.

@@ -4,17 +4,15 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <limits>
 #include <utility>
 
+#include "src/common/constants.h"
 #include "src/common/numbers.h"
 #include "src/common/text.h"
 #include "src/dataio/csv_lines.h"
 
 namespace alidade::internal {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // Little endian, at any address; compilers make one instruction of it.
 double LoadDouble(const char* bytes) {

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <limits>
 #include <string>
 #include <vector>
 
+#include "src/common/constants.h"
 #include "src/dataio/dataset_columns.h"
 #include "src/dataio/dataset_npy.h"
 #include "src/dataio/npy_header.h"
@@ -18,8 +18,6 @@
 
 namespace alidade::internal {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 void AppendDouble(double value, std::string* bytes) {
   std::uint64_t bits = 0;

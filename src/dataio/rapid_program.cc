@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "src/common/characters.h"
 #include "src/dataio/program_text.h"
 
 namespace alidade::internal {
@@ -169,8 +170,7 @@ class RapidReader : ProgramReader {
 
   // RAPID makes no difference between small and capital letters.
   static std::string Key(std::string name) {
-    std::transform(name.begin(), name.end(), name.begin(),
-                   [](unsigned char c) { return std::tolower(c); });
+    name = LowerCase(std::move(name));
     return name == "tool0" || name == "wobj0" ? "" : name;
   }
 

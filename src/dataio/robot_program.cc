@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 
 #include "alidade/units.h"
+#include "src/common/characters.h"
 #include "src/common/number_text.h"
 #include "src/dataio/rotation_convention.h"
 
@@ -102,9 +102,8 @@ std::optional<int> NumberSpan::Whole() const {
 }
 
 std::optional<ProgramLanguage> ProgramLanguageOf(const std::string& path) {
-  std::string ending = std::filesystem::path(path).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
+  const std::string ending =
+      LowerCase(std::filesystem::path(path).extension().string());
   const auto is = [&](std::initializer_list<const char*> endings) {
     return std::any_of(endings.begin(), endings.end(),
                        [&](const char* e) { return ending == e; });

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 #include <utility>
 
@@ -12,6 +11,7 @@
 #include "alidade/error.h"
 #include "alidade/forward_kinematics.h"
 #include "src/calibration/input_mistakes.h"
+#include "src/common/constants.h"
 #include "src/common/format.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/planning/check_poses.h"
@@ -21,7 +21,6 @@ namespace alidade::internal {
 namespace {
 
 constexpr int kJointDecimals = 4;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 const CalibratedArm& Calibrated(const ArmSource& source) {
   if (source.calibrated) return *source.calibrated;

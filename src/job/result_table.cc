@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <string_view>
 #include <utility>
 
 #include "alidade/arm_file.h"
 #include "alidade/error.h"
+#include "src/common/constants.h"
 #include "src/common/number_text.h"
 #include "src/dataio/csv_lines.h"
 
@@ -16,8 +16,6 @@ namespace alidade::internal {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // Numbers of a column; nothing where there is no such column.
 const double* NumbersOf(const ResultTable& table, const std::string& name) {

@@ -112,6 +112,21 @@ std::vector<int> AllowedPoses(const Arm& arm,
   return allowed;
 }
 
+bool AreOutOfReach(const Arm& arm, const std::vector<WorkspaceBox>& boxes) {
+  constexpr double kMargin = 1.1;  // errors may lengthen the arm
+  const bool is_endless =
+      std::any_of(arm.joints.begin(), arm.joints.end(), [](const Joint& joint) {
+        return joint.type == JointType::kPrismatic && !HasLimits(joint);
+      });
+  const double reach = kMargin * ArmReach(arm);
+  return !boxes.empty() && !is_endless &&
+         std::all_of(boxes.begin(), boxes.end(), [&](const WorkspaceBox& box) {
+           const Eigen::Vector3d nearest =
+               Eigen::Vector3d::Zero().cwiseMax(box.lower).cwiseMin(box.upper);
+           return nearest.norm() > reach;
+         });
+}
+
 Candidates DrawCandidates(const Arm& arm, const PoseConstraints& constraints,
                           const CandidateOptions& options) {
   Candidates candidates;

@@ -7,6 +7,7 @@
 
 #include "alidade/arm.h"
 #include "alidade/plan.h"
+#include "alidade/workspace_box.h"
 
 namespace alidade::internal {
 
@@ -18,6 +19,10 @@ bool IsAllowedPose(const Arm& arm, const PoseConstraints& constraints,
 std::vector<int> AllowedPoses(const Arm& arm,
                               const PoseConstraints& constraints,
                               const Eigen::MatrixXd& joint_values);
+
+/// Whether each box is farther from the base than the arm is long, so that no
+/// draw would find a pose in one of them. Never where a slide has no limits.
+bool AreOutOfReach(const Arm& arm, const std::vector<WorkspaceBox>& boxes);
 
 struct Candidates {
   Eigen::MatrixXd joint_values;  ///< n x found

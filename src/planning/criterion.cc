@@ -3,12 +3,11 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <limits>
+
+#include "src/common/constants.h"
 
 namespace alidade::internal {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Powers by which what is near the extreme counts in a slope.
 constexpr double kEigenvaluePower = 4.0;

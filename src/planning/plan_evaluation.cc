@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <utility>
 
+#include "src/common/constants.h"
 #include "src/common/random.h"
 #include "src/identifiability/observability.h"
 #include "src/planning/criterion.h"
@@ -13,8 +13,6 @@
 
 namespace alidade::internal {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Draws of random poses that a median is taken of.
 constexpr int kRandomDraws = 20;

@@ -5,6 +5,7 @@
 
 #include "alidade/plan.h"
 #include "src/calibration/calibration_result_fields.h"
+#include "src/common/constants.h"
 #include "src/common/option_fields.h"
 
 namespace alidade::internal {
@@ -63,7 +64,6 @@ void VisitLinkRadius(Visitor& v, std::optional<double>* radius) {
 
 template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, PredictedAccuracy>& accuracy) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   v.Field("worst", accuracy.worst, kInfinity);
   v.Field("rms", accuracy.rms, kInfinity);
 }

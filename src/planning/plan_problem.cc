@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "alidade/error.h"
 #include "src/calibration/frame_fit.h"
 #include "src/calibration/preparation.h"
 #include "src/calibration/sigma_estimation.h"
+#include "src/common/constants.h"
+#include "src/common/format.h"
 #include "src/data/merge.h"
 #include "src/identifiability/analysis.h"
 #include "src/identifiability/factor.h"
@@ -19,8 +20,6 @@
 namespace alidade::internal {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 constexpr int kRegionPoses = 10000;
 constexpr int kCoarseRegionPoses = 2000;
 constexpr int kRandomPoses = 5000;
@@ -29,8 +28,21 @@ constexpr int kRandomPoses = 5000;
 constexpr std::uint64_t kRegionSeed = 0x9e3779b97f4a7c15;
 constexpr std::uint64_t kRandomSeed = 0xd1b54a32d192ed03;
 
+// Ten million draws would find it out as well.
+void RefuseOutOfReach(const Arm& arm, const std::vector<WorkspaceBox>& boxes,
+                      const std::string& key) {
+  if (!AreOutOfReach(arm, boxes)) return;
+  throw InputError({"", 0, 0, key},
+                   "all boxes are farther from the base than the arm can "
+                   "reach, which is at most " +
+                       FormatLength(ArmReach(arm), 3) +
+                       ": state them in the base's frame, and look at units "
+                       "and signs");
+}
+
 Eigen::MatrixXd FindCandidates(const PlanTask& config, const Arm& arm,
                                std::int64_t* looked_at) {
+  RefuseOutOfReach(arm, config.constraints.boxes, "candidates");
   Eigen::MatrixXd found;
   if (config.given_candidates) {
     *looked_at = config.given_candidates->cols();
@@ -66,6 +78,7 @@ Arm RegionArm(const PlanTask& config, Arm arm) {
 }
 
 Eigen::MatrixXd DrawRegion(const PlanTask& config, const Arm& arm) {
+  RefuseOutOfReach(arm, config.region.boxes, "region");
   PoseConstraints constraints;
   constraints.boxes = config.region.boxes;
   CandidateOptions options = config.candidates;

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <utility>
 
 #include "alidade/error.h"
 #include "alidade/plan.h"
 #include "alidade/version.h"
+#include "src/common/constants.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
 #include "src/identifiability/factor.h"
@@ -21,8 +21,6 @@
 
 namespace alidade::internal {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start)

@@ -10,10 +10,6 @@
 namespace alidade::internal {
 namespace {
 
-std::string Percent(double share) {
-  return FormatSignificant(100.0 * share, 3) + " %";
-}
-
 std::string Probability(double p) {
   return p > 0.9995 ? "above 0.999" : FormatSignificant(p, 3);
 }
@@ -31,7 +27,8 @@ std::string FormatPower(const Arm& arm, const ArmCheckResult& check) {
       " RMS at these poses, and is found with a probability " +
       (check.uncalibrated_found > 0.9995 ? "" : "of ") +
       Probability(check.uncalibrated_found) + ". With a probability of " +
-      Percent(check.power) + " a change is found that moves every pose by " +
+      FormatPercent(check.power, 3) +
+      " a change is found that moves every pose by " +
       FormatLength(check.found_move, 3) +
       ", each in a direction of its own, or one of a single joint's zero:");
   Table table({"joint", ">found from", "unit"});
@@ -63,7 +60,7 @@ std::string FormatArmCheck(const Arm& arm, const ArmCheckResult& check) {
                    " at most; predicted are " +
                    FormatLength(check.predicted_rms, 3) + " RMS. " + limit +
                    ". An arm that is as calibrated fails in " +
-                   Percent(check.significance) + " of checks.") +
+                   FormatPercent(check.significance, 3) + " of checks.") +
          (check.hint.empty() ? "" : "\n" + Paragraph(check.hint)) + "\n" +
          FormatPower(arm, check);
 }
@@ -75,7 +72,7 @@ std::string FormatCheckPlan(const Arm& arm, const ArmCheckResult& planned,
       arm.name + " is as calibrated. Errors of " +
       FormatLength(planned.predicted_rms, 3) +
       " RMS are predicted there; an arm that is as calibrated fails in " +
-      Percent(planned.significance) + " of checks.");
+      FormatPercent(planned.significance, 3) + " of checks.");
   text += "\n" + FormatPower(arm, planned) + "\n";
   Table table({">poses", ">arm without calibration found", ">move found [mm]"});
   for (const ArmCheckResult& one : by_number) {

@@ -24,10 +24,6 @@ const UncertaintyBudget* BudgetOf(const CalibrationResult& result) {
              : nullptr;
 }
 
-std::string Percent(double rate) {
-  return FormatSignificant(100.0 * rate, 3) + " %";
-}
-
 TableCell FreedomCell(double freedom) {
   return std::isfinite(freedom) ? NumberCell(freedom, 3) : TableCell("∞");
 }
@@ -135,8 +131,8 @@ std::string DescribeBudget(const UncertaintyBudget& budget) {
          FormatLength(budget.position.expanded, 3) +
          " in each coordinate (coverage factor " +
          FormatSignificant(budget.position.coverage_factor, 3) + ", " +
-         Percent(budget.confidence) + ", JCGM 100:2008); " +
-         Percent(budget.confidence) + " of positions are within " +
+         FormatPercent(budget.confidence, 3) + ", JCGM 100:2008); " +
+         FormatPercent(budget.confidence, 3) + " of positions are within " +
          FormatLength(budget.position.expanded_distance, 3) +
          ". Largest combined standard uncertainty of a coordinate: " +
          FormatLength(budget.worst_std, 3) + "." + UnknownRepeatability(budget);
@@ -269,7 +265,7 @@ void AppendLength(const std::string& quantity, double length, double freedom,
 void AppendCombined(const std::string& of, const CombinedUncertainty& one,
                     double confidence, std::string* csv) {
   const double freedom = one.degrees_of_freedom;
-  const std::string rate = Percent(confidence);
+  const std::string rate = FormatPercent(confidence, 3);
   AppendLength("combined: " + of, one.std, freedom, "", csv);
   AppendLength("expanded: " + of, one.expanded, freedom,
                "coverage factor " + FormatSignificant(one.coverage_factor, 4) +

@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "src/common/constants.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
 #include "src/report/error_term_tables.h"
@@ -15,9 +15,7 @@
 namespace alidade::internal {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kMilli = 1e-3;  // mrad, mm
-constexpr double kBand = 1.96;   // standard deviations
+constexpr double kBand = 1.96;  // standard deviations
 
 // What a joint's value and its error are shown in.
 struct JointUnits {

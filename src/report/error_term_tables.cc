@@ -5,14 +5,13 @@
 #include <set>
 #include <utility>
 
+#include "src/common/constants.h"
 #include "src/common/format.h"
 #include "src/common/number_text.h"
 #include "src/common/text.h"
 
 namespace alidade::internal {
 namespace {
-
-constexpr double kMilli = 1e-3;
 
 const JointErrors* ErrorsOf(const Arm& arm, int j) {
   return arm.errors.joints.empty() ? nullptr : &arm.errors.joints[j];

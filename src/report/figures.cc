@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "src/calibration/improvement.h"
+#include "src/common/constants.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
 #include "src/report/arm_view.h"
@@ -37,7 +38,6 @@ constexpr double kNearFloor = 1e4;
 
 // Keeps a number and its unit on one line.
 constexpr const char* kNoBreak = "\u00a0";
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 std::string LengthInWords(double metres) {
   return FormatSignificant(metres / kMillimetre, 3) + kNoBreak + "mm";

@@ -42,13 +42,12 @@ ManyRuns RunsOf(const MonteCarloResult& result) {
   return runs;
 }
 
-std::string Percent(double rate) { return FixedNumber(100.0 * rate, 1) + " %"; }
-
 std::string Rate(const std::string& title, const Coverage& coverage,
                  double wanted) {
-  return HtmlFact(title, Percent(coverage.rate()),
-                  "wanted " + Percent(wanted) + "; " + Percent(coverage.lower) +
-                      " to " + Percent(coverage.upper) +
+  return HtmlFact(title, FixedPercent(coverage.rate(), 1),
+                  "wanted " + FixedPercent(wanted, 1) + "; " +
+                      FixedPercent(coverage.lower, 1) + " to " +
+                      FixedPercent(coverage.upper, 1) +
                       " by the number of trials");
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "src/common/constants.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
 #include "src/report/result_page.h"
@@ -17,7 +18,6 @@
 namespace alidade::internal {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Of the normal distribution.
 constexpr double kHalfWidth95 = 1.96;
 

@@ -1,8 +1,8 @@
 #include <algorithm>
-#include <limits>
 #include <string>
 #include <vector>
 
+#include "src/common/constants.h"
 #include "src/common/fields.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
@@ -16,12 +16,12 @@ namespace alidade::internal {
 
 namespace {
 
-std::string Percent(double rate) { return FixedNumber(100.0 * rate, 1); }
+std::string InPercent(double rate) { return FixedNumber(100.0 * rate, 1); }
 
 // "95.1 (94.6 to 95.5)".
 std::string Rate(const Coverage& coverage) {
-  return Percent(coverage.rate()) + " (" + Percent(coverage.lower) + " to " +
-         Percent(coverage.upper) + ")";
+  return InPercent(coverage.rate()) + " (" + InPercent(coverage.lower) +
+         " to " + InPercent(coverage.upper) + ")";
 }
 
 std::string TruthInWords(const MonteCarloResult& result) {
@@ -75,7 +75,7 @@ Table SimulatedParameterTable(const MonteCarloResult& result) {
 }
 
 std::string MonteCarloCoverage(const MonteCarloResult& result) {
-  const std::string confidence = Percent(result.confidence) + " %";
+  const std::string confidence = FixedPercent(result.confidence, 1);
   return "True coordinates lie within their " + confidence + " intervals in " +
          Rate(result.axes) + " % of cases, true positions within their " +
          confidence + " ellipsoids in " + Rate(result.ellipsoids) +
@@ -151,7 +151,7 @@ LineChart CoverageOfParameters(const MonteCarloResult& result) {
           {"trials that hold it [%]"},
           {rates, lower, upper},
           {{100.0 * result.confidence,
-            "wanted " + Percent(result.confidence) + " %"}}};
+            "wanted " + FixedPercent(result.confidence, 1)}}};
 }
 
 namespace {
@@ -170,7 +170,6 @@ std::string ParameterCsv(const MonteCarloResult& result) {
 }
 
 std::string TrialCsv(const MonteCarloResult& result) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   std::string csv = "trial,usable,reduced_chi_square,workspace_rms_mm";
   for (const SimulatedParameter& one : result.parameters) {
     csv += "," + one.name + "_" + UnitForPeople(one.dimension);

@@ -24,8 +24,6 @@ constexpr std::size_t kMostPoses = 8;  // of a page
 // bound.
 constexpr double kDominates = 1.0;
 
-std::string Percent(double rate) { return FixedNumber(100.0 * rate, 1) + " %"; }
-
 const ParameterResult* Find(const CalibrationResult& result,
                             const std::string& name) {
   for (const ParameterResult& parameter : result.parameters) {
@@ -333,8 +331,8 @@ std::string UncertaintySection(const CalibrationResult& result) {
   if (!result.uncertainty) return "";
   const UncertaintyResult& uncertainty = *result.uncertainty;
   std::string text = Paragraph(
-      "Deviations from nominal with their " + Percent(uncertainty.confidence) +
-      " intervals" +
+      "Deviations from nominal with their " +
+      FixedPercent(uncertainty.confidence, 1) + " intervals" +
       (std::isfinite(uncertainty.degrees_of_freedom)
            ? ", Student's t with " +
                  FormatSignificant(uncertainty.degrees_of_freedom, 4) +

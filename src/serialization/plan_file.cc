@@ -1,12 +1,12 @@
 #include "src/serialization/plan_file.h"
 
 #include <algorithm>
-#include <limits>
 #include <string>
 #include <tuple>
 #include <utility>
 
 #include "alidade/arm_file.h"
+#include "src/common/constants.h"
 #include "src/planning/plan_fields.h"
 #include "src/serialization/data_section.h"
 #include "src/serialization/errors_section.h"
@@ -312,7 +312,6 @@ struct MinimumMotion {
 void TakeMinimumMotion(const YamlMap& map, const MinimumMotion& motion,
                        PlanConfig* plan) {
   const Arm& arm = plan->job.arm;
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   plan->minimum_motion.resize(arm.num_joints());
   for (int j = 0; j < arm.num_joints(); ++j) {
     const bool turns = arm.joints[j].type == JointType::kRevolute;

@@ -13,7 +13,7 @@
 namespace alidade::internal {
 namespace {
 
-constexpr int kMaxPoses = 10000000;
+constexpr int kMaxSimulatedPoses = 10000000;
 
 // A simulation that is being read.
 struct SimulationReading {
@@ -29,7 +29,7 @@ void VisitRange(Visitor& v, const char* name, const char* text,
                   "the first value");
     section.Field(QuantityKey("to", dimension).Required(), range->to,
                   "the last one");
-    section.Field(Key("count").AtLeast(1).AtMost(kMaxPoses).Required(),
+    section.Field(Key("count").AtLeast(1).AtMost(kMaxSimulatedPoses).Required(),
                   range->count, "values, both ends included");
     section.Check([range](const YamlMap& map) {
       if (range->count > 1 || range->from == range->to) return;
@@ -51,8 +51,8 @@ void CheckCylinder(const YamlMap& map, const CylinderGrid& grid) {
   }
   const std::int64_t count =
       std::int64_t{grid.azimuth.count} * grid.radius.count;
-  if (count > kMaxPoses) {
-    map.Fail("expected at most " + std::to_string(kMaxPoses) +
+  if (count > kMaxSimulatedPoses) {
+    map.Fail("expected at most " + std::to_string(kMaxSimulatedPoses) +
              " poses, found " + std::to_string(count));
   }
 }
@@ -121,7 +121,7 @@ void VisitPoses(Visitor& v, const SimulationReading& reading) {
             [&](auto& section) {
               RandomPoses poses;
               section.Field(
-                  Key("count").AtLeast(1).AtMost(kMaxPoses).Required(),
+                  Key("count").AtLeast(1).AtMost(kMaxSimulatedPoses).Required(),
                   poses.count, "number of poses");
               section.Check([&](const YamlMap& map) {
                 CheckLimits(map, config->arm);

@@ -1,8 +1,8 @@
 #include "src/serialization/yaml_reader.h"
 
 #include <algorithm>
-#include <limits>
 
+#include "src/common/constants.h"
 #include "src/common/files.h"
 #include "src/common/names.h"
 #include "src/common/numbers.h"
@@ -154,7 +154,6 @@ double YamlValue::Quantity(Dimension dimension, const Units& units) const {
 
 double YamlValue::Limit(Dimension dimension, const Units& units) const {
   const std::string& text = Scalar("a number");
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   if (!node_->quoted && text == ".inf") return kInfinity;
   if (!node_->quoted && text == "-.inf") return -kInfinity;
   return Quantity(dimension, units);

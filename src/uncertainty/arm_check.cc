@@ -4,16 +4,14 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
+#include "src/common/constants.h"
 #include "src/common/distributions.h"
 #include "src/uncertainty/row_spread.h"
 
 namespace alidade::internal {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The noncentrality at which T is above its limit with this probability.
 double NoncentralityOf(double limit, double dof1, double dof2, double power) {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "src/common/constants.h"
 #include "src/common/distributions.h"
 #include "src/common/format.h"
 #include "src/common/number_text.h"
@@ -17,10 +17,9 @@
 namespace alidade::internal {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kAxes = 3.0;
 // Of repeats, as for the lack of fit: fewer say little of a spread.
-constexpr double kFewestRepeats = 10.0;
+constexpr double kFewestCounted = 10.0;
 constexpr double kSignificant = 0.05;
 // Draws for each configuration of the region before it counts as out of reach.
 constexpr int kDrawsEach = 200;
@@ -157,7 +156,7 @@ class BudgetMaker {
   void AddUnexplained() {
     const LackOfFit& lack = input_.lack;
     const MeasurementKnowledge& known = input_.measurement;
-    const bool has_repeats = known.repeat_freedom >= kFewestRepeats;
+    const bool has_repeats = known.repeat_freedom >= kFewestCounted;
     const double spread = Square(known.repeat_std);
     const double stated =
         known.stated_sigma ? Square(*known.stated_sigma) : 0.0;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "src/common/constants.h"
 #include "src/common/svd.h"
 #include "src/kernel/measurement_model.h"
 #include "src/kernel/partition.h"
@@ -13,7 +14,6 @@
 namespace alidade::internal {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Up to this condition a triangle's inverse is good to ten digits.
 constexpr double kGoodCondition = 1e6;
 constexpr double kRankTolerance = 1e-12;

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <vector>
 
+#include "src/common/constants.h"
 #include "src/common/distributions.h"
 #include "src/identifiability/generic_data.h"
 #include "src/kernel/measurement_model.h"
@@ -15,8 +15,6 @@
 
 namespace alidade::internal {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // More residuals would show deviations that do not matter.
 constexpr Eigen::Index kMostTested = 5000;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "src/common/constants.h"
 #include "src/common/distributions.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
@@ -17,7 +18,6 @@
 namespace alidade::internal {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // What a prediction takes in, and what is worth a warning.
 constexpr double kTakenIn = 0.05;
 constexpr double kWarned = 0.005;

@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
+#include "src/common/constants.h"
 #include "src/identifiability/generic_data.h"
 #include "src/kernel/partition.h"
 
 namespace alidade::internal {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr Eigen::Index kMostPoses = 1000;
 
 // A bound this many linear ones away is none.

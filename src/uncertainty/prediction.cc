@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <utility>
 
 #include "alidade/forward_kinematics.h"
 #include "alidade/rotation.h"
+#include "src/common/constants.h"
 #include "src/common/distributions.h"
 #include "src/common/parallel.h"
 #include "src/kernel/measurement_model.h"
@@ -19,8 +19,6 @@
 
 namespace alidade::internal {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The target's own pose as if it had been measured: residuals of zero, at which
 // the derivative of a rotation's logarithm is the identity.

@@ -5,6 +5,7 @@
 
 #include "alidade/uncertainty.h"
 #include "src/common/accuracy_fields.h"
+#include "src/common/constants.h"
 #include "src/common/option_fields.h"
 
 namespace alidade::internal {
@@ -69,7 +70,6 @@ void VisitFields(Visitor& v, Subject<Visitor, UncertaintyOptions>& options) {
 
 template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, ConfidenceInterval>& interval) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   v.Field("lower", interval.lower, -kInfinity);
   v.Field("upper", interval.upper, kInfinity);
   v.Field("profile", interval.is_profile);
@@ -77,7 +77,6 @@ void VisitFields(Visitor& v, Subject<Visitor, ConfidenceInterval>& interval) {
 
 template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, ParameterUncertainty>& one) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   v.Field("name", one.name);
   v.Field("std", one.std, kInfinity);
   v.Field("interval", one.interval);
@@ -192,7 +191,6 @@ void VisitFields(Visitor& v, Subject<Visitor, WorkspaceBox>& box) {
 
 template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, BudgetContribution>& one) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   v.Field("source", one.source);
   v.Field("type", one.type);
   v.Field("std", one.std, kInfinity);
@@ -202,7 +200,6 @@ void VisitFields(Visitor& v, Subject<Visitor, BudgetContribution>& one) {
 
 template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, ParameterContribution>& one) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   v.Field("name", one.name);
   v.Field("unit", one.dimension);
   v.Field("std", one.std, kInfinity);
@@ -212,7 +209,6 @@ void VisitFields(Visitor& v, Subject<Visitor, ParameterContribution>& one) {
 
 template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, CombinedUncertainty>& combined) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   v.Field("std", combined.std, kInfinity);
   v.Field("degrees_of_freedom", combined.degrees_of_freedom, kInfinity);
   v.Field("coverage_factor", combined.coverage_factor, kInfinity);

@@ -14,7 +14,7 @@
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/noisy_positions.h"
 
-namespace alidade::internal {
+namespace alidade::internal::budget_coverage_test {
 namespace {
 
 constexpr double kSigma = 5e-5;   // m
@@ -117,4 +117,4 @@ TEST(BudgetCoverageTest, MeasuredPositionsHoldWithASigmaThatIsEstimated) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::budget_coverage_test

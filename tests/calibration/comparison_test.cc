@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace alidade::internal {
+namespace alidade::internal::comparison_test {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -247,4 +247,4 @@ TEST(DescribeForComparisonTest, TakesJointsAndWhatIsKnownOfThem) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::comparison_test

@@ -11,7 +11,7 @@
 #include "tests/support/noisy_positions.h"
 #include "tests/support/rv2aj_arms.h"
 
-namespace alidade::internal {
+namespace alidade::internal::data_check_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -106,4 +106,4 @@ TEST(DataCheckTest, BoundsOfUnknownParametersAreRefused) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::data_check_test

@@ -14,7 +14,7 @@
 #include "src/solve/solve.h"
 #include "tests/support/classic_arms.h"
 
-namespace alidade::internal {
+namespace alidade::internal::error_term_report_test {
 namespace {
 
 constexpr double kLever = 0.4;  // m
@@ -125,4 +125,4 @@ TEST(ProjectResidualsTest, FindTheErrorOfTheJointThatHasOne) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::error_term_report_test

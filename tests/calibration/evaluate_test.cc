@@ -5,22 +5,20 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "alidade/rotation.h"
 #include "alidade/units.h"
+#include "src/common/constants.h"
 #include "src/common/random.h"
 #include "tests/support/edit.h"
 #include "tests/support/random_measurements.h"
 
-namespace alidade::internal {
+namespace alidade::internal::evaluate_test {
 namespace {
 
 using testing::MeasuredArm;
 using testing::Weighting;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Exact measurements carry the rounding of positions some metres away (m).
 constexpr double kRounding = 1e-14;
@@ -307,4 +305,4 @@ TEST(MeasureRepeatsTest, SpreadOfOrientationsHasNoWrap) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::evaluate_test

@@ -19,7 +19,7 @@
 #include "tests/support/noisy_positions.h"
 #include "tests/support/rv2aj_arms.h"
 
-namespace alidade::internal {
+namespace alidade::internal::flexible_test {
 namespace {
 
 using ::testing::Contains;
@@ -268,4 +268,4 @@ TEST(FlexibleTest, EstimatedSigmaIsThatOfTheFullModel) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::flexible_test

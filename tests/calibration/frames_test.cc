@@ -15,7 +15,7 @@
 #include "tests/support/classic_arms.h"
 #include "tests/support/edit.h"
 
-namespace alidade::internal {
+namespace alidade::internal::frames_test {
 namespace {
 
 constexpr double kSigma = 5e-5;
@@ -234,4 +234,4 @@ TEST(FramesTest, LimitsOfHeldOutPosesHoldForFolds) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::frames_test

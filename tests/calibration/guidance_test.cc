@@ -10,7 +10,7 @@
 #include "src/calibration/verdict.h"
 #include "tests/report/report_test_util.h"
 
-namespace alidade::internal {
+namespace alidade::internal::guidance_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -165,4 +165,4 @@ TEST(NamesTest, LengthsAreCalledLengths) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::guidance_test

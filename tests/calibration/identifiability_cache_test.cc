@@ -10,7 +10,7 @@
 #include "src/model/joint_draw.h"
 #include "tests/support/edit.h"
 
-namespace alidade::internal {
+namespace alidade::internal::identifiability_cache_test {
 namespace {
 
 // What the cache is asked.
@@ -133,4 +133,4 @@ TEST(IdentifiabilityCacheTest, MeasuredOrientationsArePartOfTheQuestion) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::identifiability_cache_test

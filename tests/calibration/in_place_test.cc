@@ -14,7 +14,7 @@
 #include "tests/support/process.h"
 #include "tests/support/rv2aj_arms.h"
 
-namespace alidade::internal {
+namespace alidade::internal::in_place_test {
 namespace {
 
 constexpr double kSigma = 2e-5;  // m
@@ -71,4 +71,4 @@ TEST_F(InPlaceTest, AJobHasTheBitsThatItHasOfACopy) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::in_place_test

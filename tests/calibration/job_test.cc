@@ -12,7 +12,7 @@
 #include "src/serialization/job_config.h"
 #include "tests/support/edit.h"
 
-namespace alidade::internal {
+namespace alidade::internal::job_test {
 namespace {
 
 using ::testing::AllOf;
@@ -172,4 +172,4 @@ TEST(CompareArmsTest, ArmsAreGivenTheSameCommands) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::job_test

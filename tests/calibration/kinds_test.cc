@@ -21,7 +21,7 @@
 #include "tests/calibration/kinds_util.h"
 #include "tests/support/edit.h"
 
-namespace alidade::internal {
+namespace alidade::internal::kinds_test {
 namespace {
 
 CalibrationResult Calibrate(const JobConfig& job) {
@@ -347,4 +347,4 @@ TEST(KindsTest, AParameterStopsAtItsBoundAndTheReportSaysSo) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::kinds_test

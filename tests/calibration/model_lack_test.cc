@@ -13,7 +13,7 @@
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/rv2aj_arms.h"
 
-namespace alidade::internal {
+namespace alidade::internal::model_lack_test {
 namespace {
 
 constexpr double kSigma = 2e-5;  // m
@@ -105,4 +105,4 @@ TEST_P(ModelLackTest, NothingIsSaidWhereNothingLacks) {
 INSTANTIATE_TEST_SUITE_P(Sigmas, ModelLackTest, ::testing::Bool());
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::model_lack_test

@@ -15,7 +15,7 @@
 #include "src/model/joint_draw.h"
 #include "tests/support/classic_arms.h"
 
-namespace alidade::internal {
+namespace alidade::internal::orientation_check_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -117,4 +117,4 @@ TEST(OrientationCheckTest, WithEstimatedSigmasAsWell) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::orientation_check_test

@@ -12,7 +12,7 @@
 #include "tests/support/matrix_errors.h"
 #include "tests/support/rv2aj_arms.h"
 
-namespace alidade::internal {
+namespace alidade::internal::outlier_pattern_test {
 namespace {
 
 constexpr int kPoses = 200;
@@ -100,4 +100,4 @@ TEST_F(OutlierPatternTest, FewOrHardlyRejectedOnesSayNothing) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::outlier_pattern_test

@@ -12,7 +12,7 @@
 #include "src/model/joint_draw.h"
 #include "tests/calibration/kinds_util.h"
 
-namespace alidade::internal {
+namespace alidade::internal::outliers_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -167,4 +167,4 @@ INSTANTIATE_TEST_SUITE_P(Percent, CoherentOutlierTest,
                          ::testing::Values(20, 40, 44));
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::outliers_test

@@ -8,7 +8,7 @@
 #include "alidade/error.h"
 #include "tests/calibration/kinds_util.h"
 
-namespace alidade::internal {
+namespace alidade::internal::own_references_test {
 namespace {
 
 // Positions for the fit; draw wires to an anchor of its own for the check.
@@ -66,4 +66,4 @@ TEST(OwnReferencesTest, TooFewMeasurementsAreRefused) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::own_references_test

@@ -24,7 +24,7 @@
 #include "src/serialization/job_config.h"
 #include "tests/support/process.h"
 
-namespace alidade::internal {
+namespace alidade::internal::partitioned_job_test {
 namespace {
 
 using Files = std::vector<std::pair<std::string, std::string>>;
@@ -302,4 +302,4 @@ TEST_F(PartitionedJobTest, WhatNeedsAllDataIsRefusedBeforeAnyWork) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::partitioned_job_test

@@ -14,7 +14,7 @@
 #include "src/model/joint_draw.h"
 #include "tests/calibration/kinds_util.h"
 
-namespace alidade::internal {
+namespace alidade::internal::plausibility_test {
 namespace {
 
 // What people do wrong to a data set, and what the refusal has to say.
@@ -24,11 +24,15 @@ struct InputMistake {
   void (*spoil)(Dataset* data);
 };
 
+// As few as still tell each mistake from every other: what takes the tests
+// their time is the fits of all that might have been made.
+constexpr int kPoses = 30;
+
 class InputMistakeTest : public ::testing::TestWithParam<InputMistake> {};
 
 TEST_P(InputMistakeTest, IsNamed) {
   const Arm real = RealArm();
-  const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
+  const Eigen::MatrixXd q = DrawJointValues(real, kPoses, 5);
   JobConfig job;
   job.arm = NominalArm();
   job.data.training = Bench(real, q).Positions(0).data();
@@ -123,12 +127,13 @@ INSTANTIATE_TEST_SUITE_P(
         InputMistake{"still", "the instrument had stopped",
                      [](Dataset* data) {
                        auto p = testing::Edit(&data->positions());
-                       *p = p->col(0).replicate(1, 60).eval();
+                       *p = p->col(0).replicate(1, kPoses).eval();
                      }},
         InputMistake{"column", "column q2 is one row late",
                      [](Dataset* data) {
                        auto q = testing::Edit(&data->joint_values);
-                       q->row(1).tail(59) = q->row(1).head(59).eval();
+                       q->row(1).tail(kPoses - 1) =
+                           q->row(1).head(kPoses - 1).eval();
                      }},
         // A log of another program: both units at once.
         InputMistake{"both_units", "state the unit rad; and the positions are",
@@ -147,12 +152,13 @@ INSTANTIATE_TEST_SUITE_P(
                      [](Dataset* data) {
                        auto p = testing::Edit(&data->positions());
                        p->col(7).setConstant(1e30);
-                       p->col(30).setConstant(-9999.0);
+                       p->col(20).setConstant(-9999.0);
                      }},
         InputMistake{"late", "one row late",
                      [](Dataset* data) {
                        auto p = testing::Edit(&data->positions());
-                       p->rightCols(59) = p->leftCols(59).eval();
+                       p->rightCols(kPoses - 1) =
+                           p->leftCols(kPoses - 1).eval();
                      }}),
     [](const ::testing::TestParamInfo<InputMistake>& mistake) {
       return std::string(mistake.param.name);
@@ -468,4 +474,4 @@ TEST(PlausibilityTest, OrientationsInAnotherConventionAreRefused) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::plausibility_test

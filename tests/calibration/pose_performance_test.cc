@@ -9,7 +9,7 @@
 
 #include "alidade/units.h"
 
-namespace alidade::internal {
+namespace alidade::internal::pose_performance_test {
 namespace {
 
 // Attained less commanded, in mm; residuals are the other way round.
@@ -100,4 +100,4 @@ TEST(PosePerformanceTest, RejectedObservationsAreNotRepeats) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::pose_performance_test

@@ -12,7 +12,7 @@
 #include "src/model/joint_draw.h"
 #include "tests/calibration/kinds_util.h"
 
-namespace alidade::internal {
+namespace alidade::internal::priors_test {
 namespace {
 
 constexpr int kPoses = 40;
@@ -93,4 +93,4 @@ TEST(PriorScaleTest, GivenPriorsStay) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::priors_test

@@ -12,7 +12,7 @@
 #include "src/serialization/job_config.h"
 #include "tests/support/real_arm_data.h"
 
-namespace alidade::internal {
+namespace alidade::internal::real_arms_test {
 namespace {
 
 std::string PathOf(const std::string& job) {
@@ -101,4 +101,4 @@ TEST(RealArmsTest, ABallInSocketsCalibratesAnArmWithoutAnInstrument) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::real_arms_test

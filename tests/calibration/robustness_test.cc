@@ -12,7 +12,7 @@
 #include "src/model/joint_draw.h"
 #include "tests/calibration/kinds_util.h"
 
-namespace alidade::internal {
+namespace alidade::internal::robustness_test {
 namespace {
 
 constexpr int kPoses = 60;
@@ -104,4 +104,4 @@ TEST(SigmaTest, FarTooLargeIsWarnedOf) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::robustness_test

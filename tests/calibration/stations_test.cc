@@ -19,7 +19,7 @@
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/rv2aj_arms.h"
 
-namespace alidade::internal {
+namespace alidade::internal::stations_test {
 namespace {
 
 constexpr double kSigma = 2e-5;  // m
@@ -219,4 +219,4 @@ TEST(StationsTest, ErrorsOfDirectionsTurnWithTheirStation) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::stations_test

@@ -9,7 +9,7 @@
 
 #include "tests/report/report_test_util.h"
 
-namespace alidade::internal {
+namespace alidade::internal::verdict_test {
 namespace {
 
 using testing::Contains;
@@ -320,4 +320,4 @@ TEST(VerdictTest, ParametersAreAssessed) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::verdict_test

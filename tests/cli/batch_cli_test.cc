@@ -19,7 +19,7 @@
 #include "tests/support/process.h"
 #include "tests/support/without_times.h"
 
-namespace alidade::internal {
+namespace alidade::internal::batch_cli_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -240,4 +240,4 @@ TEST_F(BatchCrashTest, DISABLED_TwentyKillsOfAThousandJobsEndAsNone) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::batch_cli_test

@@ -14,7 +14,7 @@
 #include "tests/support/process.h"
 #include "tests/support/without_times.h"
 
-namespace alidade::internal {
+namespace alidade::internal::cli_test {
 namespace {
 
 using ::testing::AllOf;
@@ -474,4 +474,4 @@ TEST_F(StudyTest, ValidateAgainstAnotherArmComparesWorkspaces) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::cli_test

@@ -10,7 +10,7 @@
 
 #include "tests/support/process.h"
 
-namespace alidade::internal {
+namespace alidade::internal::convert_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -187,4 +187,4 @@ TEST_F(ConvertTest, TakesOneTargetOfAnArmAndMotorsAsTheyAre) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::convert_test

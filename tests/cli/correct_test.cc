@@ -19,7 +19,7 @@
 #include "tests/support/error_term_kinematics.h"
 #include "tests/support/process.h"
 
-namespace alidade::internal {
+namespace alidade::internal::correct_test {
 namespace {
 
 using testing::ErrorTermKinematics;
@@ -316,4 +316,4 @@ TEST(CorrectProgramTest, PostureIsThatOfThePositionMovedToBefore) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::correct_test

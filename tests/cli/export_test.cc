@@ -19,7 +19,7 @@
 #include "tests/support/error_term_kinematics.h"
 #include "tests/support/process.h"
 
-namespace alidade::internal {
+namespace alidade::internal::export_test {
 namespace {
 
 using testing::ErrorTermKinematics;
@@ -80,9 +80,49 @@ std::string Urdf() {
 }
 
 // A reader of its own: all it knows is the file above.
-Eigen::Matrix4d UrdfPose(const std::string& text, const Eigen::VectorXd& q) {
-  testing::Matrix4l pose = testing::Matrix4l::Identity();
-  const auto numbers = [](const std::string& part, const std::string& pattern) {
+class UrdfChain {
+ public:
+  explicit UrdfChain(const std::string& text) {
+    for (const char* name : {"j1", "j2", "m", "j3", "j4", "j5", "j6", "t"}) {
+      const std::string tag = std::string("<joint name=\"") + name + "\" type=";
+      const std::size_t begin = text.find(tag);
+      const std::string part =
+          text.substr(begin, text.find("</joint>", begin) - begin);
+      const std::string origin = "<origin[^>]*";
+      const testing::Vector3l xyz =
+          Numbers(part, origin + R"(xyz=["']([^"']*)["'])");
+      const testing::Vector3l rpy =
+          Numbers(part, origin + R"(rpy=["']([^"']*)["'])");
+      links_.push_back(
+          {testing::Translation(xyz) * testing::RotationZ(rpy.z()) *
+               testing::RotationY(rpy.y()) * testing::RotationX(rpy.x()),
+           name[0] == 'j', Numbers(part, "<axis xyz=\"([^\"]*)\"")});
+    }
+  }
+
+  Eigen::Matrix4d Pose(const Eigen::VectorXd& q) const {
+    testing::Matrix4l pose = testing::Matrix4l::Identity();
+    int moving = 0;
+    for (const Link& link : links_) {
+      pose = pose * link.origin;
+      if (!link.moves) continue;
+      testing::Matrix4l turn = testing::Matrix4l::Identity();
+      turn.topLeftCorner<3, 3>() =
+          testing::MatrixFromVector(link.axis * q[moving++]);
+      pose = pose * turn;
+    }
+    return pose.cast<double>();
+  }
+
+ private:
+  struct Link {
+    testing::Matrix4l origin;
+    bool moves;
+    testing::Vector3l axis;
+  };
+
+  static testing::Vector3l Numbers(const std::string& part,
+                                   const std::string& pattern) {
     std::smatch match;
     testing::Vector3l found = testing::Vector3l::Zero();
     if (!std::regex_search(part, match, std::regex(pattern))) return found;
@@ -93,28 +133,10 @@ Eigen::Matrix4d UrdfPose(const std::string& text, const Eigen::VectorXd& q) {
       found[k] = std::stold(word);
     }
     return found;
-  };
-  int moving = 0;
-  for (const char* name : {"j1", "j2", "m", "j3", "j4", "j5", "j6", "t"}) {
-    const std::string tag = std::string("<joint name=\"") + name + "\" type=";
-    const std::size_t begin = text.find(tag);
-    const std::string part =
-        text.substr(begin, text.find("</joint>", begin) - begin);
-    const std::string origin = "<origin[^>]*";
-    const testing::Vector3l xyz =
-        numbers(part, origin + R"(xyz=["']([^"']*)["'])");
-    const testing::Vector3l rpy =
-        numbers(part, origin + R"(rpy=["']([^"']*)["'])");
-    pose = pose * testing::Translation(xyz) * testing::RotationZ(rpy.z()) *
-           testing::RotationY(rpy.y()) * testing::RotationX(rpy.x());
-    if (name[0] != 'j') continue;
-    const testing::Vector3l axis = numbers(part, "<axis xyz=\"([^\"]*)\"");
-    testing::Matrix4l turn = testing::Matrix4l::Identity();
-    turn.topLeftCorner<3, 3>() = testing::MatrixFromVector(axis * q[moving++]);
-    pose = pose * turn;
   }
-  return pose.cast<double>();
-}
+
+  std::vector<Link> links_;
+};
 
 TEST(ExportTest, AUrdfHoldsAllGeometryAndKeepsEveryOtherByte) {
   const TemporaryDirectory directory;
@@ -134,11 +156,13 @@ TEST(ExportTest, AUrdfHoldsAllGeometryAndKeepsEveryOtherByte) {
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("differs from the calibrated arm"));
   const std::string text = ReadWhole(directory / "new.urdf");
+  const UrdfChain calibrated(text);
+  const UrdfChain as_it_was(Urdf());
   for (int i = 0; i < 1000; ++i) {
     Eigen::VectorXd q(6);
     for (double& value : q) value = random.Uniform(-1.2, 1.2);
-    EXPECT_LT((UrdfPose(text, q) - Pose(real, q)).norm(), 1e-12);
-    EXPECT_LT((UrdfPose(Urdf(), q) - Pose(nominal, q)).norm(), 1e-12);
+    EXPECT_LT((calibrated.Pose(q) - Pose(real, q)).norm(), 1e-12);
+    EXPECT_LT((as_it_was.Pose(q) - Pose(nominal, q)).norm(), 1e-12);
   }
   const std::regex origin(R"(<origin[^>]*/>)");
   EXPECT_EQ(std::regex_replace(text, origin, ""),
@@ -309,4 +333,4 @@ TEST(ExportTest, KinematicsOfTheDriverSurviveARoundTrip) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::export_test

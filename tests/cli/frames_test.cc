@@ -17,7 +17,7 @@
 #include "tests/support/error_term_kinematics.h"
 #include "tests/support/process.h"
 
-namespace alidade::internal {
+namespace alidade::internal::frames_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -230,4 +230,4 @@ TEST_F(FramesTest, WorkObjectOfTouchedCornersIsKabschsFit) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::frames_test

@@ -22,7 +22,7 @@
 #include "src/common/random.h"
 #include "tests/support/process.h"
 
-namespace alidade::internal {
+namespace alidade::internal::kill_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -159,4 +159,4 @@ TEST(KillTest, AResultIsWholeOrOld) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::kill_test

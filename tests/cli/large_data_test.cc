@@ -11,7 +11,7 @@
 #include "tests/support/process.h"
 #include "tests/support/without_times.h"
 
-namespace alidade::internal {
+namespace alidade::internal::large_data_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -100,4 +100,4 @@ TEST_F(LargeDataTest, MemoryIsANumberOfMegabytes) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::large_data_test

@@ -8,7 +8,7 @@
 
 #include "tests/support/process.h"
 
-namespace alidade::internal {
+namespace alidade::internal::messages_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -86,4 +86,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& slip) { return slip.param.name; });
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::messages_test

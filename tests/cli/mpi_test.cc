@@ -17,7 +17,7 @@
 #include "tests/support/batch_outcome.h"
 #include "tests/support/process.h"
 
-namespace alidade::internal {
+namespace alidade::internal::mpi_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -326,4 +326,4 @@ TEST(LaunchTest, ARankWithoutASizeIsRefused) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::mpi_test

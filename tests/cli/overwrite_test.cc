@@ -8,7 +8,7 @@
 
 #include "tests/support/process.h"
 
-namespace alidade::internal {
+namespace alidade::internal::overwrite_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -187,4 +187,4 @@ TEST_F(OverwriteTest, BatchesDoNotReplaceWhatTheyRead) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::overwrite_test

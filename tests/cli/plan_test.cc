@@ -13,7 +13,7 @@
 #include "tests/support/process.h"
 #include "tests/support/without_times.h"
 
-namespace alidade::internal {
+namespace alidade::internal::plan_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -185,9 +185,11 @@ TEST_F(PlanCommandTest, RefusesWithoutWritingAnything) {
             "z: [0, 10]}]}\n");
   const ProcessResult far = Alidade("plan plan.yaml --out=out");
   EXPECT_EQ(far.status, 2);
-  EXPECT_THAT(far.err, HasSubstr("no pose within these joint limits"));
+  EXPECT_THAT(far.err,
+              HasSubstr("region: all boxes are farther from the base than "
+                        "the arm can reach"));
   EXPECT_FALSE(fs::exists(directory_ / "out"));
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::plan_test

@@ -19,7 +19,7 @@
 #include "tests/support/error_term_kinematics.h"
 #include "tests/support/process.h"
 
-namespace alidade::internal {
+namespace alidade::internal::program_test {
 namespace {
 
 using testing::Fanuc;
@@ -348,4 +348,4 @@ TEST_F(RefusedProgramTest, WhatIsNotUnderstoodIsNamedByItsLine) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::program_test

@@ -8,7 +8,7 @@
 
 #include "tests/support/process.h"
 
-namespace alidade::internal {
+namespace alidade::internal::progress_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -43,4 +43,4 @@ TEST(ProgressTest, IsNotInALog) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::progress_test

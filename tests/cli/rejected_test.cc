@@ -8,7 +8,7 @@
 
 #include "tests/support/process.h"
 
-namespace alidade::internal {
+namespace alidade::internal::rejected_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -94,4 +94,4 @@ TEST(RejectedResultTest, TheFlagDoesNothingToOthers) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::rejected_test

@@ -9,7 +9,7 @@
 
 #include "tests/support/process.h"
 
-namespace alidade::internal {
+namespace alidade::internal::report_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -90,4 +90,4 @@ TEST_F(ReportTest, WrongInputIsToldAndNothingWritten) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::report_test

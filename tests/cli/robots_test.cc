@@ -8,7 +8,7 @@
 
 #include "tests/support/process.h"
 
-namespace alidade::internal {
+namespace alidade::internal::robots_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -173,4 +173,4 @@ measurement: {sigma: 0.02}
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::robots_test

@@ -8,7 +8,7 @@
 
 #include "tests/support/process.h"
 
-namespace alidade::internal {
+namespace alidade::internal::same_data_test {
 namespace {
 
 using ::testing::AllOf;
@@ -118,4 +118,4 @@ TEST_F(SameDataTest, AFileTwiceIsAnErrorAndACopyAWarning) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::same_data_test

@@ -13,7 +13,7 @@
 
 #include "tests/support/process.h"
 
-namespace alidade::internal {
+namespace alidade::internal::tracker_path_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -325,4 +325,4 @@ TEST_F(TrackerPathTest, AnArmAloneIsIdentified) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::tracker_path_test

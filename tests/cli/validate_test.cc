@@ -15,7 +15,7 @@
 #include "tests/support/process.h"
 #include "tests/support/rv2aj_arms.h"
 
-namespace alidade::internal {
+namespace alidade::internal::validate_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -170,4 +170,4 @@ TEST_F(ValidateTest, PointsOfTheCheckAreFoundThere) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::validate_test

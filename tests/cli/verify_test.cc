@@ -17,7 +17,7 @@
 #include "tests/support/process.h"
 #include "tests/support/rv2aj_arms.h"
 
-namespace alidade::internal {
+namespace alidade::internal::verify_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -154,4 +154,4 @@ TEST_F(VerifyTest, WhatIsMeasuredIsNotOverwritten) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::verify_test

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "src/common/constants.h"
 #include "src/common/distributions.h"
 
 namespace alidade::internal {
@@ -105,7 +106,6 @@ TEST(ChiSquareTest, BothSidesOfTheSwitchOfMethodsAgree) {
 }
 
 TEST(ChiSquareTest, EndsOfTheRange) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   EXPECT_EQ(ChiSquareCdf(-1.0, 3.0), 0.0);
   EXPECT_EQ(ChiSquareSurvival(0.0, 3.0), 1.0);
   EXPECT_EQ(ChiSquareCdf(kInfinity, 3.0), 1.0);

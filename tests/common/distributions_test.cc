@@ -3,12 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
-namespace alidade::internal {
+#include "src/common/constants.h"
+
+namespace alidade::internal::distributions_test {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 void ExpectRelative(double actual, double expected, double tolerance) {
   EXPECT_NEAR(actual, expected, tolerance * std::abs(expected));
@@ -70,4 +69,4 @@ TEST(DistributionsTest, RateIntervalIsThatOfClopperAndPearson) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::distributions_test

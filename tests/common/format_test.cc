@@ -2,13 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
+#include "src/common/constants.h"
 
 namespace alidade::internal {
 namespace {
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(FormatSignificantTest, KeepsSignificantDigits) {
   EXPECT_EQ(FormatSignificant(0.012341, 4), "0.01234");
@@ -38,8 +35,8 @@ TEST(FormatSignificantTest, KnowsTheEndsOfTheDoubles) {
   EXPECT_EQ(FormatSignificant(5e-324, 2), "4.9e-324");
   EXPECT_EQ(FormatSignificant(-1.7976931348623157e308, 3), "-1.80e+308");
   EXPECT_EQ(FormatSignificant(kNan, 4), "nan");
-  EXPECT_EQ(FormatSignificant(kInf, 4), "inf");
-  EXPECT_EQ(FormatSignificant(-kInf, 4), "-inf");
+  EXPECT_EQ(FormatSignificant(kInfinity, 4), "inf");
+  EXPECT_EQ(FormatSignificant(-kInfinity, 4), "-inf");
 }
 
 TEST(FormatLengthTest, IsInMillimetres) {
@@ -63,7 +60,7 @@ TEST(FormatParameterTest, HasNoMinusZero) {
 
 TEST(FormatParameterTest, KnowsTheEndsOfTheDoubles) {
   EXPECT_EQ(FormatParameter(kNan, Dimension::kLength, 2), "nan");
-  EXPECT_EQ(FormatParameter(-kInf, Dimension::kAngle, 2), "-inf");
+  EXPECT_EQ(FormatParameter(-kInfinity, Dimension::kAngle, 2), "-inf");
   EXPECT_EQ(FormatParameter(1e300, Dimension::kLength, 2), "1.000000000e+303");
 }
 

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "src/common/constants.h"
 #include "src/common/numbers.h"
 #include "src/common/random.h"
 
@@ -88,7 +89,6 @@ TEST(NumberTextTest, ShiftedHasTheDigitsOfTheNumber) {
 }
 
 TEST(NumberTextTest, WhatIsNotFiniteIsAWord) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const double number : {nan, -nan}) {
     EXPECT_EQ(ShortestNumber(number), "nan");

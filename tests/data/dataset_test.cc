@@ -3,15 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
-#include <limits>
 
+#include "src/common/constants.h"
 #include "src/kernel/measurement_model.h"
 #include "tests/support/edit.h"
 
 namespace alidade::internal {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Three poses: the first and the last measured as poses, the last without its
 // orientation; of the one between, a distance and a position without z.

@@ -7,7 +7,7 @@
 #include "src/dataio/dataset_csv.h"
 #include "tests/support/io_test_util.h"
 
-namespace alidade::internal {
+namespace alidade::internal::dataset_errors_test {
 namespace {
 
 // One turning joint; two targets where they are asked for.
@@ -246,4 +246,4 @@ TEST(LoadDatasetTest, SendsReferencesToAJob) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::dataset_errors_test

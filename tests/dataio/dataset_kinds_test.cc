@@ -2,22 +2,21 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "alidade/rotation.h"
 #include "alidade/units.h"
+#include "src/common/constants.h"
 #include "src/dataio/dataset_csv.h"
 #include "tests/support/io_test_util.h"
 
-namespace alidade::internal {
+namespace alidade::internal::dataset_kinds_test {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSigma = 2e-5;
 
 // Two turning joints and the targets named.
@@ -481,4 +480,4 @@ TEST(LoadDataTest, RotationMatricesAreOrientations) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::dataset_kinds_test

@@ -6,13 +6,13 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "alidade/dataset_file.h"
 #include "alidade/units.h"
+#include "src/common/constants.h"
 #include "src/common/random.h"
 #include "src/common/text.h"
 #include "src/dataio/dataset_csv.h"
@@ -23,9 +23,6 @@
 
 namespace alidade::internal {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Names = std::vector<std::string>;
 using Rows = std::vector<std::vector<double>>;

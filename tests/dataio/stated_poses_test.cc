@@ -5,11 +5,11 @@
 
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "alidade/error.h"
+#include "src/common/constants.h"
 #include "src/common/random.h"
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/random_arms.h"
@@ -23,7 +23,6 @@ using testing::Vector3l;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using RowMatrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kCount = 5;
 
 // Positions, and orientations as rotation vectors.

@@ -5,7 +5,7 @@
 #include "tests/support/io_test_util.h"
 #include "tests/support/matrix_kinematics.h"
 
-namespace alidade::internal {
+namespace alidade::internal::urdf_file_test {
 namespace {
 
 std::vector<ChainJoint> Load(const std::string& joint,
@@ -168,4 +168,4 @@ TEST(LoadUrdfChainTest, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::urdf_file_test

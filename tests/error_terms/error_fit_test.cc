@@ -14,7 +14,7 @@
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/random_arms.h"
 
-namespace alidade::internal {
+namespace alidade::internal::error_fit_test {
 namespace {
 
 constexpr double kSigma = 5e-5;  // m
@@ -417,4 +417,4 @@ TEST(FitErrorTermsTest, PoorDataAreNoTrouble) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::error_fit_test

@@ -11,7 +11,7 @@
 #include "src/error_terms/base_jump.h"
 #include "src/error_terms/periodogram.h"
 
-namespace alidade::internal {
+namespace alidade::internal::found_errors_test {
 namespace {
 
 constexpr int kPoses = 400;
@@ -90,4 +90,4 @@ TEST(FoundErrorsTest, JumpIsFoundWhereItIs) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::found_errors_test

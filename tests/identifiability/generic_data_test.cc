@@ -7,11 +7,11 @@
 #include <cmath>
 #include <cstdint>
 #include <iterator>
-#include <limits>
 #include <set>
 #include <tuple>
 #include <vector>
 
+#include "src/common/constants.h"
 #include "src/common/random.h"
 #include "src/kernel/partition.h"
 #include "src/model/joint_draw.h"
@@ -25,7 +25,6 @@ namespace {
 using testing::MeasuredArm;
 using testing::Weighting;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kPoses = 9;
 constexpr std::uint64_t kSeed = 17;
 

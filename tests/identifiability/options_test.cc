@@ -1,16 +1,13 @@
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "alidade/identifiability.h"
+#include "src/common/constants.h"
 
 namespace alidade::internal {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct FieldCase {
   std::string name;
@@ -53,16 +50,16 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(FieldCase{"angle_tolerance",
                                 &IdentifiabilityOptions::angle_tolerance,
                                 {1e-300, 1e-6, 0.0999},
-                                {0.0, -1e-6, 0.1, kInfinity, -kInfinity, kNaN}},
+                                {0.0, -1e-6, 0.1, kInfinity, -kInfinity, kNan}},
                       FieldCase{"relative_tolerance",
                                 &IdentifiabilityOptions::relative_tolerance,
                                 {1e-300, 1e-6, 0.999},
-                                {0.0, -1e-6, 1.0, kInfinity, -kInfinity, kNaN}},
+                                {0.0, -1e-6, 1.0, kInfinity, -kInfinity, kNan}},
                       FieldCase{
                           "perturbation",
                           &IdentifiabilityOptions::perturbation,
                           {1e-300, 1e-2, 0.499},
-                          {0.0, -1e-6, 0.5, kInfinity, -kInfinity, kNaN}}),
+                          {0.0, -1e-6, 0.5, kInfinity, -kInfinity, kNan}}),
     NameOf);
 
 TEST(IdentifiabilityOptionsTest, DefaultsAreValid) {

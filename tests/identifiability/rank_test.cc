@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "src/common/constants.h"
 #include "src/common/random.h"
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"
@@ -27,7 +28,6 @@ using testing::MatrixXl;
 using testing::VectorXl;
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 TEST(AnalyzeRankTest, ReadsSingularValuesRankAndGap) {
   const Eigen::Vector4d diagonal(2e-9, 4.0, 0.002, -2.0);

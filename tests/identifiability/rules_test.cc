@@ -19,7 +19,7 @@
 #include "tests/support/rv2aj_arms.h"
 #include "tests/support/study.h"
 
-namespace alidade::internal {
+namespace alidade::internal::rules_test {
 namespace {
 
 using testing::DecisionOn;
@@ -457,4 +457,4 @@ TEST(PerturbedRankTest, IsThatOfTheFirstArmOfLargestRank) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::rules_test

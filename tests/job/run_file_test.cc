@@ -14,6 +14,7 @@
 #include "alidade/dataset_file.h"
 #include "alidade/error.h"
 #include "alidade/forward_kinematics.h"
+#include "src/common/constants.h"
 #include "tests/support/io_test_util.h"
 #include "tests/support/matrix_kinematics.h"
 #include "tests/support/rv2aj_arms.h"
@@ -24,7 +25,6 @@ namespace {
 using ::testing::HasSubstr;
 
 const std::string kSource = ALIDADE_SOURCE_DIR;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 TEST(DrawConfigurationsTest, DrawsWithinTheLimits) {
   const Arm arm = testing::Rv2ajFlange();

@@ -21,7 +21,7 @@
 // Where residuals have no derivative, or formulas lose their digits: lengths
 // near zero, orientation errors near none and near half a turn, normals near
 // the poles of TangentBasis.
-namespace alidade::internal {
+namespace alidade::internal::measurement_singularities_test {
 namespace {
 
 using testing::MeasuredArm;
@@ -307,4 +307,4 @@ TEST(PlanePoleTest, NormalsNearThePolesAreLikeAllOthers) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::measurement_singularities_test

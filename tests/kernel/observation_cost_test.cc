@@ -17,7 +17,7 @@
 #include "tests/support/random_arms.h"
 #include "tests/support/random_datasets.h"
 
-namespace alidade::internal {
+namespace alidade::internal::observation_cost_test {
 namespace {
 
 using RowMajorBlock = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
@@ -229,4 +229,4 @@ TEST(ObservationCostFixedTest, WithoutFramesTheArmsOwnBaseAndToolAreUsed) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::observation_cost_test

@@ -4,12 +4,12 @@
 
 #include <Eigen/Core>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "alidade/error.h"
 #include "alidade/forward_kinematics.h"
 #include "alidade/units.h"
+#include "src/common/constants.h"
 #include "src/common/random.h"
 #include "src/model/joint_draw.h"
 #include "src/model/motors.h"
@@ -28,7 +28,6 @@ Joint WithLimits(JointType type, double lower, double upper) {
 }
 
 TEST(HasLimitsTest, BothSidesMustMeanSomething) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const auto has = [](JointType type, double lower, double upper) {
     return HasLimits(WithLimits(type, lower, upper));
   };

@@ -15,7 +15,7 @@
 #include "tests/support/random_datasets.h"
 #include "tests/support/rv2aj_arms.h"
 
-namespace alidade::internal {
+namespace alidade::internal::forward_kinematics_test {
 namespace {
 
 constexpr int kArmsPerSize = 20;
@@ -205,4 +205,4 @@ TEST(ReachTest, OfAnArmWithoutLengthsIsOneMetre) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::forward_kinematics_test

@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "alidade/units.h"
@@ -79,6 +80,27 @@ TEST(DrawCandidatesTest, ImpossibleConstraintsComeToAnEnd) {
       DrawCandidates(Rv2ajFlange(), constraints, options);
   EXPECT_EQ(candidates.joint_values.cols(), 0);
   EXPECT_EQ(candidates.draws, 200);
+}
+
+TEST(AreOutOfReachTest, AllOfThemHaveToBe) {
+  // Straight up, the flange is at 782 mm.
+  Arm arm = Rv2ajFlange();
+  const WorkspaceBox above{{-0.1, -0.1, 0.78}, {0.1, 0.1, 3.0}};
+  const WorkspaceBox around{{-9.0, -9.0, -9.0}, {9.0, 9.0, 9.0}};
+  const WorkspaceBox far{{-0.1, -3.0, 0.0}, {0.1, -1.5, 0.1}};
+  EXPECT_FALSE(AreOutOfReach(arm, {}));
+  EXPECT_FALSE(AreOutOfReach(arm, {above}));
+  EXPECT_FALSE(AreOutOfReach(arm, {around}));
+  EXPECT_FALSE(AreOutOfReach(arm, {far, above}));
+  EXPECT_TRUE(AreOutOfReach(arm, {far, far}));
+  arm.joints[0].type = JointType::kPrismatic;
+  arm.joints[0].lower = 0.0;
+  arm.joints[0].upper = 2.0;
+  EXPECT_FALSE(AreOutOfReach(arm, {far}));
+  arm.joints[0].upper = 0.1;
+  EXPECT_TRUE(AreOutOfReach(arm, {far}));
+  arm.joints[0].upper = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(AreOutOfReach(arm, {far}));
 }
 
 // The arm straight up: shoulder at 300, elbow at 550, wrist at 710, flange at

@@ -177,9 +177,29 @@ TEST(RunPlanTest, ConstraintsThatNoPoseMeetsAreAnErrorOfTheUser) {
   PlanConfig config = FlangePlan();
   config.candidates.count = 50;
   config.candidates.max_draws = 10;
-  config.constraints.boxes.push_back({{5.0, 5.0, 5.0}, {6.0, 6.0, 6.0}});
+  // A thousandth of a millimetre wide.
+  const WorkspaceBox tiny{{0.3, 0.1, 0.4}, {0.300001, 0.100001, 0.400001}};
+  config.constraints.boxes = {tiny};
   ExpectInputError([&] { RunPlan(config, "test"); },
                    {0, 0, "candidates", "none of 500 poses"});
+  config.constraints.boxes.clear();
+  config.candidates.max_draws = 1;
+  config.region.boxes = {tiny};
+  ExpectInputError([&] { RunPlan(config, "test"); },
+                   {0, 0, "region", "no pose within these joint limits"});
+}
+
+// No draw is made: ten million of them would take long.
+TEST(RunPlanTest, BoxesThatTheArmCannotReachAreRefused) {
+  const WorkspaceBox far{{5.0, 5.0, 5.0}, {6.0, 6.0, 6.0}};
+  PlanConfig config = FlangePlan();
+  config.region.boxes = {far};
+  ExpectInputError([&] { RunPlan(config, "test"); },
+                   {0, 0, "region", "all boxes are farther from the base"});
+  config = FlangePlan();
+  config.constraints.boxes = {far};
+  ExpectInputError([&] { RunPlan(config, "test"); },
+                   {0, 0, "candidates", "all boxes are farther from the base"});
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 #include "src/planning/exchange.h"
 #include "tests/planning/planning_test_util.h"
 
-namespace alidade::internal {
+namespace alidade::internal::rv2aj_plan_test {
 namespace {
 
 using testing::FlangeProblem;
@@ -157,4 +157,4 @@ TEST_F(Rv2ajPlanTest, EfficiencyAgainstTheContinuousOptimum) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::rv2aj_plan_test

@@ -6,15 +6,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <numeric>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "src/common/constants.h"
 #include "src/common/random.h"
 
-namespace alidade::internal {
+namespace alidade::internal::run_distributions_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -23,7 +23,6 @@ using ::testing::Not;
 using ::testing::SizeIs;
 
 constexpr int kRuns = 500;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // Errors about 0.3 mm; d1 and r2 move against each other, theta3 alone.
 ManyRuns MakeRuns() {
@@ -141,4 +140,4 @@ TEST(RunDistributionsTest, PartsWithoutDataAreLeftOut) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::run_distributions_test

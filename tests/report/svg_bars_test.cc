@@ -4,11 +4,11 @@
 
 #include <array>
 #include <cstdio>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "src/common/constants.h"
 #include "src/report/svg_chart.h"
 #include "tests/report/report_test_util.h"
 #include "tests/report/well_formed.h"
@@ -17,8 +17,6 @@ namespace alidade::internal {
 namespace {
 
 using testing::Contains;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 int CountOf(const std::string& text, const std::string& part) {
   int count = 0;

@@ -8,13 +8,11 @@
 #include <vector>
 
 #include "alidade/units.h"
+#include "src/common/constants.h"
 #include "tests/report/well_formed.h"
 
 namespace alidade::internal {
 namespace {
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // Of the bar beside a map.
 constexpr int kBarColours = 63;
@@ -146,7 +144,7 @@ TEST(SvgLineChartTest, LogarithmicAxisLeavesOutWhatIsNotPositive) {
 
 TEST(SvgLineChartTest, LeavesOutWhatIsNotFiniteAndBreaksTheLine) {
   const std::string svg =
-      RenderSvg(ChartOf({1, 2, 3, 4, 5}, {1, 2, kNan, 4, kInf}));
+      RenderSvg(ChartOf({1, 2, 3, 4, 5}, {1, 2, kNan, 4, kInfinity}));
   EXPECT_TRUE(Contains(svg, "3 points from 1.000 to 4.000"));
   const std::size_t line = svg.find("class=\"line s1\" d=\"M");
   const std::size_t second = svg.rfind("h0\"");
@@ -164,7 +162,7 @@ TEST(SvgLineChartTest, LeavesOutWhatIsOutsideAGivenRange) {
 TEST(SvgLineChartTest, FitsARangeThatCannotBeDrawn) {
   LineChart chart = ChartOf({1, 2}, {1, 100});
   const std::string fitted = RenderSvg(chart);
-  chart.y.lower = -kInf;
+  chart.y.lower = -kInfinity;
   EXPECT_EQ(RenderSvg(chart), fitted);
   chart.y.lower = 0.0;
   chart.y.upper = 10.0;
@@ -174,7 +172,7 @@ TEST(SvgLineChartTest, FitsARangeThatCannotBeDrawn) {
 
 TEST(SvgLineChartTest, SaysNoData) {
   EXPECT_TRUE(Contains(RenderSvg(LineChart()), ">no data</text>"));
-  const std::string svg = RenderSvg(ChartOf({1, 2}, {kNan, -kInf}));
+  const std::string svg = RenderSvg(ChartOf({1, 2}, {kNan, -kInfinity}));
   EXPECT_EQ(WhatIsMalformed(svg), "");
   EXPECT_TRUE(Contains(svg, ">no data</text>"));
   LineChart logarithmic = ChartOf({1, 2}, {0.0, -1.0});
@@ -365,8 +363,8 @@ TEST(SvgRowChartTest, HasARowForEachAndItsReference) {
 TEST(SvgRowChartTest, BarsBeyondTheRangeEndInArrows) {
   RowMark mark;
   mark.at = 0.0;
-  mark.lower = -kInf;
-  mark.upper = kInf;
+  mark.lower = -kInfinity;
+  mark.upper = kInfinity;
   RowChart chart = RowsOf({mark});
   chart.range.Include(-1.0);
   chart.range.Include(1.0);

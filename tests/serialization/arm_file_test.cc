@@ -11,14 +11,13 @@
 #include "alidade/parameter_layout.h"
 #include "alidade/rotation.h"
 #include "alidade/units.h"
+#include "src/common/constants.h"
 #include "src/common/files.h"
 #include "src/common/random.h"
 #include "tests/support/io_test_util.h"
 
-namespace alidade::internal {
+namespace alidade::internal::arm_file_test {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 const char kHeader[] =
     "format: alidade-arm-1\n"
@@ -496,4 +495,4 @@ TEST(FormatArmTest, KeepsTheMotorMap) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::arm_file_test

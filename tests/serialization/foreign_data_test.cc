@@ -11,7 +11,7 @@
 #include "src/serialization/job_config.h"
 #include "tests/support/io_test_util.h"
 
-namespace alidade::internal {
+namespace alidade::internal::foreign_data_test {
 namespace {
 
 const char kHeader[] =
@@ -101,4 +101,4 @@ TEST(LoadArmTest, JointsMayOutnumberMotors) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::foreign_data_test

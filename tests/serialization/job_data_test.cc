@@ -1,11 +1,11 @@
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "alidade/parameter_layout.h"
 #include "alidade/units.h"
+#include "src/common/constants.h"
 #include "src/common/files.h"
 #include "src/serialization/job_config.h"
 #include "tests/support/io_test_util.h"
@@ -14,8 +14,6 @@ namespace alidade::internal {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 const char kArmText[] =
     "format: alidade-arm-1\n"

@@ -12,12 +12,10 @@
 #include "tests/serialization/result_json_util.h"
 #include "tests/support/io_test_util.h"
 
-namespace alidade::internal {
+namespace alidade::internal::result_json_kinds_test {
 namespace {
 
 using testing::ExpectEqual;
-using testing::kInfinity;
-using testing::kNan;
 using testing::MakeAccuracy;
 using testing::MakeResult;
 using testing::RoundTrip;
@@ -330,4 +328,4 @@ TEST(FormatResultJsonTest, HasTheKeysOfKinds) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::result_json_kinds_test

@@ -10,12 +10,10 @@
 #include "tests/serialization/result_json_util.h"
 #include "tests/support/io_test_util.h"
 
-namespace alidade::internal {
+namespace alidade::internal::result_json_test {
 namespace {
 
 using testing::ExpectEqual;
-using testing::kInfinity;
-using testing::kNan;
 using testing::MakeResult;
 using testing::RoundTrip;
 
@@ -335,4 +333,4 @@ TEST(ParseResultJsonTest, RefusesDeepNesting) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::result_json_test

@@ -6,13 +6,11 @@
 #include <limits>
 #include <string>
 
+#include "src/common/constants.h"
 #include "src/serialization/result_json.h"
 #include "tests/support/io_test_util.h"
 
 namespace alidade::internal::testing {
-
-inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
-inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // Statistics that are all different.
 inline Accuracy MakeAccuracy(double scale) {

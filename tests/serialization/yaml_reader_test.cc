@@ -3,11 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "src/common/constants.h"
 #include "src/serialization/field_records.h"
 #include "tests/support/io_test_util.h"
 
@@ -106,7 +106,6 @@ TEST(YamlValueTest, ReadsEveryUnit) {
 
 TEST(YamlValueTest, ReadsInfinityOnlyAsALimit) {
   const Units units = MillimetresAndDegrees();
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   EXPECT_EQ(ParseValue(".inf").Limit(Dimension::kAngle, units), kInfinity);
   EXPECT_EQ(ParseValue("-.inf").Limit(Dimension::kAngle, units), -kInfinity);
   EXPECT_EQ(ParseValue("90").Limit(Dimension::kAngle, units), kPi / 2.0);

@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <limits>
 #include <string>
 #include <vector>
 
+#include "src/common/constants.h"
 #include "src/solve/bounded_solver.h"
 #include "tests/solve/solvers_test_util.h"
 
@@ -16,8 +16,6 @@ namespace alidade::internal {
 namespace {
 
 using testing::Calibration;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct Bound {
   int column;

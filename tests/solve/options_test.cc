@@ -6,12 +6,10 @@
 #include <vector>
 
 #include "alidade/solver.h"
+#include "src/common/constants.h"
 
 namespace alidade::internal {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 void ExpectNamed(const SolverOptions& options, const std::string& field,
                  const std::string& value) {
@@ -59,23 +57,23 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(RealFieldCase{"function_tolerance",
                                     &SolverOptions::function_tolerance,
                                     {0.0, 1e-15, 1.0},
-                                    {-1e-15, kInfinity, -kInfinity, kNaN}},
+                                    {-1e-15, kInfinity, -kInfinity, kNan}},
                       RealFieldCase{"precision_limit_factor",
                                     &SolverOptions::precision_limit_factor,
                                     {0.0, 4.0, 1e6},
-                                    {-1.0, kInfinity, -kInfinity, kNaN}},
+                                    {-1.0, kInfinity, -kInfinity, kNan}},
                       RealFieldCase{"wanted_precision",
                                     &SolverOptions::wanted_precision,
                                     {0.0, 1e-9, 1.0},
-                                    {-1e-9, kInfinity, -kInfinity, kNaN}},
+                                    {-1e-9, kInfinity, -kInfinity, kNan}},
                       RealFieldCase{"initial_trust_region_radius",
                                     &SolverOptions::initial_trust_region_radius,
                                     {0.0, 1e-3, 1e16},
-                                    {-1.0, kInfinity, -kInfinity, kNaN}},
+                                    {-1.0, kInfinity, -kInfinity, kNan}},
                       RealFieldCase{"pseudo_inverse_tolerance",
                                     &SolverOptions::pseudo_inverse_tolerance,
                                     {0.0, 1e-9, 0.999},
-                                    {-1e-9, 1.0, kInfinity, -kInfinity, kNaN}}),
+                                    {-1e-9, 1.0, kInfinity, -kInfinity, kNan}}),
     NameOfReal);
 
 struct IntFieldCase {

@@ -8,13 +8,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 #include <numeric>
 #include <string>
 #include <tuple>
 #include <vector>
 
 #include "alidade/robust_loss.h"
+#include "src/common/constants.h"
 #include "src/common/random.h"
 #include "src/identifiability/analysis.h"
 #include "src/kernel/reduction.h"
@@ -32,9 +32,6 @@ namespace {
 using testing::Calibration;
 using testing::MeasuredArm;
 using testing::Weighting;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 constexpr LossKind kAllLosses[] = {LossKind::kNone, LossKind::kHuber,
                                    LossKind::kCauchy, LossKind::kTukey};

@@ -14,7 +14,7 @@
 #include "tests/support/reference_solution.h"
 #include "tests/support/study.h"
 
-namespace alidade::internal {
+namespace alidade::internal::reference_test {
 namespace {
 
 using testing::Calibration;
@@ -159,4 +159,4 @@ INSTANTIATE_TEST_SUITE_P(Seeds, BaselineConvergenceTest,
                          ::testing::Range(1, 7));
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::reference_test

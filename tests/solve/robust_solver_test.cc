@@ -6,7 +6,7 @@
 #include "src/identifiability/rank.h"
 #include "tests/support/edit.h"
 
-namespace alidade::internal {
+namespace alidade::internal::robust_solver_test {
 namespace {
 
 using testing::Calibration;
@@ -155,4 +155,4 @@ TEST(SolvePseudoInverseTest, RefusesARobustLoss) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::robust_solver_test

@@ -2,12 +2,12 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <limits>
 #include <numeric>
 #include <string>
 #include <vector>
 
 #include "alidade/forward_kinematics.h"
+#include "src/common/constants.h"
 #include "src/common/random.h"
 #include "src/solve/solve.h"
 #include "tests/solve/solvers_test_util.h"
@@ -20,9 +20,6 @@ namespace {
 
 using testing::Calibration;
 using testing::SolverCase;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 class SolverStatusTest : public ::testing::TestWithParam<SolverCase> {
  protected:
@@ -74,7 +71,7 @@ TEST_P(SolverStatusTest, AsManyEquationsAsParametersAreSolved) {
 }
 
 TEST_P(SolverStatusTest, ValuesThatAreNotFiniteInTheDataAreUnusable) {
-  for (const double bad : {kNaN, kInfinity}) {
+  for (const double bad : {kNan, kInfinity}) {
     SCOPED_TRACE(bad);
     Calibration positions = calibration_;
     testing::Edit(&positions.data.positions()).at(1, 17) = bad;
@@ -87,7 +84,7 @@ TEST_P(SolverStatusTest, ValuesThatAreNotFiniteInTheDataAreUnusable) {
 
 TEST_P(SolverStatusTest, StartThatIsNotFiniteIsUnusable) {
   Eigen::VectorXd start = calibration_.model.NominalValues();
-  start[calibration_.free_columns[3]] = kNaN;
+  start[calibration_.free_columns[3]] = kNan;
   ExpectUnusable(calibration_, start, "not finite");
 }
 
@@ -98,7 +95,7 @@ TEST_P(SolverStatusTest, SigmaThatIsNotPositiveIsUnusable) {
     ExpectUnusable(calibration, "a sigma is not positive");
   }
   Calibration calibration = calibration_;
-  testing::Edit(&calibration.data.sigmas()).at(2, 11) = kNaN;
+  testing::Edit(&calibration.data.sigmas()).at(2, 11) = kNan;
   ExpectUnusable(calibration, "");
 }
 
@@ -125,7 +122,7 @@ TEST_P(SolverStatusTest, InvalidOptionsAreNamed) {
         std::make_pair("pseudo_inverse_tolerance",
                        &SolverOptions::pseudo_inverse_tolerance)}) {
     SolverOptions options;
-    options.*field = kNaN;
+    options.*field = kNan;
     ExpectUnusable(calibration_, std::string("invalid option: ") + name,
                    options);
   }

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
+#include "src/common/constants.h"
 #include "src/common/distributions.h"
 #include "src/common/random.h"
 #include "src/model/joint_draw.h"
@@ -14,7 +14,6 @@
 namespace alidade::internal {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSigma = 1e-4;  // m
 constexpr int kPoses = 8;
 constexpr int kTrials = 200;

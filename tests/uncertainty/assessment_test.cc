@@ -6,16 +6,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 
+#include "src/common/constants.h"
 #include "tests/support/noisy_positions.h"
 #include "tests/support/rv2aj_arms.h"
 #include "tests/support/study.h"
 #include "tests/uncertainty/fitted_arm.h"
 
-namespace alidade::internal {
+namespace alidade::internal::assessment_test {
 namespace {
 
 using ::testing::AllOf;
@@ -25,7 +25,6 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 
 constexpr double kSigma = 0.02e-3;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // An RV-2AJ fitted to positions whose noise is `noise`, of sigmas kSigma.
 class AssessmentTest : public ::testing::Test {
@@ -207,4 +206,4 @@ TEST_F(AssessmentTest, ValidationErrorsBeyondPredictionsAreNamed) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::assessment_test

@@ -4,19 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
+#include "src/common/constants.h"
 #include "src/common/distributions.h"
 #include "src/common/random.h"
 #include "src/kernel/reduction.h"
 #include "tests/support/classic_arms.h"
 #include "tests/support/noisy_positions.h"
 
-namespace alidade::internal {
+namespace alidade::internal::budget_test {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSigma = 0.05e-3;
 
 BudgetContribution Part(double std, double freedom) {
@@ -252,4 +251,4 @@ TEST(BudgetTest, RegionIsInTheBaseFrame) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::budget_test

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
+#include "src/common/constants.h"
 #include "src/kernel/reduction.h"
 #include "src/solve/solve.h"
 #include "tests/support/classic_arms.h"
@@ -14,13 +14,12 @@
 #include "tests/support/rv2aj_arms.h"
 #include "tests/support/study.h"
 
-namespace alidade::internal {
+namespace alidade::internal::covariance_test {
 namespace {
 
 using testing::MatrixXl;
 using testing::VectorXl;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSigma = 0.02e-3;
 
 struct Case {
@@ -176,4 +175,4 @@ TEST(CovarianceTest, SandwichHasTheEfficiencyThatLossesAreTunedTo) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::covariance_test

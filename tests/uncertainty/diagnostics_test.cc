@@ -19,7 +19,7 @@
 #include "tests/support/study.h"
 #include "tests/uncertainty/fitted_arm.h"
 
-namespace alidade::internal {
+namespace alidade::internal::diagnostics_test {
 namespace {
 
 constexpr double kSigma = 0.02e-3;
@@ -262,4 +262,4 @@ TEST(DiagnosticsTest, TrueNormalsFailAsOftenAsTheySay) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::diagnostics_test

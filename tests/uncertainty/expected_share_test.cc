@@ -8,10 +8,10 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
 
+#include "src/common/constants.h"
 #include "src/common/distributions.h"
 #include "src/common/random.h"
 
@@ -63,7 +63,6 @@ TEST(ExpectedSharesTest, OfKnownParametersAreThoseOfABinomial) {
   PredictedRows rows;
   rows.spread = Eigen::MatrixXd::Zero(30, 2);
   rows.all = 400;
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   // 0.9 +- 1.96 standard deviations of 0.015.
   ExpectNear(ExpectedShares(rows, kConfidence, kInfinity), {0.8706, 0.9294},
              0.015);

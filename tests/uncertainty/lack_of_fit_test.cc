@@ -17,7 +17,7 @@
 #include "tests/support/noisy_positions.h"
 #include "tests/uncertainty/fitted_arm.h"
 
-namespace alidade::internal {
+namespace alidade::internal::lack_of_fit_test {
 namespace {
 
 using testing::Bent;
@@ -313,4 +313,4 @@ TEST(LackOfFitTest, NothingIsNamedWhereNothingIs) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::lack_of_fit_test

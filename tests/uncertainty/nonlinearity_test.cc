@@ -3,16 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <vector>
 
+#include "src/common/constants.h"
 #include "src/kernel/reduction.h"
 
 namespace alidade::internal {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRadius = 0.5;
 
 // One joint whose target is measured once: polar coordinates of a point in the

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "alidade/rotation.h"
+#include "src/common/constants.h"
 #include "src/common/random.h"
 #include "src/kernel/reduction.h"
 #include "tests/support/classic_arms.h"
@@ -19,7 +19,6 @@
 namespace alidade::internal {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSigma = 0.05e-3;
 
 // A UR10 with what 56 positions tell of it.

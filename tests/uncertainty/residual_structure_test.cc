@@ -14,7 +14,7 @@
 #include "tests/support/noisy_positions.h"
 #include "tests/uncertainty/fitted_arm.h"
 
-namespace alidade::internal {
+namespace alidade::internal::residual_structure_test {
 namespace {
 
 using testing::Fitted;
@@ -252,4 +252,4 @@ TEST(FindStructureTest, StatisticsAreFAndPValuesHolms) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::residual_structure_test

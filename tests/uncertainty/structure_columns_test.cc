@@ -14,7 +14,7 @@
 #include "src/common/random.h"
 #include "tests/support/random_arms.h"
 
-namespace alidade::internal {
+namespace alidade::internal::structure_columns_test {
 namespace {
 
 constexpr int kPoses = 30;
@@ -267,4 +267,4 @@ TEST_F(StructureColumnsTest, SignsAreThoseOfMoments) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::structure_columns_test
