@@ -1,7 +1,8 @@
 # Compiles through ccache where it is installed.
 #
 # The sloppiness is what ccache's manual asks for with precompiled headers,
-# without which it would cache nothing that uses one.
+# without which it would cache nothing that uses one. What it compares are the
+# files that the compiler says it has read, for which no preprocessor runs first.
 
 find_program(ALIDADE_CCACHE ccache)
 mark_as_advanced(ALIDADE_CCACHE)

@@ -15,7 +15,7 @@ namespace {
 using Motion = Eigen::Matrix<double, 6, 1>;
 
 // Positions of a station fewer than these determine no base.
-constexpr std::size_t kFewestOfFrame = 3;
+constexpr std::size_t kFewestPoses = 3;
 
 struct Station {
   Eigen::Index row = 0;  // of the data's covariates
@@ -171,7 +171,7 @@ std::vector<std::string> SmallStations(const CalibrationTask& task) {
       ListStations(data, task.options.errors.uses);
   std::vector<std::string> small;
   for (std::size_t k = 0; k < stations.size() && stations.size() > 1; ++k) {
-    if (stations[k].poses.size() >= kFewestOfFrame) continue;
+    if (stations[k].poses.size() >= kFewestPoses) continue;
     small.push_back(k == 0 ? "the first station"
                            : data.covariate_names[stations[k].row]);
   }
@@ -210,8 +210,9 @@ std::vector<MovedStation> AlignStations(CalibrationTask* task) {
       stations.begin(), stations.end(), [](const auto& a, const auto& b) {
         return a.poses.size() < b.poses.size();
       });
-  if (stations.size() < 2 || stations.front().poses.size() < kFewestOfFrame)
+  if (stations.size() < 2 || stations.front().poses.size() < kFewestPoses) {
     return {};
+  }
   const auto find = [&](const Arm& arm, const Station& station) {
     return FindInitialFrames(arm, task->data.references,
                              SelectPoses(training, station.poses), candidates)
@@ -228,7 +229,7 @@ std::vector<MovedStation> AlignStations(CalibrationTask* task) {
   std::vector<Eigen::Isometry3d> motions(stations.size(),
                                          Eigen::Isometry3d::Identity());
   for (std::size_t k = 1; k < stations.size(); ++k) {
-    if (stations[k].poses.size() < kFewestOfFrame) continue;
+    if (stations[k].poses.size() < kFewestPoses) continue;
     const Eigen::Isometry3d motion =
         first * find(arm, stations[k]).instrument_from_base.inverse();
     if (!IsFar(motion, SelectPoses(training, stations[k].poses))) continue;

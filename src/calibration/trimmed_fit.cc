@@ -17,7 +17,7 @@
 namespace alidade::internal {
 namespace {
 
-constexpr Eigen::Index kMostTrimmed = 120;
+constexpr Eigen::Index kMostSampled = 120;
 constexpr int kStarts = 400;
 // After so many starts a smaller scale shows, where there is any.
 constexpr int kFirstStarts = 80;
@@ -46,7 +46,7 @@ class Search {
   Search(const CalibrationProblem& problem, const Eigen::VectorXd& values)
       : p_(static_cast<Eigen::Index>(problem.free_columns.size())) {
     const Dataset sample =
-        EvenSubset(problem.model.communicator(), problem.data, kMostTrimmed);
+        EvenSubset(problem.model.communicator(), problem.data, kMostSampled);
     const Eigen::VectorXi dimensions = Dimensions(sample);
     observations_.resize(static_cast<std::size_t>(dimensions.size()));
     ForEachObservation(

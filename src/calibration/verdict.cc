@@ -470,20 +470,17 @@ void JudgeResult(CalibrationResult* result) {
 std::string DescribePrediction(const std::string& where,
                                const PredictionCheck& check) {
   if (check.axes.n == 0) return "";
-  const auto percent = [](double rate) {
-    return FixedNumber(100.0 * rate, 1) + " %";
-  };
   std::string text = where + ": ";
   if (check.num_outliers > 0) {
     text += "without " + Count(check.num_outliers, "outlier") + ", ";
   }
-  text += percent(check.axes.rate()) + " of " +
+  text += FixedPercent(check.axes.rate(), 1) + " of " +
           Count(check.axes.n, "coordinate") + " lie within their " +
-          percent(check.confidence) + " intervals (" +
-          percent(check.axes.lower) + " to " + percent(check.axes.upper) +
-          " by chance)";
+          FixedPercent(check.confidence, 1) + " intervals (" +
+          FixedPercent(check.axes.lower, 1) + " to " +
+          FixedPercent(check.axes.upper, 1) + " by chance)";
   if (check.ellipsoids.n > 0) {
-    text += ", " + percent(check.ellipsoids.rate()) +
+    text += ", " + FixedPercent(check.ellipsoids.rate(), 1) +
             " of positions within their ellipsoids";
   }
   return text + "; errors are " + FormatSignificant(check.rms_z, 3) +

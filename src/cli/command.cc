@@ -1,6 +1,5 @@
 #include "src/cli/command.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <limits>

@@ -118,14 +118,14 @@ void AppendDecimal(std::string_view digits, int exponent, std::string* text) {
 
 }  // namespace
 
-std::string FixedPercent(double share, int decimals) {
-  return FixedNumber(100.0 * share, decimals) + " %";
-}
-
 std::string FixedNumber(double value, int decimals) {
   std::string text;
   AppendFixed(value, decimals, &text);
   return text;
+}
+
+std::string FixedPercent(double share, int decimals) {
+  return FixedNumber(100.0 * share, decimals) + " %";
 }
 
 void AppendFixed(double value, int decimals, std::string* text) {

@@ -12,7 +12,7 @@ namespace alidade::internal {
 /// `decimals` fixed decimals: "-1.50", "0.00" also for values that round to
 /// minus zero, "nan", "inf", "-inf".
 std::string FixedNumber(double value, int decimals);
-/// A share of 1 in percent: "95.1 %".
+/// A share of 1 in percent: FixedNumber and " %".
 std::string FixedPercent(double share, int decimals);
 void AppendFixed(double value, int decimals, std::string* text);
 

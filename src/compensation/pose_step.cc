@@ -11,7 +11,7 @@ namespace {
 // Singular values of the first part below this are rounding.
 constexpr double kRounding = 1e-9;
 constexpr double kFirstDamping = 1e-8;
-constexpr double kMostStepDamping = 1e4;
+constexpr double kMostDamping = 1e4;
 
 using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic,
                                   Eigen::ColMajor, 6, 6>;
@@ -37,7 +37,7 @@ void PoseStep::Newton(const Matrix6Xd& jacobian, const Vector6d& error,
     *mu = kFirstDamping;
   }
   const Matrix6d product = square * square.transpose();
-  for (; *mu < kMostStepDamping; *mu *= 10.0) {
+  for (; *mu < kMostDamping; *mu *= 10.0) {
     Matrix6d damped = product;
     damped.diagonal().array() += *mu;
     found = square.transpose() * damped.llt().solve(error);

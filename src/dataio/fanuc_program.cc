@@ -11,8 +11,6 @@
 namespace alidade::internal {
 namespace {
 
-constexpr std::size_t kNowhere = std::string::npos;
-
 class FanucReader : ProgramReader {
  public:
   FanucReader(int num_joints, RobotProgram* program)

@@ -15,8 +15,6 @@
 namespace alidade::internal {
 namespace {
 
-constexpr std::size_t kNowhere = std::string::npos;
-
 bool IsMotion(const std::string& word) {
   static const std::set<std::string> kMotions = {"PTP",  "LIN",  "CIRC",
                                                  "SPTP", "SLIN", "SCIRC"};

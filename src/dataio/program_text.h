@@ -13,6 +13,9 @@
 
 namespace alidade::internal {
 
+/// What a search in a text gives where it finds nothing.
+inline constexpr std::size_t kNowhere = std::string::npos;
+
 /// The text of a program with comments and the content of strings blanked out,
 /// in capital letters, every byte at its place: what a reader looks at.
 class ProgramText {

@@ -15,7 +15,6 @@
 namespace alidade::internal {
 namespace {
 
-constexpr std::size_t kNowhere = std::string::npos;
 // What RAPID calls an external axis that is not there.
 constexpr double kNoAxis = 8e9;
 

@@ -12,8 +12,6 @@
 namespace alidade::internal {
 namespace {
 
-constexpr std::size_t kNowhere = std::string::npos;
-
 // What a value is an argument of, or the variable that it is assigned to.
 struct Use {
   std::string function;

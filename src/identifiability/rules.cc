@@ -13,7 +13,7 @@ namespace {
 
 // Perturbed geometries looked at for the rank: the largest rank counts, since a
 // draw can only lose rank by chance, never gain it.
-constexpr int kPerturbations = 3;
+constexpr int kPerturbedArms = 3;
 
 class Pass {
  public:
@@ -130,7 +130,7 @@ class Pass {
   Eigen::MatrixXd FindPerturbedRank(const std::vector<int>& free) {
     const std::vector<int> order = InCanonicalOrder(layout_, free);
     Eigen::MatrixXd best;
-    for (int draw = 0; draw < kPerturbations; ++draw) {
+    for (int draw = 0; draw < kPerturbedArms; ++draw) {
       const Eigen::MatrixXd factor = ScaledFactor(
           model_, PerturbedValues(model_, options_, draw), data_, order);
       const RankReport report =

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kList[] = ".alidade-files";
-constexpr char kPage[] = "report.html";
+constexpr char kReportPage[] = "report.html";
 // Of larger files size and time must do: to read gigabytes back would take
 // longer than to write them.
 constexpr std::uint64_t kMostHashed = std::uint64_t{1} << 26;
@@ -127,7 +127,7 @@ void RefuseForeign(const std::string& directory,
     if (!fs::exists(fs::symlink_status(path, ignored))) continue;
     const auto found = written.find(name);
     if (found == written.end()) {
-      if (name == kPage && !written.empty() && IsOwnPage(path)) continue;
+      if (name == kReportPage && !written.empty() && IsOwnPage(path)) continue;
       throw InputError({path, 0, 0, ""},
                        std::string("is there already and is not known as "
                                    "written by alidade, so that it is not "

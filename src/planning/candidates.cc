@@ -114,9 +114,12 @@ std::vector<int> AllowedPoses(const Arm& arm,
 
 bool AreOutOfReach(const Arm& arm, const std::vector<WorkspaceBox>& boxes) {
   constexpr double kMargin = 1.1;  // errors may lengthen the arm
-  const bool is_endless =
-      std::any_of(arm.joints.begin(), arm.joints.end(), [](const Joint& joint) {
-        return joint.type == JointType::kPrismatic && !HasLimits(joint);
+  // Joints that follow others may leave their limits.
+  const bool may_follow = HasFewerMotors(arm);
+  const bool is_endless = std::any_of(
+      arm.joints.begin(), arm.joints.end(), [&](const Joint& joint) {
+        return joint.type == JointType::kPrismatic &&
+               (may_follow || !HasLimits(joint));
       });
   const double reach = kMargin * ArmReach(arm);
   return !boxes.empty() && !is_endless &&

@@ -20,8 +20,9 @@ std::vector<int> AllowedPoses(const Arm& arm,
                               const PoseConstraints& constraints,
                               const Eigen::MatrixXd& joint_values);
 
-/// Whether each box is farther from the base than the arm is long, so that no
-/// draw would find a pose in one of them. Never where a slide has no limits.
+/// Whether each box, and there is one, is farther from the base than ArmReach
+/// by a tenth, so that no draw would find a pose in one of them. Never where a
+/// slide has no limits of its own.
 bool AreOutOfReach(const Arm& arm, const std::vector<WorkspaceBox>& boxes);
 
 struct Candidates {

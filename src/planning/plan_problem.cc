@@ -28,7 +28,7 @@ constexpr int kRandomPoses = 5000;
 constexpr std::uint64_t kRegionSeed = 0x9e3779b97f4a7c15;
 constexpr std::uint64_t kRandomSeed = 0xd1b54a32d192ed03;
 
-// Ten million draws would find it out as well.
+// Otherwise only ten million draws without a hit would tell.
 void RefuseOutOfReach(const Arm& arm, const std::vector<WorkspaceBox>& boxes,
                       const std::string& key) {
   if (!AreOutOfReach(arm, boxes)) return;
@@ -42,7 +42,6 @@ void RefuseOutOfReach(const Arm& arm, const std::vector<WorkspaceBox>& boxes,
 
 Eigen::MatrixXd FindCandidates(const PlanTask& config, const Arm& arm,
                                std::int64_t* looked_at) {
-  RefuseOutOfReach(arm, config.constraints.boxes, "candidates");
   Eigen::MatrixXd found;
   if (config.given_candidates) {
     *looked_at = config.given_candidates->cols();
@@ -78,7 +77,6 @@ Arm RegionArm(const PlanTask& config, Arm arm) {
 }
 
 Eigen::MatrixXd DrawRegion(const PlanTask& config, const Arm& arm) {
-  RefuseOutOfReach(arm, config.region.boxes, "region");
   PoseConstraints constraints;
   constraints.boxes = config.region.boxes;
   CandidateOptions options = config.candidates;
@@ -116,6 +114,12 @@ class ProblemMaker {
       : config_(config), model_(model), values_(model.NominalValues()) {}
 
   PlanProblem Make() {
+    if (!config_.given_candidates) {
+      RefuseOutOfReach(model_.nominal(), config_.constraints.boxes,
+                       "candidates");
+    }
+    RefuseOutOfReach(RegionArm(config_, model_.nominal()), config_.region.boxes,
+                     "region");
     DesignProblem& design = problem_.design;
     design.joint_values =
         FindCandidates(config_, model_.nominal(), &problem_.num_looked_at);

@@ -24,7 +24,7 @@ namespace {
 // Of figures.
 constexpr std::size_t kMostArms = 60;
 // Of tables: of more results their distributions say more than a row of each.
-constexpr std::size_t kMostRows = 100;
+constexpr std::size_t kMostArmRows = 100;
 constexpr std::size_t kMostRunRows = 20;
 constexpr std::size_t kMostMatrixRows = 40;
 constexpr std::size_t kMostMatrixColumns = 48;
@@ -113,7 +113,7 @@ std::string FleetFigure(const ComparedItems& all, const FleetSummary& fleet) {
   chart.looks = {Markers("before", MarkerStyle::kSquare, "s2"),
                  Markers("after", MarkerStyle::kDot, "s1")};
   const std::size_t most =
-      fleet.arms.size() > kMostRows ? kMostRunRows : kMostArms;
+      fleet.arms.size() > kMostArmRows ? kMostRunRows : kMostArms;
   for (const FleetArm& arm : fleet.arms) {
     if (chart.rows.size() == most) break;
     const ComparedResult& result = all.values[arm.result];
@@ -207,7 +207,7 @@ Table FleetTable(const ComparedItems& all, const FleetSummary& fleet) {
   const bool is_validated = std::all_of(
       all.values.begin(), all.values.end(),
       [](const ComparedResult& result) { return result.is_validated; });
-  const std::size_t shown = std::min(fleet.arms.size(), kMostRows);
+  const std::size_t shown = std::min(fleet.arms.size(), kMostArmRows);
   Table table(
       "fleet",
       (shown < fleet.arms.size()
@@ -432,7 +432,7 @@ Table MethodTable(const ComparedItems& all, const std::string& caption,
 std::string FleetView(const ComparedItems& all, const FleetSummary& fleet) {
   const std::string threshold = ShortestNumber(FleetSummary::kThreshold);
   std::string html = Outliers(all, fleet);
-  if (fleet.arms.size() > kMostRows) html += Distributions(all, "arm");
+  if (fleet.arms.size() > kMostArmRows) html += Distributions(all, "arm");
   html += FleetFigure(all, fleet);
   if (fleet.is_small) {
     html += HtmlNote(

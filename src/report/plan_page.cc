@@ -18,7 +18,7 @@
 namespace alidade::internal {
 namespace {
 
-constexpr std::size_t kMostRows = 1000;
+constexpr std::size_t kMostPlannedRows = 1000;
 
 std::string Determined(double metres) {
   return std::isfinite(metres) ? FormatLength(metres, 3) : "not determined";
@@ -157,8 +157,8 @@ PageSection PosesSection(const PlanResult& result) {
                                "its ends are joint limits"),
                     JointCoverageTable(result).ToHtml()}) +
               HtmlParagraph(LinkCautionText(result), "caution") +
-              OverlapTable(result).ToHtml(kMostRows) +
-              PlannedPoseTable(result).ToHtml(kMostRows)};
+              OverlapTable(result).ToHtml(kMostPlannedRows) +
+              PlannedPoseTable(result).ToHtml(kMostPlannedRows)};
 }
 
 // Of the parameters of one kind; nothing where there are none.

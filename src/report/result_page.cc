@@ -21,7 +21,7 @@
 namespace alidade::internal {
 namespace {
 
-constexpr std::size_t kMostRows = 1000;
+constexpr std::size_t kMostRejectedRows = 1000;
 // All are in the files.
 constexpr std::size_t kMostOutliers = 20;
 
@@ -188,7 +188,7 @@ PageSection ProvenanceSection(const CalibrationResult& result) {
   }
   return {"provenance", "Provenance",
           Element("dl", {{"class", "facts"}}, list) + inputs.ToHtml() +
-              RejectedRowTable(result).ToHtml(kMostRows)};
+              RejectedRowTable(result).ToHtml(kMostRejectedRows)};
 }
 
 }  // namespace

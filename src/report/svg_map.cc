@@ -163,10 +163,10 @@ MapCells MakeMapCells(const std::vector<MapSample>& samples,
   return {FillRaster(samples, box, side, reach), side};
 }
 
-constexpr double kHeight = 500.0;
-constexpr double kPageHeight = 340.0;
-constexpr double kBottomMargin = 56.0;
-constexpr int kMaxLabels = 7;
+constexpr double kMapHeight = 500.0;
+constexpr double kMapPageHeight = 340.0;
+constexpr double kMapBottomMargin = 56.0;
+constexpr int kMapMaxLabels = 7;
 constexpr double kBarGap = 24.0;
 constexpr double kBarWidth = 18.0;
 constexpr double kTickGap = 8.0;
@@ -284,7 +284,7 @@ void Equalize(SvgBox box, ChartAxis* x, ChartAxis* y) {
 }
 
 ChartAxis Ranged(ChartAxis axis, ValueRange data) {
-  const AxisScale scale(axis, data, AxisScale::Fit::kPlace, kMaxLabels);
+  const AxisScale scale(axis, data, AxisScale::Fit::kPlace, kMapMaxLabels);
   axis.lower = scale.lower();
   axis.upper = scale.upper();
   return axis;
@@ -295,15 +295,15 @@ PlotArea MakePlot(const MapChart& chart, const MapExtent& extent,
   ChartAxis x = Ranged(chart.x, extent.x);
   ChartAxis y = Ranged(chart.y, extent.y);
   const double left = LeftMargin(
-      layout, AxisScale(y, extent.y, AxisScale::Fit::kPlace, kMaxLabels));
+      layout, AxisScale(y, extent.y, AxisScale::Fit::kPlace, kMapMaxLabels));
   const SvgBox box{left, room.top, room.right() - left, room.height};
   if (chart.equal_scale && !x.logarithmic && !y.logarithmic) {
     Equalize(box, &x, &y);
   }
   const int more = layout.medium == FigureMedium::kFile ? 3 : -2;
   return {box,
-          AxisScale(x, extent.x, AxisScale::Fit::kPlace, kMaxLabels + more),
-          AxisScale(y, extent.y, AxisScale::Fit::kPlace, kMaxLabels)};
+          AxisScale(x, extent.x, AxisScale::Fit::kPlace, kMapMaxLabels + more),
+          AxisScale(y, extent.y, AxisScale::Fit::kPlace, kMapMaxLabels)};
 }
 
 std::vector<MapSample> Samples(const std::vector<MapPoint>& points,
@@ -421,7 +421,7 @@ void DrawMap(SvgWriter* svg, const MapChart& chart,
     extent.y.Include(y);
   }
   const AxisScale colour(chart.colour, extent.value, AxisScale::Fit::kColour,
-                         kMaxLabels);
+                         kMapMaxLabels);
   SvgBox plot_room = room;
   plot_room.width -= BarRoom(colour);
   const PlotArea plot = MakePlot(chart, extent, plot_room, layout);
@@ -445,13 +445,14 @@ void DrawMap(SvgWriter* svg, const MapChart& chart,
 std::string RenderSvg(const MapChart& chart, FigureMedium medium) {
   const std::vector<MapPoint> points = DrawablePoints(chart);
   const ChartLayout layout = LayoutOf(medium);
-  const double height = medium == FigureMedium::kFile ? kHeight : kPageHeight;
+  const double height =
+      medium == FigureMedium::kFile ? kMapHeight : kMapPageHeight;
   SvgWriter svg({layout.width, height}, chart.title,
                 Describe(chart, ExtentOf(points), points.size()), medium);
   const double top =
       DrawHeader(&svg, layout, chart.title, chart.subtitle) + 8.0;
   const SvgBox room{layout.margin, top, layout.width - 2.0 * layout.margin,
-                    height - kBottomMargin - top};
+                    height - kMapBottomMargin - top};
   if (points.empty()) {
     DrawNoData(&svg,
                {room.left, top, room.width, height - layout.margin - top});

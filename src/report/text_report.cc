@@ -231,7 +231,7 @@ std::string FormatReport(const CalibrationResult& result,
 
 namespace {
 
-constexpr std::size_t kMostRows = 30;
+constexpr std::size_t kMostTextRows = 30;
 
 std::string StagesText(const CalibrationResult& result) {
   if (result.stages.empty()) return "";
@@ -274,8 +274,8 @@ std::string AcceptanceTable(const CalibrationResult& result) {
 }
 
 std::string FirstRows(std::size_t count) {
-  if (count <= kMostRows) return "";
-  return Paragraph("The first " + std::to_string(kMostRows) + ":");
+  if (count <= kMostTextRows) return "";
+  return Paragraph("The first " + std::to_string(kMostTextRows) + ":");
 }
 
 }  // namespace
@@ -329,7 +329,7 @@ std::string OutlierSection(const CalibrationResult& result) {
              "than a half, the observation is rejected, and the accuracy "
              "is stated with and without it. Worst first; residuals.csv "
              "and validation.csv have all of them.") +
-         FirstRows(count) + OutlierTable(result).ToText(kMostRows);
+         FirstRows(count) + OutlierTable(result).ToText(kMostTextRows);
 }
 
 std::string RejectedRowSection(const CalibrationResult& result) {
@@ -338,7 +338,7 @@ std::string RejectedRowSection(const CalibrationResult& result) {
              Count(static_cast<std::int64_t>(result.rejected.size()), "row") +
              " took no part. result.json lists all of them.") +
          FirstRows(result.rejected.size()) +
-         RejectedRowTable(result).ToText(kMostRows);
+         RejectedRowTable(result).ToText(kMostTextRows);
 }
 
 std::string FormatAccuracyTable(const CalibrationResult& result) {

@@ -59,13 +59,13 @@ namespace {
 using Json = nlohmann::json;
 
 // Far more than any result needs, and little for what recurses.
-constexpr int kMaxDepth = 100;
+constexpr int kMaxJsonDepth = 100;
 
 Json ParseJson(const std::string& path, const std::string& text) {
   const auto refuse_deep = [&](int depth, Json::parse_event_t, const Json&) {
-    if (depth <= kMaxDepth) return true;
+    if (depth <= kMaxJsonDepth) return true;
     throw InputError({path, 0, 0, ""},
-                     "nested deeper than " + std::to_string(kMaxDepth) +
+                     "nested deeper than " + std::to_string(kMaxJsonDepth) +
                          " levels, expected a file that Alidade wrote");
   };
   try {

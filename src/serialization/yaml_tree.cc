@@ -89,7 +89,7 @@ std::string WithEndMark(const std::string& text) {
 }
 
 // A character that no text has, of those that a byte tells.
-bool IsControl(char c) {
+bool IsForbidden(char c) {
   const unsigned char byte = static_cast<unsigned char>(c);
   return (byte < 0x20 && c != '\n' && c != '\r' && c != '\t') || byte == 0x7f;
 }
@@ -162,7 +162,7 @@ class TreeBuilder : public YAML::EventHandler {
 
   // Escapes of YAML can say what its bytes may not.
   void RefuseControls(const YAML::Mark& mark, const std::string& text) const {
-    const auto found = std::find_if(text.begin(), text.end(), IsControl);
+    const auto found = std::find_if(text.begin(), text.end(), IsForbidden);
     if (found == text.end()) return;
     Fail(mark, "found a control character (" + std::to_string(*found) +
                    ") in " + Quote(text) + ", expected text");
@@ -231,7 +231,7 @@ void RefuseBinary(const std::string& text, const std::string& file) {
   std::string_view rest = text;
   while (!rest.empty()) {
     const std::size_t length = ValidUtf8Prefix(rest);
-    if (length == 0 || IsControl(rest[0])) {
+    if (length == 0 || IsForbidden(rest[0])) {
       const int byte = static_cast<unsigned char>(rest[0]);
       throw InputError(
           LocationOfByte(file, text, text.size() - rest.size()),

@@ -12,14 +12,13 @@
 #include "src/common/format.h"
 #include "src/common/number_text.h"
 #include "src/model/joint_draw.h"
+#include "src/uncertainty/lack_of_fit.h"
 #include "src/uncertainty/prediction.h"
 
 namespace alidade::internal {
 namespace {
 
 constexpr double kAxes = 3.0;
-// Of repeats, as for the lack of fit: fewer say little of a spread.
-constexpr double kFewestCounted = 10.0;
 constexpr double kSignificant = 0.05;
 // Draws for each configuration of the region before it counts as out of reach.
 constexpr int kDrawsEach = 200;
@@ -156,7 +155,7 @@ class BudgetMaker {
   void AddUnexplained() {
     const LackOfFit& lack = input_.lack;
     const MeasurementKnowledge& known = input_.measurement;
-    const bool has_repeats = known.repeat_freedom >= kFewestCounted;
+    const bool has_repeats = known.repeat_freedom >= kFewestRepeats;
     const double spread = Square(known.repeat_std);
     const double stated =
         known.stated_sigma ? Square(*known.stated_sigma) : 0.0;

@@ -22,9 +22,7 @@ namespace {
 constexpr double kTakenIn = 0.05;
 constexpr double kWarned = 0.005;
 constexpr double kLeastRatio = 1.05;
-// Repeats of fewer degrees of freedom do not determine the noise; those of less
-// spread, in sigmas squared, are copies.
-constexpr double kFewestRepeats = 10.0;
+// Repeats of less spread, in sigmas squared, are copies.
 constexpr double kNoSpread = 1e-6;
 // Residuals of exact data (m, rad).
 constexpr double kExact = 1e-9;

@@ -12,6 +12,9 @@
 
 namespace alidade::internal {
 
+/// Repeats of fewer degrees of freedom do not determine the noise.
+inline constexpr double kFewestRepeats = 10.0;
+
 /// Of a reduced chi-square: residuals so far below their sigmas are those of
 /// data without noise, of which no test says anything.
 inline constexpr double kMuchSmaller = 0.1;

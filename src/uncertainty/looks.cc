@@ -16,7 +16,7 @@
 namespace alidade::internal {
 namespace {
 
-constexpr Eigen::Index kMostPoses = 5000;
+constexpr Eigen::Index kMostLookedAt = 5000;
 
 // Whitened, stacked.
 Eigen::VectorXd WhitenedResiduals(const FittedProblem& fit,
@@ -94,7 +94,7 @@ void AddSpread(const ObservationBlock& block, Eigen::Index i,
 Dataset SampleOfConfigurations(const FittedProblem& fit) {
   Communicator* const communicator = fit.model.communicator();
   const double left_out =
-      1.0 - static_cast<double>(kMostPoses) /
+      1.0 - static_cast<double>(kMostLookedAt) /
                 static_cast<double>(fit.data.global_poses());
   const std::vector<char> is_left_out =
       DrawHeldOut(fit.data, left_out, 1, communicator);
@@ -185,10 +185,11 @@ std::vector<int> BlocksOfNeighbours(const Looks& looks, int parameters) {
 
 Looks TakeLooks(const FittedProblem& fit, bool has_repeats) {
   Looks looks;
-  looks.is_sample = fit.data.global_poses() > kMostPoses;
-  looks.data = looks.is_sample && has_repeats
-                   ? SampleOfConfigurations(fit)
-                   : EvenSubset(fit.model.communicator(), fit.data, kMostPoses);
+  looks.is_sample = fit.data.global_poses() > kMostLookedAt;
+  looks.data =
+      looks.is_sample && has_repeats
+          ? SampleOfConfigurations(fit)
+          : EvenSubset(fit.model.communicator(), fit.data, kMostLookedAt);
   looks.configurations = GroupByConfiguration(looks.data);
   const std::vector<int> groups = GroupByJointValues(looks.data);
   const Eigen::VectorXd residuals = WhitenedResiduals(fit, looks.data);

@@ -24,9 +24,9 @@ struct InputMistake {
   void (*spoil)(Dataset* data);
 };
 
-// As few as still tell each mistake from every other: what takes the tests
-// their time is the fits of all that might have been made.
-constexpr int kPoses = 30;
+// Few, since what takes the tests their time is the fits of all mistakes that
+// might have been made.
+constexpr int kPoses = 32;
 
 class InputMistakeTest : public ::testing::TestWithParam<InputMistake> {};
 

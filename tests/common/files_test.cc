@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "src/common/file_descriptor.h"
 #include "tests/support/io_test_util.h"
@@ -261,13 +262,24 @@ TEST(WriteFileAtomicallyTest, LinksStayAndTheirTargetsAreWritten) {
 
 TEST(RemoveTemporariesTest, RemovesWhatKilledProcessesLeftAndNothingElse) {
   const TestDirectory directory;
-  const std::string half = directory.Write("summary.json.tmp-123-4", "{");
-  const std::string mine = directory.Write("notes.tmp-today", "kept");
-  const std::string whole = directory.Write("summary.json", "{}");
-  RemoveTemporaries(fs::path(half).parent_path().string());
-  EXPECT_FALSE(std::filesystem::exists(half));
-  EXPECT_TRUE(std::filesystem::exists(mine));
-  EXPECT_TRUE(std::filesystem::exists(whole));
+  std::vector<std::string> left;
+  for (const char* name :
+       {"summary.json.tmp-123-4", "a.tmp-b.tmp-1-2", ".tmp-0-0"}) {
+    left.push_back(directory.Write(name, "{"));
+  }
+  std::vector<std::string> mine;
+  for (const char* name :
+       {"summary.json", "notes.tmp-today", "a.tmp-1", "a.tmp--1", "a.tmp-1-",
+        "a.tmp-1-2-3", "a.tmp-1-2.csv", "a.tmp-1-2 "}) {
+    mine.push_back(directory.Write(name, "kept"));
+  }
+  RemoveTemporaries(fs::path(left[0]).parent_path().string());
+  for (const std::string& path : left) {
+    EXPECT_FALSE(std::filesystem::exists(path)) << path;
+  }
+  for (const std::string& path : mine) {
+    EXPECT_TRUE(std::filesystem::exists(path)) << path;
+  }
 }
 
 }  // namespace

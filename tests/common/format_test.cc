@@ -7,6 +7,11 @@
 namespace alidade::internal {
 namespace {
 
+TEST(FormatPercentTest, KeepsSignificantDigits) {
+  EXPECT_EQ(FormatPercent(0.95, 3), "95.0 %");
+  EXPECT_EQ(FormatPercent(1e-4, 3), "0.0100 %");
+}
+
 TEST(FormatSignificantTest, KeepsSignificantDigits) {
   EXPECT_EQ(FormatSignificant(0.012341, 4), "0.01234");
   EXPECT_EQ(FormatSignificant(5.2, 4), "5.200");

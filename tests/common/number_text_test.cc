@@ -97,6 +97,8 @@ TEST(NumberTextTest, WhatIsNotFiniteIsAWord) {
   EXPECT_EQ(FixedNumber(nan, 2), "nan");
   EXPECT_EQ(ShortestNumber(-kInfinity), "-inf");
   EXPECT_EQ(FixedNumber(kInfinity, 2), "inf");
+  EXPECT_EQ(FixedPercent(0.9512, 1), "95.1 %");
+  EXPECT_EQ(FixedPercent(nan, 1), "nan %");
   EXPECT_EQ(NumberOrNan("-inf"), -kInfinity);
   for (const char* const text : {"", "nan", "1,5", "1 ", "x"}) {
     EXPECT_TRUE(std::isnan(NumberOrNan(text))) << text;

@@ -21,7 +21,7 @@
 #include "tests/dataio/loaded_data_util.h"
 #include "tests/support/io_test_util.h"
 
-namespace alidade::internal {
+namespace alidade::internal::npy_test {
 namespace {
 
 using Names = std::vector<std::string>;
@@ -494,4 +494,4 @@ TEST(FormatNpyTest, PosesReadBackToRoundingInTheOrderOfPoses) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::npy_test

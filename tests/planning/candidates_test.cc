@@ -5,10 +5,10 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "alidade/units.h"
+#include "src/common/constants.h"
 #include "src/common/random.h"
 #include "src/planning/travel.h"
 #include "tests/support/matrix_kinematics.h"
@@ -93,13 +93,23 @@ TEST(AreOutOfReachTest, AllOfThemHaveToBe) {
   EXPECT_FALSE(AreOutOfReach(arm, {around}));
   EXPECT_FALSE(AreOutOfReach(arm, {far, above}));
   EXPECT_TRUE(AreOutOfReach(arm, {far, far}));
+  // Boxes are in the base's frame, wherever the instrument is; a tool is part
+  // of the arm.
+  arm.instrument_from_base.translation() << 9.0, 0.0, 0.0;
+  EXPECT_TRUE(AreOutOfReach(arm, {far}));
+  arm.last_from_target().translation() << 0.0, 0.0, 1.0;
+  EXPECT_FALSE(AreOutOfReach(arm, {far}));
+  arm.last_from_target().translation().setZero();
+  const double reach = ArmReach(arm);
+  EXPECT_FALSE(AreOutOfReach(arm, {{{1.09 * reach, 0.0, 0.0}, {9, 9, 9}}}));
+  EXPECT_TRUE(AreOutOfReach(arm, {{{1.11 * reach, 0.0, 0.0}, {9, 9, 9}}}));
   arm.joints[0].type = JointType::kPrismatic;
   arm.joints[0].lower = 0.0;
   arm.joints[0].upper = 2.0;
   EXPECT_FALSE(AreOutOfReach(arm, {far}));
   arm.joints[0].upper = 0.1;
   EXPECT_TRUE(AreOutOfReach(arm, {far}));
-  arm.joints[0].upper = std::numeric_limits<double>::infinity();
+  arm.joints[0].upper = kInfinity;
   EXPECT_FALSE(AreOutOfReach(arm, {far}));
 }
 

@@ -196,6 +196,12 @@ TEST(RunPlanTest, BoxesThatTheArmCannotReachAreRefused) {
   config.region.boxes = {far};
   ExpectInputError([&] { RunPlan(config, "test"); },
                    {0, 0, "region", "all boxes are farther from the base"});
+  // Poses that are given are looked at all the same.
+  config.constraints.boxes = {far};
+  config.region.boxes.clear();
+  config.given_candidates = Eigen::MatrixXd::Zero(5, 3);
+  ExpectInputError([&] { RunPlan(config, "test"); },
+                   {0, 0, "candidates", "none of 3 poses"});
   config = FlangePlan();
   config.constraints.boxes = {far};
   ExpectInputError([&] { RunPlan(config, "test"); },

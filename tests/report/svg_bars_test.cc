@@ -13,7 +13,7 @@
 #include "tests/report/report_test_util.h"
 #include "tests/report/well_formed.h"
 
-namespace alidade::internal {
+namespace alidade::internal::svg_bars_test {
 namespace {
 
 using testing::Contains;
@@ -108,4 +108,4 @@ TEST(SvgPanelChartTest, HasEveryChartUnderItsTitle) {
 }
 
 }  // namespace
-}  // namespace alidade::internal
+}  // namespace alidade::internal::svg_bars_test

@@ -3,11 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <tuple>
 
+#include "src/common/constants.h"
 #include "src/serialization/result_json.h"
 #include "tests/serialization/result_json_util.h"
 #include "tests/support/io_test_util.h"

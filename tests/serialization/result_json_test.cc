@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "src/common/constants.h"
 #include "tests/serialization/result_json_util.h"
 #include "tests/support/io_test_util.h"
 

@@ -10,7 +10,7 @@
 namespace alidade::internal {
 namespace {
 
-Units MillimetresAndDegrees() {
+Units MmAndDeg() {
   return Units(
       ParseYaml("units: {length: mm, angle: deg}", "x.yaml").Map({"units"}));
 }
@@ -50,7 +50,7 @@ std::function<void(const YamlValue&)> Number() {
 
 std::function<void(const YamlValue&)> Length() {
   return Entry([](const YamlValue& value) {
-    value.Quantity(Dimension::kLength, MillimetresAndDegrees());
+    value.Quantity(Dimension::kLength, MmAndDeg());
   });
 }
 
