@@ -76,6 +76,8 @@ std::string ValueName(const std::string& axis, const std::string& text) {
   return NameForFiles(is_word ? text : LastPart(axis) + "-" + text);
 }
 
+}  // namespace
+
 // One axis of a job file's matrix. Its values set one key of the job,
 //
 //     measurement.sigma: [0.02, 0.05]
@@ -84,7 +86,7 @@ std::string ValueName(const std::string& axis, const std::string& text) {
 // or each changes several, laid on the job as a file is on the one it extends:
 //
 //     cell: {left: {arm: l.yaml, data: l.csv}, right: {...}}
-struct Axis {
+struct MatrixAxis {
   std::int64_t size = 0;
   // The value's part of a job's name: "left", "ceres", "sigma-0.02",
   // "seed-0017"; see NameForFiles.
@@ -93,8 +95,10 @@ struct Axis {
   std::function<void(std::int64_t value, YamlDocument* job)> apply;
 };
 
-Axis RangeAxis(const std::string& key, const YamlValue& range,
-               const YamlPlace& key_place) {
+namespace {
+
+MatrixAxis RangeAxis(const std::string& key, const YamlValue& range,
+                     const YamlPlace& key_place) {
   constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
   std::int64_t first = 1;
   std::int64_t last = 0;
@@ -145,7 +149,7 @@ class ListedValues {
   }
 
   template <typename Apply>
-  Axis Take(const Apply& apply) && {
+  MatrixAxis Take(const Apply& apply) && {
     const auto size = static_cast<std::int64_t>(names_.size());
     return {size,
             [names = std::move(names_)](std::int64_t k) { return names[k]; },
@@ -159,8 +163,8 @@ class ListedValues {
   std::vector<YamlNode> nodes_;
 };
 
-Axis MakeAxis(const std::string& key, const YamlValue& value) {
-  Axis axis;
+MatrixAxis MakeAxis(const std::string& key, const YamlValue& value) {
+  MatrixAxis axis;
   const YamlPlace& key_place = value.node().key_place;
   const std::optional<YamlValue> range = value.Find("range");
   ListedValues values(key_place);
@@ -248,7 +252,7 @@ struct JobMatrix::Contents {
   std::string path;
   std::string stem;
   YamlDocument tree;  ///< without its matrix
-  std::vector<Axis> axes;
+  std::vector<MatrixAxis> axes;
   std::int64_t size = 1;
 
   /// Which value of each axis a job has.
