@@ -28,7 +28,7 @@ constexpr int kRandomPoses = 5000;
 constexpr std::uint64_t kRegionSeed = 0x9e3779b97f4a7c15;
 constexpr std::uint64_t kRandomSeed = 0xd1b54a32d192ed03;
 
-// Otherwise only ten million draws without a hit would tell.
+// Otherwise only ten million draws without a hit would show it.
 void RefuseOutOfReach(const Arm& arm, const std::vector<WorkspaceBox>& boxes,
                       const std::string& key) {
   if (!AreOutOfReach(arm, boxes)) return;
