@@ -50,6 +50,17 @@ Eigen::VectorXd RobustWeights(const Eigen::VectorXd& norms, double scale,
   return weights;
 }
 
+double WeighedSum(const FitRows& rows, const Eigen::VectorXd& weights,
+                  double scale, const Eigen::Matrix3Xd& targets) {
+  const Eigen::Index block_size = rows.residuals.size() / weights.size();
+  const double prior = scale / kTargetStddev;
+  return rows.residuals.reshaped(block_size, weights.size())
+             .colwise()
+             .squaredNorm()
+             .dot(weights) +
+         prior * prior * targets.squaredNorm();
+}
+
 void WeighRows(const Eigen::VectorXd& weights, double scale,
                const Eigen::Matrix3Xd& targets, int target_column,
                FitRows* rows) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace alidade::internal {
@@ -39,6 +40,11 @@ constexpr double kTukeyCut = 6.0;
 Eigen::VectorXd RobustWeights(const Eigen::VectorXd& norms, double scale,
                               FitWeighting weighting);
 
+/// The sum of the observations' squared residuals by their weights, and of the
+/// targets' prior.
+double WeighedSum(const FitRows& rows, const Eigen::VectorXd& weights,
+                  double scale, const Eigen::Matrix3Xd& targets);
+
 /// Multiplies the rows by the square roots of their observations' weights, and
 /// appends those of the targets' prior.
 void WeighRows(const Eigen::VectorXd& weights, double scale,
@@ -48,32 +54,52 @@ void WeighRows(const Eigen::VectorXd& weights, double scale,
 /// The damped Gauss-Newton step of minimum norm.
 Eigen::VectorXd FitStep(const FitRows& rows, double damping);
 
-/// Improves the model until steps vanish.
+/// The steps (m, rad) below which a fit has ended: of one start among others,
+/// far below what tells them apart, and of the best of them.
+constexpr double kSmallestStepOfStart = 1e-7;
+constexpr double kSmallestStep = 1e-12;
+
+/// A sum that grows by less than this part of it does so by rounding: residuals
+/// are differences of coordinates a million times as large.
+constexpr double kSumRounding = 1e-10;
+
+/// Improves the model until steps are below `smallest_step`.
 template <typename Model>
-void Refine(FitWeighting weighting, int max_iterations, Model* model) {
+void Refine(FitWeighting weighting, int max_iterations, double smallest_step,
+            Model* model) {
   double damping = 1e-4;
+  FitRows rows;
+  model->Linearize(&rows);
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
-    FitRows rows;
-    model->Linearize(&rows);
     const Eigen::VectorXd norms = BlockNorms(rows.residuals, Model::kBlockSize);
     const double scale = RobustScale(norms, rows);
     const Eigen::VectorXd weights = RobustWeights(norms, scale, weighting);
-    WeighRows(weights, scale, model->targets, Model::kTargetColumn, &rows);
-    const Eigen::VectorXd step = FitStep(rows, damping);
+    const double sum = WeighedSum(rows, weights, scale, model->targets);
+    FitRows weighed = rows;
+    WeighRows(weights, scale, model->targets, Model::kTargetColumn, &weighed);
+    const Eigen::VectorXd step = FitStep(weighed, damping);
     if (!step.allFinite()) return;
     Model moved = *model;
     moved.Move(step);
     FitRows moved_rows;
     moved.Linearize(&moved_rows);
     // With the weights of before: what lowers this sum lowers that of losses.
-    WeighRows(weights, scale, moved.targets, Model::kTargetColumn, &moved_rows);
-    if (moved_rows.residuals.squaredNorm() <= rows.residuals.squaredNorm()) {
-      *model = moved;
-      damping = damping < 1e-8 ? 0.0 : 0.1 * damping;
-    } else {
+    if (!(WeighedSum(moved_rows, weights, scale, moved.targets) <=
+          (1.0 + kSumRounding) * sum)) {
       damping = damping > 0.0 ? 10.0 * damping : 1e-8;
+      if (damping > 1e6) return;
+      continue;
     }
-    if (step.norm() < 1e-12 || damping > 1e6) return;
+    *model = std::move(moved);
+    rows = std::move(moved_rows);
+    if (step.norm() >= smallest_step) {
+      damping = damping < 1e-8 ? 0.0 : 0.1 * damping;
+    } else if (damping > 0.0) {
+      // What the data hardly hold has not moved yet.
+      damping = 0.0;
+    } else {
+      return;
+    }
   }
 }
 
@@ -85,7 +111,7 @@ std::optional<Model> FitFromStarts(const std::vector<Model>& starts) {
   std::optional<Model> best;
   double best_sum = std::numeric_limits<double>::infinity();
   for (Model model : starts) {
-    Refine(FitWeighting::kHuber, 40, &model);
+    Refine(FitWeighting::kHuber, 40, kSmallestStepOfStart, &model);
     FitRows rows;
     model.Linearize(&rows);
     const Eigen::VectorXd norms = BlockNorms(rows.residuals, Model::kBlockSize);
@@ -94,7 +120,7 @@ std::optional<Model> FitFromStarts(const std::vector<Model>& starts) {
     best_sum = norms.sum();
     best = model;
   }
-  if (best) Refine(FitWeighting::kTukey, 60, &*best);
+  if (best) Refine(FitWeighting::kTukey, 60, kSmallestStep, &*best);
   return best;
 }
 
