@@ -41,6 +41,22 @@ double DetPlusIdentity3(const double* a) {
          xz * (xy * yz - yy * xz);
 }
 
+// Adds sign * P^T P to the m x m matrix of columns `sum`, P of `num_rows` rows,
+// by columns too: so few of them that Eigen's general product takes far longer.
+void AddGram(double sign, Eigen::Index num_rows, Eigen::Index m,
+             const double* p, double* sum) {
+  for (Eigen::Index j = 0; j < m; ++j) {
+    for (Eigen::Index i = 0; i <= j; ++i) {
+      double dot = 0.0;
+      for (Eigen::Index k = 0; k < num_rows; ++k) {
+        dot += p[i * num_rows + k] * p[j * num_rows + k];
+      }
+      sum[j * m + i] += sign * dot;
+      if (i != j) sum[i * m + j] += sign * dot;
+    }
+  }
+}
+
 // The indices of the `count` largest scores among `indices`, largest first;
 // ties in the order of the indices.
 std::vector<int> Largest(const Eigen::VectorXd& scores,
@@ -123,10 +139,9 @@ void PlanState::Change(int candidate, double sign) {
     const Eigen::MatrixXd products =
         update.transpose() * all.middleCols(first, (end - begin) * rows_each_);
     for (std::int64_t k = begin; k < end; ++k) {
-      const auto product =
-          products.middleCols(k * rows_each_ - first, rows_each_);
-      variances_.middleCols(k * rows_each_, rows_each_) -=
-          sign * product.transpose().lazyProduct(product);
+      AddGram(-sign, products.rows(), rows_each_,
+              products.col(k * rows_each_ - first).data(),
+              variances_.col(k * rows_each_).data());
     }
   };
   ParallelFor(options_.num_threads, problem_.candidates.size(),
@@ -284,11 +299,10 @@ BestCandidate PlanState::BestBy(const Eigen::MatrixXd& removal,
         removal.transpose() * all.middleCols(begin * m, (end - begin) * m);
     Eigen::MatrixXd variance(m, m);
     for (std::int64_t k = begin; k < end; ++k) {
-      variance = variances_.middleCols(k * m, m);
-      if (products.rows() > 0) {
-        const auto product = products.middleCols((k - begin) * m, m);
-        variance.noalias() += product.transpose().lazyProduct(product);
-      }
+      const double* own = variances_.col(k * m).data();
+      std::copy(own, own + m * m, variance.data());
+      AddGram(1.0, products.rows(), m, products.col((k - begin) * m).data(),
+              variance.data());
       const double gain = m == 3 ? DetPlusIdentity3(variance.data())
                                  : DetPlusIdentity(rows_each_, variance.data());
       if (gain > best.gain && IsAllowed(static_cast<int>(k), place)) {
