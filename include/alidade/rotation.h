@@ -37,43 +37,13 @@ Eigen::Matrix<T, 3, 3> RotationFromVector(const Eigen::Matrix<T, 3, 1>& w) {
 /// rotation turns about, on the left, when its vector's components grow, Exp(w
 /// + e) = Exp(J(w) e) Exp(w) to first order. Chirikjian 2012, "Stochastic
 /// Models, Information Theory, and Lie Groups 2", eq. 10.86.
-inline Eigen::Matrix3d LeftJacobianOfRotation(const Eigen::Vector3d& w) {
-  const double angle_squared = w.squaredNorm();
-  double b = 0.5 - angle_squared / 24.0;
-  double c = 1.0 / 6.0 - angle_squared / 120.0;
-  // Below, the closed forms lose more digits than the series leaves out.
-  if (angle_squared > 1e-4) {
-    const double angle = std::sqrt(angle_squared);
-    const double half_sine = std::sin(0.5 * angle);
-    b = 2.0 * half_sine * half_sine / angle_squared;
-    c = (angle - std::sin(angle)) / (angle * angle_squared);
-  } else {
-    b += angle_squared * angle_squared / 720.0;
-    c += angle_squared * angle_squared / 5040.0;
-  }
-  Eigen::Matrix3d skew;
-  skew << 0.0, -w.z(), w.y(), w.z(), 0.0, -w.x(), -w.y(), w.x(), 0.0;
-  return Eigen::Matrix3d::Identity() + b * skew + c * skew * skew;
-}
+Eigen::Matrix3d LeftJacobianOfRotation(const Eigen::Vector3d& w);
 
 /// The inverse of LeftJacobianOfRotation,
 /// J(w)^-1 = I - [w]x / 2 + e [w]x^2, e = 1 / |w|^2 - cot(|w| / 2) / (2 |w|):
 /// Log(Exp(e) R) = Log(R) + J(Log(R))^-1 e to first order. Finite up to half a
 /// turn and beyond; undefined at a whole one. Chirikjian 2012, eq. 10.87.
-inline Eigen::Matrix3d InverseLeftJacobianOfRotation(const Eigen::Vector3d& w) {
-  const double angle_squared = w.squaredNorm();
-  double e = 1.0 / 12.0 + angle_squared / 720.0;
-  if (angle_squared > 1e-4) {
-    const double angle = std::sqrt(angle_squared);
-    const double half = 0.5 * angle;
-    e = (1.0 - half * std::cos(half) / std::sin(half)) / angle_squared;
-  } else {
-    e += angle_squared * angle_squared / 30240.0;
-  }
-  Eigen::Matrix3d skew;
-  skew << 0.0, -w.z(), w.y(), w.z(), 0.0, -w.x(), -w.y(), w.x(), 0.0;
-  return Eigen::Matrix3d::Identity() - 0.5 * skew + e * skew * skew;
-}
+Eigen::Matrix3d InverseLeftJacobianOfRotation(const Eigen::Vector3d& w);
 
 /// Log of a rotation, |w| <= pi, for any scalar. By the quaternion (x, s) of
 /// the rotation, from its largest component (Shepperd 1978, "Quaternion from
@@ -116,6 +86,12 @@ Eigen::Matrix<T, 3, 1> VectorFromRotation(
   const T norm = sqrt(norm_squared);
   return x * (T(2.0) * atan2(norm, s) / norm);
 }
+
+// Of doubles, compiled once.
+extern template Eigen::Matrix3d RotationFromVector<double>(
+    const Eigen::Vector3d& w);
+extern template Eigen::Vector3d VectorFromRotation<double>(
+    const Eigen::Matrix3d& rotation);
 
 /// Log: the rotation vector of a rotation matrix, |w| <= pi.
 inline Eigen::Vector3d VectorFromRotation(const Eigen::Matrix3d& rotation) {

@@ -65,7 +65,6 @@ using InstanceSequence =
       const EigenBase<InstanceMatrix>&, int);                                  \
   TEMPLATE class JacobiSVD<Matrix3d>;                                          \
   TEMPLATE class JacobiSVD<InstanceMatrix>;                                    \
-  TEMPLATE class BDCSVD<InstanceMatrix>;                                       \
   namespace internal {                                                         \
   TEMPLATE struct general_matrix_matrix_product<                               \
       Index, double, 0, false, double, 0, false, 0, 1>;                        \

@@ -46,4 +46,24 @@ Eigen::VectorXd SingularValues(const Eigen::MatrixXd& matrix) {
   return SquareSvd(factor).singularValues();
 }
 
+Eigen::VectorXd SolveByMinimumNorm(const Eigen::MatrixXd& a,
+                                   const Eigen::VectorXd& b, double tolerance) {
+  const Svd svd = ComputeSvd(a);
+  const double least = tolerance * svd.values[0];
+  const Eigen::VectorXd inverse = svd.values.unaryExpr(
+      [&](double value) { return value <= least ? 0.0 : 1.0 / value; });
+  const Eigen::VectorXd in_axes = svd.u.transpose() * b;
+  return svd.v * in_axes.cwiseProduct(inverse);
+}
+
+Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& matrix,
+                                 double tolerance) {
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
+  qr.setThreshold(tolerance);
+  qr.compute(matrix);
+  Eigen::MatrixXd basis = Eigen::MatrixXd::Identity(matrix.rows(), qr.rank());
+  basis.applyOnTheLeft(qr.householderQ());
+  return basis;
+}
+
 }  // namespace alidade::internal

@@ -24,6 +24,17 @@ Svd ComputeSvd(const Eigen::MatrixXd& matrix);
 /// Only the values, of a matrix of any shape; empty for an empty one.
 Eigen::VectorXd SingularValues(const Eigen::MatrixXd& matrix);
 
+/// The shortest of the x with the least |A x - b|. Singular values not above
+/// `tolerance` times the largest count as zero. @pre as of ComputeSvd.
+Eigen::VectorXd SolveByMinimumNorm(const Eigen::MatrixXd& a,
+                                   const Eigen::VectorXd& b, double tolerance);
+
+/// Orthonormal columns that span those of a matrix of any shape, by
+/// Householder QR with column pivots: those whose pivot is above `tolerance`
+/// times the largest.
+Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& matrix,
+                                 double tolerance);
+
 }  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_COMMON_SVD_H_

@@ -1,12 +1,12 @@
 #include "src/compensation/geometry_fit.h"
 
-#include <Eigen/SVD>
 #include <array>
 #include <cmath>
 #include <utility>
 
 #include "alidade/forward_kinematics.h"
 #include "alidade/rotation.h"
+#include "src/common/svd.h"
 #include "src/model/chain_axes.h"
 #include "src/model/joint_draw.h"
 
@@ -101,10 +101,7 @@ Arm FitGeometry(const Arm& real, const Arm& start, const FreeGeometry& free) {
         kept.col(static_cast<Eigen::Index>(k)) *= reach;
       }
     }
-    Eigen::BDCSVD<Eigen::MatrixXd> svd(
-        kept, Eigen::ComputeThinU | Eigen::ComputeThinV);
-    svd.setThreshold(kRank);
-    const Eigen::VectorXd step = svd.solve(residual);
+    const Eigen::VectorXd step = SolveByMinimumNorm(kept, residual, kRank);
     for (std::size_t k = 0; k < columns.size(); ++k) {
       const bool is_length = columns[k] % 5 == 2 || columns[k] % 5 == 4;
       Joint& joint = fitted.joints[columns[k] / 5];

@@ -10,13 +10,10 @@
 namespace alidade::internal {
 namespace {
 
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-
 // Sums over the rows of a stretch of poses.
 struct Sums {
-  Matrix6 products = Matrix6::Zero();
-  Vector6 gradient = Vector6::Zero();
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(6, 6);
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(6);
   double squares = 0.0;
   double count = 0.0;
 
@@ -63,7 +60,8 @@ std::optional<BaseJump> FindBaseJump(const WeightedRows& data,
   const std::vector<Sums> sums = SumByPlace(data, residuals, places);
   Sums all;
   for (const Sums& sum : sums) all.Add(sum);
-  const Eigen::LDLT<Matrix6> factor(all.products);
+  const Eigen::LDLT<Eigen::MatrixXd> factor(all.products);
+  const Eigen::VectorXd all_moved = factor.solve(all.gradient);
   const double variance = all.squares / std::max(1.0, all.count - 6.0);
   if (factor.info() != Eigen::Success || !(variance > 0.0)) return std::nullopt;
   Sums after;
@@ -73,11 +71,10 @@ std::optional<BaseJump> FindBaseJump(const WeightedRows& data,
     after.Add(sums[place]);
     // A base for the rows before it, too.
     if (place < 2 || place > places - 2) continue;
-    const Matrix6 own =
-        after.products - after.products * factor.solve(after.products);
-    const Vector6 b =
-        after.gradient - after.products * factor.solve(all.gradient);
-    const Vector6 move = own.ldlt().solve(b);
+    const Eigen::MatrixXd shared = factor.solve(after.products);
+    const Eigen::MatrixXd own = after.products - after.products * shared;
+    const Eigen::VectorXd b = after.gradient - after.products * all_moved;
+    const Eigen::VectorXd move = own.ldlt().solve(b);
     const double gain = b.dot(move);
     if (!(gain > most)) continue;
     most = gain;

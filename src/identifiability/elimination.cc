@@ -103,9 +103,10 @@ class Exchange {
       if (before == 0) continue;
       const std::vector<int> leading(choice_.kept.begin(),
                                      choice_.kept.begin() + before);
-      coefficients_.col(d).head(before) = Select(factor_, leading)
-                                              .colPivHouseholderQr()
-                                              .solve(factor_.col(column));
+      const Eigen::VectorXd right = factor_.col(column);
+      const Eigen::VectorXd found =
+          Select(factor_, leading).colPivHouseholderQr().solve(right);
+      coefficients_.col(d).head(before) = found;
     }
   }
 

@@ -1,6 +1,5 @@
 #include "src/job/calibrated_arm.h"
 
-#include <Eigen/Eigenvalues>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -9,6 +8,7 @@
 
 #include "alidade/arm_file.h"
 #include "alidade/error.h"
+#include "src/common/scaled_eigensystem.h"
 #include "src/job/result_directory.h"
 #include "src/kernel/measurement_model.h"
 #include "src/serialization/result_json.h"
@@ -76,14 +76,7 @@ ParameterCovariance CovarianceOf(const UncertaintyResult& uncertainty,
     covariance.null_space(null_space[k], static_cast<Eigen::Index>(k)) = 1.0;
   }
   covariance.null_space_parameters = null_space;
-  // Scaled to correlations, so that radians and metres do not mix.
-  const Eigen::VectorXd scale = matrix.diagonal().cwiseSqrt();
-  const Eigen::VectorXd inverse =
-      scale.unaryExpr([](double s) { return s > 0.0 ? 1.0 / s : 0.0; });
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-      inverse.asDiagonal() * matrix * inverse.asDiagonal());
-  covariance.root = scale.asDiagonal() * solver.eigenvectors() *
-                    solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  covariance.root = ScaledEigensystem(matrix).Root();
   return covariance;
 }
 

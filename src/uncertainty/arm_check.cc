@@ -1,13 +1,13 @@
 #include "src/uncertainty/arm_check.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "src/common/constants.h"
 #include "src/common/distributions.h"
+#include "src/common/svd.h"
 #include "src/uncertainty/row_spread.h"
 
 namespace alidade::internal {
@@ -188,10 +188,7 @@ class Whitening {
     for (Eigen::Index k = 0; k < norms.size(); ++k) {
       if (norms[k] > 0.0) scaled.col(k) /= norms[k];
     }
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
-    qr.setThreshold(1e-9);
-    qr.compute(scaled);
-    basis_ = qr.householderQ() * Eigen::MatrixXd::Identity(size_, qr.rank());
+    basis_ = OrthonormalBasis(scaled, 1e-9);
   }
 
   Eigen::Index degrees_of_freedom() const { return size_ - basis_.cols(); }

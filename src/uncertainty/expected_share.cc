@@ -92,10 +92,10 @@ std::pair<double, double> ExpectedEllipsoidShares(const PredictedRows& rows,
   for (Eigen::Index i = 0; i < positions; ++i) {
     const auto three = rows.spread.middleRows(3 * i * stride, 3);
     spread.middleRows(3 * i, 3) = three;
-    factors.emplace_back(
-        (Eigen::Matrix3d::Identity() + three * three.transpose())
-            .llt()
-            .matrixL());
+    // Dynamic, for which Cholesky's decomposition is compiled already.
+    Eigen::MatrixXd covariance = three * three.transpose();
+    covariance.diagonal().array() += 1.0;
+    factors.emplace_back(covariance.llt().matrixL());
   }
   Eigen::Matrix3Xd noise(3, positions * kNoiseDraws);
   for (double& entry : noise.reshaped()) entry = random.Normal();

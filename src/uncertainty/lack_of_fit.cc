@@ -1,6 +1,5 @@
 #include "src/uncertainty/lack_of_fit.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +8,7 @@
 #include "src/common/constants.h"
 #include "src/common/distributions.h"
 #include "src/common/format.h"
+#include "src/common/scaled_eigensystem.h"
 #include "src/common/text.h"
 #include "src/uncertainty/looks.h"
 #include "src/uncertainty/residual_gram.h"
@@ -26,17 +26,6 @@ constexpr double kLeastRatio = 1.05;
 constexpr double kNoSpread = 1e-6;
 // Residuals of exact data (m, rad).
 constexpr double kExact = 1e-9;
-
-// A root of a matrix that is not negative.
-Eigen::MatrixXd RootOf(const Eigen::MatrixXd& matrix) {
-  const Eigen::VectorXd scale = matrix.diagonal().unaryExpr(
-      [](double x) { return x > 0.0 ? std::sqrt(x) : 1.0; });
-  const Eigen::VectorXd inverse = scale.cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-      inverse.asDiagonal() * matrix * inverse.asDiagonal());
-  return scale.asDiagonal() * solver.eigenvectors() *
-         solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-}
 
 // A class of rows: what its residuals have beyond the noise.
 struct ClassExcess {
@@ -222,7 +211,8 @@ class Assessor {
          excess.rotation * gram_.common[kRotations]);
     filling.diagonal() += PriorPrecisions();
     result_.prediction.root =
-        covariance_.root * (covariance_.root.transpose() * RootOf(filling));
+        covariance_.root *
+        (covariance_.root.transpose() * ScaledEigensystem(filling).Root());
     result_.prediction.degrees_of_freedom =
         std::min(covariance_.degrees_of_freedom, plain_.AllFreedom());
   }
@@ -264,15 +254,11 @@ class Assessor {
     Eigen::MatrixXd filling = sample * scores * scores.transpose();
     bread.diagonal() += prior;
     filling.diagonal() += prior;
-    const Eigen::VectorXd scale = bread.diagonal().cwiseSqrt().cwiseInverse();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-        scale.asDiagonal() * bread * scale.asDiagonal());
     constexpr double kNotDetermined = 1e-12;
-    const Eigen::VectorXd inverse = solver.eigenvalues().unaryExpr(
-        [](double x) { return x > kNotDetermined ? 1.0 / x : 0.0; });
-    const Eigen::MatrixXd vectors = scale.asDiagonal() * solver.eigenvectors();
-    const Eigen::MatrixXd half = vectors.transpose() * RootOf(filling);
-    const Eigen::MatrixXd root = vectors * (inverse.asDiagonal() * half);
+    int rank = 0;
+    const Eigen::MatrixXd root =
+        ScaledEigensystem(bread).PseudoInverse(kNotDetermined, &rank) *
+        ScaledEigensystem(filling).Root();
     return root.rowwise().norm();
   }
 

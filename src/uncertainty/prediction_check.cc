@@ -69,8 +69,9 @@ class HeldOut {
     const bool is_position =
         HoldsPosition(block.kind) && measured.size() >= 3 && measured[2] == 2;
     if (is_position) {
-      const Eigen::Vector3d error = residual.head<3>();
-      const Eigen::Matrix3d of_position = variance.topLeftCorner<3, 3>();
+      // Dynamic, for which Cholesky's decomposition is compiled already.
+      const Eigen::VectorXd error = residual.head<3>();
+      const Eigen::MatrixXd of_position = variance.topLeftCorner<3, 3>();
       scores.held =
           error.dot(of_position.llt().solve(error)) <= ellipsoid_ ? 1 : 0;
       const Eigen::Vector3d sigma = sigmas.head<3>();

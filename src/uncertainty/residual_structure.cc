@@ -1,11 +1,11 @@
 #include "src/uncertainty/residual_structure.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "src/common/distributions.h"
+#include "src/common/scaled_eigensystem.h"
 
 namespace alidade::internal {
 namespace {
@@ -16,25 +16,6 @@ constexpr double kFewestLeft = 10.0;
 constexpr int kMostFound = 8;
 // Of squared norms: what is left of a column beside others is rounding.
 constexpr double kDependent = 1e-6;
-
-// The pseudo-inverse of a symmetric matrix that is not negative, scaled to a
-// unit diagonal; eigenvalues below `least` count as none.
-Eigen::MatrixXd InverseOf(const Eigen::MatrixXd& matrix, double least,
-                          int* rank) {
-  *rank = 0;
-  if (matrix.rows() == 0) return matrix;
-  const Eigen::VectorXd scale = matrix.diagonal().unaryExpr(
-      [](double x) { return x > 0.0 ? 1.0 / std::sqrt(x) : 0.0; });
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-      scale.asDiagonal() * matrix * scale.asDiagonal());
-  const Eigen::VectorXd inverse = solver.eigenvalues().unaryExpr([&](double x) {
-    if (!(x > least)) return 0.0;
-    ++*rank;
-    return 1.0 / x;
-  });
-  const Eigen::MatrixXd vectors = scale.asDiagonal() * solver.eigenvectors();
-  return vectors * inverse.asDiagonal() * vectors.transpose();
-}
 
 // P^-1 of the free columns.
 Eigen::VectorXd PriorPrecisions(const FittedProblem& fit) {
@@ -56,7 +37,8 @@ StructureFit::StructureFit(const FittedProblem& fit, const ResidualGram& gram)
   Eigen::MatrixXd information = all_.topLeftCorner(p_, p_);
   information.diagonal() += prior;
   int rank = 0;
-  inverse_ = InverseOf(information, kNotDetermined, &rank);
+  inverse_ =
+      ScaledEigensystem(information).PseudoInverse(kNotDetermined, &rank);
   const Eigen::MatrixXd jz = all_.block(0, p_, p_, m);
   b_ = all_.col(p_ + m).head(p_) + prior.cwiseProduct(deviations);
   schur_ = all_.block(p_, p_, m, m) - jz.transpose() * inverse_ * jz;
@@ -82,7 +64,8 @@ double StructureFit::Squares(int which) const {
                                   jz.transpose() * inverse_ * jz;
     const Eigen::VectorXd right = all_.col(p_ + m).segment(p_, m)(added_) -
                                   jz.transpose() * (inverse_ * b_);
-    const Eigen::VectorXd found = InverseOf(whole, kDependent, &rank) * right;
+    const Eigen::VectorXd found =
+        ScaledEigensystem(whole).PseudoInverse(kDependent, &rank) * right;
     b -= jz * found;
     moved.segment(p_, m)(added_) = -found;
   }
@@ -117,8 +100,8 @@ StructureFit::Gain StructureFit::GainOf(const std::vector<int>& columns) const {
   const std::vector<int> kept = Independent(columns);
   Gain gain;
   const Eigen::VectorXd right = right_(kept);
-  const Eigen::MatrixXd inverse =
-      InverseOf(schur_(kept, kept), kDependent, &gain.rank);
+  const Eigen::MatrixXd inverse = ScaledEigensystem(schur_(kept, kept))
+                                      .PseudoInverse(kDependent, &gain.rank);
   gain.squares = kept.empty() ? 0.0 : right.dot(inverse * right);
   return gain;
 }
@@ -128,7 +111,7 @@ void StructureFit::AddColumns(const std::vector<int>& columns) {
   if (kept.empty()) return;
   int rank = 0;
   const Eigen::MatrixXd inverse =
-      InverseOf(schur_(kept, kept), kDependent, &rank);
+      ScaledEigensystem(schur_(kept, kept)).PseudoInverse(kDependent, &rank);
   const Eigen::MatrixXd across = schur_(Eigen::all, kept) * inverse;
   const Eigen::VectorXd right = right_(kept);
   squares_ -= right.dot(inverse * right);

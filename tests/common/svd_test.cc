@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 #include "src/common/random.h"
@@ -68,6 +69,56 @@ TEST(SvdTest, OfWhatIsNotFiniteIsNan) {
     EXPECT_EQ(svd.u.rows(), 5);
     EXPECT_TRUE(std::isnan(svd.u(0, 0)));
   }
+}
+
+// Against the normal equations of what is kept, b = A x + c with c at right
+// angles to A's columns: columns 1 and 2 are one, so that x has the same in
+// both.
+TEST(SolveByMinimumNormTest, IsTheShortestOfTheBest) {
+  Random random(8);
+  Eigen::MatrixXd a = RandomMatrix(9, 3, &random);
+  a.col(2) = a.col(1);
+  const Eigen::VectorXd b = RandomMatrix(9, 1, &random);
+  const Eigen::VectorXd x = SolveByMinimumNorm(a, b, 1e-9);
+  EXPECT_LT((a.transpose() * (b - a * x)).norm(), 1e-13);
+  EXPECT_NEAR(x[1], x[2], 1e-14);
+  EXPECT_GT(std::abs(x[1]), 1e-3);
+  EXPECT_EQ(SolveByMinimumNorm(Eigen::MatrixXd::Zero(4, 2),
+                               Eigen::VectorXd::Ones(4), 1e-9)
+                .norm(),
+            0.0);
+}
+
+// A column of 1e-3 counts by a tolerance on one side of it, not by one on the
+// other.
+TEST(SolveByMinimumNormTest, ToleranceIsAPartOfTheLargestValue) {
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(3, 2);
+  a(0, 0) = 100.0;
+  a(1, 1) = 0.1;
+  const Eigen::Vector3d b(100.0, 0.1, 5.0);
+  EXPECT_LT(
+      (SolveByMinimumNorm(a, b, 0.9e-3) - Eigen::Vector2d(1.0, 1.0)).norm(),
+      1e-14);
+  EXPECT_LT(
+      (SolveByMinimumNorm(a, b, 1.1e-3) - Eigen::Vector2d(1.0, 0.0)).norm(),
+      1e-14);
+}
+
+TEST(OrthonormalBasisTest, SpansTheColumnsOfAnyShape) {
+  Random random(9);
+  for (const auto& [rows, columns, rank] :
+       {std::tuple(8, 3, 3), std::tuple(8, 5, 2), std::tuple(3, 6, 3)}) {
+    const Eigen::MatrixXd left = RandomMatrix(rows, rank, &random);
+    const Eigen::MatrixXd right = RandomMatrix(rank, columns, &random);
+    const Eigen::MatrixXd a = left * right;
+    const Eigen::MatrixXd basis = OrthonormalBasis(a, 1e-9);
+    ASSERT_EQ(basis.cols(), rank);
+    const Eigen::MatrixXd products = basis.transpose() * basis;
+    EXPECT_LT((products - Eigen::MatrixXd::Identity(rank, rank)).norm(), 1e-13);
+    const Eigen::MatrixXd shares = basis.transpose() * a;
+    EXPECT_LT((basis * shares - a).norm(), 1e-12 * a.norm());
+  }
+  EXPECT_EQ(OrthonormalBasis(Eigen::MatrixXd::Zero(4, 2), 1e-9).cols(), 0);
 }
 
 }  // namespace

@@ -240,8 +240,9 @@ TEST(SolvePosesTest, RedundantJointsStayNearestToTheirStart) {
     // The direction that leaves the pose as it is is at right angles to what
     // the joints have moved.
     chain.Evaluate(found.joint_values.col(i).eval().data(), &state);
+    const Eigen::MatrixXd jacobian = state.jacobian;
     const Eigen::VectorXd idle =
-        state.jacobian.jacobiSvd(Eigen::ComputeFullV).matrixV().col(6);
+        jacobian.jacobiSvd(Eigen::ComputeFullV).matrixV().col(6);
     const Eigen::VectorXd moved = found.joint_values.col(i) - starts.col(i);
     EXPECT_LT(std::abs(idle.dot(moved)), 1e-6) << i;
     EXPECT_GT(moved.norm(), 1e-4);

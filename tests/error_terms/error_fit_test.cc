@@ -111,9 +111,9 @@ Eigen::VectorXd RigidValues(const MeasurementModel& model,
     Linearization linear;
     model.Linearize(values, measured.data, measured.columns, &linear);
     const Eigen::VectorXd step =
-        linear.jacobian.colPivHouseholderQr().solve(-linear.residuals);
+        linear.jacobian.colPivHouseholderQr().solve(linear.residuals);
     for (std::size_t k = 0; k < measured.columns.size(); ++k) {
-      values[measured.columns[k]] += step[static_cast<Eigen::Index>(k)];
+      values[measured.columns[k]] -= step[static_cast<Eigen::Index>(k)];
     }
   }
   return values;

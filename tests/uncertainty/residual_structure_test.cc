@@ -98,8 +98,8 @@ TEST(StructureFitTest, GainsAreThoseOfLeastSquares) {
       for (auto column : all.colwise()) {
         column /= std::max(nothing, column.norm());
       }
-      const Eigen::BDCSVD<Eigen::MatrixXd> svd =
-          Eigen::BDCSVD<Eigen::MatrixXd>(
+      const Eigen::JacobiSVD<Eigen::MatrixXd> svd =
+          Eigen::JacobiSVD<Eigen::MatrixXd>(
               all, Eigen::ComputeThinU | Eigen::ComputeThinV)
               .setThreshold(1e-3);
       return (rows.residuals - all * svd.solve(rows.residuals)).squaredNorm();
