@@ -62,7 +62,7 @@ FitRows RowsOf(const Model& model) {
 // `num_metres` of them are the residual reported.
 StartMisfit Misfit(const FitRows& rows, int block_size, int num_metres) {
   const Eigen::VectorXd all = BlockNorms(rows.residuals, block_size);
-  const double cut = kTukeyCut * RobustScale(all, rows);
+  const double cut = kTukeyCut * FitScale(all, rows);
   Eigen::VectorXd norms(all.size());
   StartMisfit misfit;
   for (Eigen::Index i = 0; i < all.size(); ++i) {

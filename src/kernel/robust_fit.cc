@@ -27,7 +27,7 @@ Eigen::VectorXd BlockNorms(const Eigen::VectorXd& residuals, int block_size) {
       .transpose();
 }
 
-double RobustScale(const Eigen::VectorXd& norms, const FitRows& rows) {
+double FitScale(const Eigen::VectorXd& norms, const FitRows& rows) {
   const double num_equations = static_cast<double>(rows.jacobian.rows());
   const double num_unknowns = static_cast<double>(rows.jacobian.cols());
   const double spare = std::max(1.0, num_equations - num_unknowns);

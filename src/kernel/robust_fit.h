@@ -31,7 +31,7 @@ Eigen::VectorXd BlockNorms(const Eigen::VectorXd& residuals, int block_size);
 
 /// The median of the norms, larger where the unknowns use up the equations,
 /// and at least 1e-6 m.
-double RobustScale(const Eigen::VectorXd& norms, const FitRows& rows);
+double FitScale(const Eigen::VectorXd& norms, const FitRows& rows);
 
 /// The norm, in scales, from which an observation has no weight (Tukey).
 constexpr double kTukeyCut = 6.0;
@@ -54,25 +54,30 @@ void WeighRows(const Eigen::VectorXd& weights, double scale,
 /// The damped Gauss-Newton step of minimum norm.
 Eigen::VectorXd FitStep(const FitRows& rows, double damping);
 
-/// The steps (m, rad) below which a fit has ended: of one start among others,
-/// far below what tells them apart, and of the best of them.
+/// The steps (m and rad together, of arms of some metres) below which a fit has
+/// ended: of one start among others, far below what tells them apart, and of
+/// the best of them.
 constexpr double kSmallestStepOfStart = 1e-7;
 constexpr double kSmallestStep = 1e-12;
 
-/// A sum that grows by less than this part of it does so by rounding: residuals
-/// are differences of coordinates a million times as large.
+/// A sum that grows by less than this part of it may do so by rounding alone,
+/// where residuals are a millionth of the coordinates. Of smaller ones,
+/// rounding is more, and the fit ends at a last step that it rejects.
 constexpr double kSumRounding = 1e-10;
 
-/// Improves the model until steps are below `smallest_step`.
+/// Improves the model until an undamped step is below `smallest_step`, or
+/// rounding rejects it; to `max_iterations` where neither happens. The sum of
+/// weighed squares rises by no more than kSumRounding a step.
 template <typename Model>
 void Refine(FitWeighting weighting, int max_iterations, double smallest_step,
             Model* model) {
   double damping = 1e-4;
+  bool is_last = false;
   FitRows rows;
   model->Linearize(&rows);
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     const Eigen::VectorXd norms = BlockNorms(rows.residuals, Model::kBlockSize);
-    const double scale = RobustScale(norms, rows);
+    const double scale = FitScale(norms, rows);
     const Eigen::VectorXd weights = RobustWeights(norms, scale, weighting);
     const double sum = WeighedSum(rows, weights, scale, model->targets);
     FitRows weighed = rows;
@@ -87,15 +92,17 @@ void Refine(FitWeighting weighting, int max_iterations, double smallest_step,
     if (!(WeighedSum(moved_rows, weights, scale, moved.targets) <=
           (1.0 + kSumRounding) * sum)) {
       damping = damping > 0.0 ? 10.0 * damping : 1e-8;
-      if (damping > 1e6) return;
+      if (is_last || damping > 1e6) return;
       continue;
     }
     *model = std::move(moved);
     rows = std::move(moved_rows);
     if (step.norm() >= smallest_step) {
+      is_last = false;
       damping = damping < 1e-8 ? 0.0 : 0.1 * damping;
     } else if (damping > 0.0) {
       // What the data hardly hold has not moved yet.
+      is_last = true;
       damping = 0.0;
     } else {
       return;
