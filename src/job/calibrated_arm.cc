@@ -24,17 +24,13 @@ namespace fs = std::filesystem;
 constexpr double kExact = 1e-9;
 
 // A file may hold anything: square, one row a parameter, no negative variance.
-void RequireCovariance(const std::string& path,
-                       const UncertaintyResult& uncertainty) {
-  const auto p = static_cast<Eigen::Index>(uncertainty.parameters.size());
-  const Eigen::MatrixXd& matrix = uncertainty.covariance;
-  const Eigen::MatrixXd& other = uncertainty.prediction_covariance;
+void RequireCovariance(const std::string& path, const std::string& key,
+                       const Eigen::MatrixXd& matrix, Eigen::Index p) {
   if (matrix.rows() == p && matrix.cols() == p &&
-      !(matrix.diagonal().array() < 0.0).any() &&
-      (other.size() == 0 || other.rows() == p)) {
+      !(matrix.diagonal().array() < 0.0).any()) {
     return;
   }
-  throw InputError({path, 0, 0, "uncertainty.covariance"},
+  throw InputError({path, 0, 0, "uncertainty." + key},
                    "expected a covariance of the " + std::to_string(p) +
                        " parameters, found " + std::to_string(matrix.rows()) +
                        " x " + std::to_string(matrix.cols()) +
@@ -95,12 +91,18 @@ std::optional<CalibratedArm> LoadCalibratedArm(const std::string& path) {
   const std::string json = ResultJsonOf(path);
   const CalibrationResult result = LoadResultJson(json);
   if (!result.uncertainty) return std::nullopt;
-  RequireCovariance(json, *result.uncertainty);
+  const UncertaintyResult& uncertainty = *result.uncertainty;
+  const auto p = static_cast<Eigen::Index>(uncertainty.parameters.size());
+  RequireCovariance(json, "covariance", uncertainty.covariance, p);
+  if (uncertainty.prediction_covariance.size() > 0) {
+    RequireCovariance(json, "prediction_covariance",
+                      uncertainty.prediction_covariance, p);
+  }
   CalibratedArm calibrated;
   calibrated.arm =
       LoadArm((fs::path(json).parent_path() / "arm.yaml").string());
-  calibrated.covariance = CovarianceOf(
-      *result.uncertainty, MeasurementModel(calibrated.arm).layout());
+  calibrated.covariance =
+      CovarianceOf(uncertainty, MeasurementModel(calibrated.arm).layout());
   calibrated.confidence = result.uncertainty->confidence;
   const LackOfFit& lack = result.uncertainty->lack_of_fit;
   calibrated.sigma = lack.excess_variance > 0.0 ? lack.noise : result.sigma;

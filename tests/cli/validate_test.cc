@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "alidade/arm_file.h"
@@ -147,6 +148,33 @@ TEST_F(ValidateTest, StationsAreKnownByName) {
   const auto attic = Alidade("validate result/arm.yaml check.yaml");
   EXPECT_EQ(attic.status, 2);
   EXPECT_THAT(attic.err, HasSubstr("not calibrated with station attic"));
+}
+
+// A result is a file that people may have changed.
+TEST_F(ValidateTest, WhatIsNoCovarianceIsRefused) {
+  const std::string path = directory_ / "result/result.json";
+  const auto whole = nlohmann::json::parse(testing::ReadWhole(path));
+  const auto expect_refused = [&](const nlohmann::json& changed,
+                                  const std::string& key) {
+    WriteWhole(path, changed.dump());
+    const auto done = Alidade("validate result data.csv");
+    EXPECT_EQ(done.status, 2) << key;
+    EXPECT_THAT(done.err, HasSubstr("uncertainty." + key));
+    EXPECT_THAT(done.err, HasSubstr("or a negative variance"));
+  };
+  nlohmann::json changed = whole;
+  nlohmann::json& covariance = changed["uncertainty"]["covariance"];
+  nlohmann::json& other = changed["uncertainty"]["prediction_covariance"];
+  const nlohmann::json right = covariance;
+  covariance[0][0] = -1e-6;
+  expect_refused(changed, "covariance");
+  covariance = right;
+  other = right;
+  other[1][1] = -1e-6;
+  expect_refused(changed, "prediction_covariance");
+  // As square as it may be, of other parameters.
+  other = {{1.0}};
+  expect_refused(changed, "prediction_covariance");
 }
 
 TEST_F(ValidateTest, PointsOfTheCheckAreFoundThere) {
