@@ -3,6 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "src/common/constants.h"
+
 namespace alidade::internal {
 
 ScaledEigensystem::ScaledEigensystem(const Eigen::MatrixXd& matrix)
@@ -10,8 +12,14 @@ ScaledEigensystem::ScaledEigensystem(const Eigen::MatrixXd& matrix)
     : scale(matrix.diagonal().unaryExpr(
           [](double x) { return x <= 0.0 ? 0.0 : std::sqrt(x); })),
       inverse_scale(
-          scale.unaryExpr([](double s) { return s > 0.0 ? 1.0 / s : 0.0; })) {
+          scale.unaryExpr([](double s) { return s == 0.0 ? 0.0 : 1.0 / s; })) {
   if (matrix.size() == 0) return;
+  // Eigen leaves its results as memory was.
+  if (!matrix.allFinite()) {
+    values = Eigen::VectorXd::Constant(matrix.rows(), kNan);
+    vectors = Eigen::MatrixXd::Constant(matrix.rows(), matrix.rows(), kNan);
+    return;
+  }
   // Evaluated: Eigen would compile the solver once more for the product.
   const Eigen::MatrixXd scaled =
       inverse_scale.asDiagonal() * matrix * inverse_scale.asDiagonal();
@@ -29,7 +37,7 @@ Eigen::MatrixXd ScaledEigensystem::PseudoInverse(double least,
                                                  int* rank) const {
   *rank = 0;
   const Eigen::VectorXd inverse = values.unaryExpr([&](double x) {
-    if (!(x > least)) return 0.0;
+    if (x <= least) return 0.0;
     ++*rank;
     return 1.0 / x;
   });

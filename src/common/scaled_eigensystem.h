@@ -7,8 +7,9 @@ namespace alidade::internal {
 
 /// The eigenvalues and vectors of a symmetric matrix A without negative ones,
 /// scaled to a unit diagonal so that radians and metres do not mix:
-/// A = S V diag(values) V^T S. Where a diagonal entry is 0, so are its row and
-/// column. O(n^3).
+/// A = S V diag(values) V^T S. Where a diagonal entry is 0, or below it by
+/// rounding, its row and column count as 0. Where the matrix is not finite, all
+/// is NaN. O(n^3).
 struct ScaledEigensystem {
   explicit ScaledEigensystem(const Eigen::MatrixXd& matrix);
 
@@ -20,8 +21,9 @@ struct ScaledEigensystem {
   /// R with R R^T = A; eigenvalues below 0 count as 0.
   Eigen::MatrixXd Root() const;
 
-  /// S^+ V diag(1 / values) V^T S^+ without the values that are not above
-  /// `least`; `rank` is the number of the others.
+  /// S^+ V diag(1 / values) V^T S^+ without the values up to `least`, whose
+  /// mean is 1 where no diagonal entry is 0; `rank` is the number of the
+  /// others.
   Eigen::MatrixXd PseudoInverse(double least, int* rank) const;
 };
 

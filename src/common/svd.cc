@@ -2,6 +2,8 @@
 
 #include <Eigen/QR>
 #include <Eigen/SVD>
+#include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "src/common/constants.h"
@@ -49,7 +51,9 @@ Eigen::VectorXd SingularValues(const Eigen::MatrixXd& matrix) {
 Eigen::VectorXd SolveByMinimumNorm(const Eigen::MatrixXd& a,
                                    const Eigen::VectorXd& b, double tolerance) {
   const Svd svd = ComputeSvd(a);
-  const double least = tolerance * svd.values[0];
+  // The reciprocal of a smaller one is none.
+  const double least =
+      std::max(tolerance * svd.values[0], std::numeric_limits<double>::min());
   const Eigen::VectorXd inverse = svd.values.unaryExpr(
       [&](double value) { return value <= least ? 0.0 : 1.0 / value; });
   const Eigen::VectorXd in_axes = svd.u.transpose() * b;
@@ -58,6 +62,7 @@ Eigen::VectorXd SolveByMinimumNorm(const Eigen::MatrixXd& a,
 
 Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& matrix,
                                  double tolerance) {
+  if (matrix.size() == 0) return Eigen::MatrixXd(matrix.rows(), 0);
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
   qr.setThreshold(tolerance);
   qr.compute(matrix);

@@ -29,7 +29,7 @@ Eigen::VectorXd SingularValues(const Eigen::MatrixXd& matrix);
 Eigen::VectorXd SolveByMinimumNorm(const Eigen::MatrixXd& a,
                                    const Eigen::VectorXd& b, double tolerance);
 
-/// Orthonormal columns that span those of a matrix of any shape, by
+/// Orthonormal columns that span those of a finite matrix of any shape, by
 /// Householder QR with column pivots: those whose pivot is above `tolerance`
 /// times the largest.
 Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& matrix,

@@ -10,7 +10,8 @@
 namespace alidade::internal {
 namespace {
 
-// Sums over the rows of a stretch of poses.
+// Sums over the rows of a stretch of poses. Dynamic, for which decompositions
+// are compiled already.
 struct Sums {
   Eigen::MatrixXd products = Eigen::MatrixXd::Zero(6, 6);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(6);
@@ -61,9 +62,9 @@ std::optional<BaseJump> FindBaseJump(const WeightedRows& data,
   Sums all;
   for (const Sums& sum : sums) all.Add(sum);
   const Eigen::LDLT<Eigen::MatrixXd> factor(all.products);
-  const Eigen::VectorXd all_moved = factor.solve(all.gradient);
   const double variance = all.squares / std::max(1.0, all.count - 6.0);
   if (factor.info() != Eigen::Success || !(variance > 0.0)) return std::nullopt;
+  const Eigen::VectorXd all_moved = factor.solve(all.gradient);
   Sums after;
   BaseJump best;
   double most = 0.0;

@@ -41,15 +41,16 @@ double DetPlusIdentity3(const double* a) {
          xz * (xy * yz - yy * xz);
 }
 
-// Adds sign * P^T P to the m x m matrix of columns `sum`, P of `num_rows` rows,
-// by columns too: so few of them that Eigen's general product takes far longer.
+// Adds sign * P^T P to an m x m matrix `sum`. P has `num_rows` rows; both are
+// by columns, those of P `stride` apart. Of so few rows and columns, Eigen's
+// expressions would take longer than their products.
 void AddGram(double sign, Eigen::Index num_rows, Eigen::Index m,
-             const double* p, double* sum) {
+             const double* p, Eigen::Index stride, double* sum) {
   for (Eigen::Index j = 0; j < m; ++j) {
     for (Eigen::Index i = 0; i <= j; ++i) {
       double dot = 0.0;
       for (Eigen::Index k = 0; k < num_rows; ++k) {
-        dot += p[i * num_rows + k] * p[j * num_rows + k];
+        dot += p[i * stride + k] * p[j * stride + k];
       }
       sum[j * m + i] += sign * dot;
       if (i != j) sum[i * m + j] += sign * dot;
@@ -140,7 +141,7 @@ void PlanState::Change(int candidate, double sign) {
         update.transpose() * all.middleCols(first, (end - begin) * rows_each_);
     for (std::int64_t k = begin; k < end; ++k) {
       AddGram(-sign, products.rows(), rows_each_,
-              products.col(k * rows_each_ - first).data(),
+              products.col(k * rows_each_ - first).data(), products.rows(),
               variances_.col(k * rows_each_).data());
     }
   };
@@ -251,7 +252,7 @@ bool PlanState::Improves(
         products.middleRows(static_cast<Eigen::Index>(i) * m, m);
     if (trace + product.squaredNorm() < vacancy.smallest_trace) continue;
     variance = own;
-    variance.noalias() += product.transpose().lazyProduct(product);
+    AddGram(1.0, m, m, product.data(), products.outerStride(), variance.data());
     if (DetPlusIdentity(rows_each_, variance.data()) > vacancy.wanted &&
         IsAllowed(candidate, vacancy.place)) {
       return true;
@@ -302,7 +303,7 @@ BestCandidate PlanState::BestBy(const Eigen::MatrixXd& removal,
       const double* own = variances_.col(k * m).data();
       std::copy(own, own + m * m, variance.data());
       AddGram(1.0, products.rows(), m, products.col((k - begin) * m).data(),
-              variance.data());
+              products.rows(), variance.data());
       const double gain = m == 3 ? DetPlusIdentity3(variance.data())
                                  : DetPlusIdentity(rows_each_, variance.data());
       if (gain > best.gain && IsAllowed(static_cast<int>(k), place)) {

@@ -51,6 +51,34 @@ TEST(ScaledEigensystemTest, PseudoInverseIsTheInverseWhereThereIsOne) {
             1e-12);
 }
 
+// Of two parameters that are nearly one, whose values are 2 and 1e-4.
+TEST(ScaledEigensystemTest, LeastCountsAgainstAUnitDiagonal) {
+  const double small = 1e-4;
+  const Eigen::MatrixXd a =
+      100.0 *
+      (Eigen::Matrix2d() << 1.0, 1.0 - small, 1.0 - small, 1.0).finished();
+  const ScaledEigensystem system(a);
+  EXPECT_NEAR(system.values[0], small, 1e-14);
+  EXPECT_NEAR(system.values[1], 2.0 - small, 1e-14);
+  int rank = 0;
+  system.PseudoInverse(0.9 * small, &rank);
+  EXPECT_EQ(rank, 2);
+  system.PseudoInverse(1.1 * small, &rank);
+  EXPECT_EQ(rank, 1);
+}
+
+TEST(ScaledEigensystemTest, WhatHasNoVarianceHasNoRoot) {
+  Eigen::MatrixXd a = RandomSymmetric(4, 4, 1.0);
+  a.row(1).setZero();
+  a.col(1).setZero();
+  for (const double rounding : {0.0, -1e-18}) {
+    a(1, 1) = rounding;
+    const Eigen::MatrixXd root = ScaledEigensystem(a).Root();
+    EXPECT_EQ(root.row(1).norm(), 0.0);
+    EXPECT_LT((root * root.transpose() - a).cwiseAbs().maxCoeff(), 1e-14);
+  }
+}
+
 // A A^+ A = A tells it from any other matrix of that rank but for what is left
 // over on both sides; A^+ A A^+ = A^+ that nothing is.
 TEST(ScaledEigensystemTest, PseudoInverseLeavesOutWhatIsNotThere) {
@@ -77,9 +105,13 @@ TEST(ScaledEigensystemTest, EmptyAndNotFinite) {
   EXPECT_EQ(empty.Root().size(), 0);
   EXPECT_EQ(empty.PseudoInverse(1e-9, &rank).size(), 0);
   EXPECT_EQ(rank, 0);
-  Eigen::MatrixXd a = RandomSymmetric(3, 3, 1.0);
-  a(1, 1) = kNan;
-  EXPECT_FALSE(ScaledEigensystem(a).Root().allFinite());
+  for (const int size : {1, 3}) {
+    Eigen::MatrixXd a = RandomSymmetric(size, size, 1.0);
+    a(0, 0) = kNan;
+    const ScaledEigensystem system(a);
+    EXPECT_FALSE(system.Root().allFinite());
+    EXPECT_FALSE(system.PseudoInverse(1e-9, &rank).allFinite());
+  }
 }
 
 }  // namespace

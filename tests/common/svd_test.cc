@@ -83,10 +83,13 @@ TEST(SolveByMinimumNormTest, IsTheShortestOfTheBest) {
   EXPECT_LT((a.transpose() * (b - a * x)).norm(), 1e-13);
   EXPECT_NEAR(x[1], x[2], 1e-14);
   EXPECT_GT(std::abs(x[1]), 1e-3);
-  EXPECT_EQ(SolveByMinimumNorm(Eigen::MatrixXd::Zero(4, 2),
-                               Eigen::VectorXd::Ones(4), 1e-9)
-                .norm(),
-            0.0);
+  // Numbers whose reciprocal is none count as zero.
+  for (const double tiny : {0.0, 1e-310}) {
+    EXPECT_EQ(SolveByMinimumNorm(Eigen::MatrixXd::Constant(4, 2, tiny),
+                                 Eigen::VectorXd::Ones(4), 1e-9)
+                  .norm(),
+              0.0);
+  }
 }
 
 // A column of 1e-3 counts by a tolerance on one side of it, not by one on the
@@ -119,6 +122,8 @@ TEST(OrthonormalBasisTest, SpansTheColumnsOfAnyShape) {
     EXPECT_LT((basis * shares - a).norm(), 1e-12 * a.norm());
   }
   EXPECT_EQ(OrthonormalBasis(Eigen::MatrixXd::Zero(4, 2), 1e-9).cols(), 0);
+  EXPECT_EQ(OrthonormalBasis(Eigen::MatrixXd(4, 0), 1e-9).rows(), 4);
+  EXPECT_EQ(OrthonormalBasis(Eigen::MatrixXd(0, 3), 1e-9).size(), 0);
 }
 
 }  // namespace
