@@ -23,18 +23,27 @@ namespace fs = std::filesystem;
 // calibration.
 constexpr double kExact = 1e-9;
 
-// A file may hold anything: square, one row a parameter, no negative variance.
+// A file may hold anything: square, one row a parameter, no negative variance,
+// and numbers for all parameters that are known at all.
 void RequireCovariance(const std::string& path, const std::string& key,
-                       const Eigen::MatrixXd& matrix, Eigen::Index p) {
-  if (matrix.rows() == p && matrix.cols() == p &&
-      !(matrix.diagonal().array() < 0.0).any()) {
-    return;
+                       const std::vector<ParameterUncertainty>& parameters,
+                       const Eigen::MatrixXd& matrix) {
+  const auto p = static_cast<Eigen::Index>(parameters.size());
+  bool is_covariance = matrix.rows() == p && matrix.cols() == p &&
+                       !(matrix.diagonal().array() < 0.0).any();
+  const auto is_known = [&](Eigen::Index k) {
+    return std::isfinite(parameters[static_cast<std::size_t>(k)].std);
+  };
+  for (Eigen::Index k = 0; is_covariance && k < p * p; ++k) {
+    is_covariance = std::isfinite(matrix(k % p, k / p)) || !is_known(k % p) ||
+                    !is_known(k / p);
   }
+  if (is_covariance) return;
   throw InputError({path, 0, 0, "uncertainty." + key},
                    "expected a covariance of the " + std::to_string(p) +
                        " parameters, found " + std::to_string(matrix.rows()) +
                        " x " + std::to_string(matrix.cols()) +
-                       " numbers, or a negative variance");
+                       " numbers, one that is none, or a negative variance");
 }
 
 // The covariance of the parameters that `arm` has; a root of it by its
@@ -92,11 +101,11 @@ std::optional<CalibratedArm> LoadCalibratedArm(const std::string& path) {
   const CalibrationResult result = LoadResultJson(json);
   if (!result.uncertainty) return std::nullopt;
   const UncertaintyResult& uncertainty = *result.uncertainty;
-  const auto p = static_cast<Eigen::Index>(uncertainty.parameters.size());
-  RequireCovariance(json, "covariance", uncertainty.covariance, p);
+  RequireCovariance(json, "covariance", uncertainty.parameters,
+                    uncertainty.covariance);
   if (uncertainty.prediction_covariance.size() > 0) {
-    RequireCovariance(json, "prediction_covariance",
-                      uncertainty.prediction_covariance, p);
+    RequireCovariance(json, "prediction_covariance", uncertainty.parameters,
+                      uncertainty.prediction_covariance);
   }
   CalibratedArm calibrated;
   calibrated.arm =

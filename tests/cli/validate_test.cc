@@ -168,9 +168,14 @@ TEST_F(ValidateTest, WhatIsNoCovarianceIsRefused) {
   const nlohmann::json right = covariance;
   covariance[0][0] = -1e-6;
   expect_refused(changed, "covariance");
+  covariance[0][0] = nullptr;
+  expect_refused(changed, "covariance");
   covariance = right;
   other = right;
   other[1][1] = -1e-6;
+  expect_refused(changed, "prediction_covariance");
+  other = right;
+  other[0][1] = other[1][0] = nullptr;
   expect_refused(changed, "prediction_covariance");
   // As square as it may be, of other parameters.
   other = {{1.0}};
