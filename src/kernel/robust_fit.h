@@ -55,7 +55,7 @@ void WeighRows(const Eigen::VectorXd& weights, double scale,
 Eigen::VectorXd FitStep(const FitRows& rows, double damping);
 
 /// The steps (m and rad together, of arms of some metres) below which a fit has
-/// ended: of one start among others, far below what tells them apart, and of
+/// ended: of one start among others, far below what distinguishes them, and of
 /// the best of them.
 constexpr double kSmallestStepOfStart = 1e-7;
 constexpr double kSmallestStep = 1e-12;
