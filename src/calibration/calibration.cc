@@ -12,6 +12,7 @@
 #include "alidade/version.h"
 #include "src/calibration/acceptance.h"
 #include "src/calibration/calibration_task.h"
+#include "src/calibration/cross_validation.h"
 #include "src/calibration/data_check.h"
 #include "src/calibration/error_term_report.h"
 #include "src/calibration/evaluate.h"

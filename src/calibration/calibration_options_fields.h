@@ -79,8 +79,8 @@ template <typename Visitor>
 void VisitFields(Visitor& v, Subject<Visitor, FoldsOptions>& options) {
   v.Field(Key("folds").AtLeast(2).AtMost(1000).Default(""), options.folds,
           "cross-validation with so many folds: the fit is repeated without "
-          "each, base, targets, references and sigma anew where they are to be "
-          "found; the result itself is of all poses");
+          "each, stations, frames, sigma and error terms anew as the job asks "
+          "for them; the result itself is of all poses");
 }
 
 template <typename Visitor>

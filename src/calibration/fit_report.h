@@ -36,13 +36,6 @@ std::vector<StageResult> ListStages(const CalibrationSolution& fit,
 /// left.
 double ReducedChiSquare(const CalibrationSolution& fit, const Dataset& data);
 
-/// Fits all folds of the job's data, frames and all, and pools the errors of
-/// the poses held out. `kept`: the training data without what the fit to all of
-/// them has rejected, where there is any. Nothing where one of the fits is not
-/// usable.
-std::optional<CrossValidation> CrossValidate(
-    const CalibrationTask& task, const std::optional<Dataset>& kept);
-
 /// Free parameters further from nominal than their priors allow, as
 /// "d3 (6.1), ...", in standard deviations; empty where there are none.
 std::string FarFromPriors(const CalibrationSolution& fit);

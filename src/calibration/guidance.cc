@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "src/calibration/acceptance.h"
 #include "src/calibration/improvement.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
@@ -93,6 +94,13 @@ class Guide {
   const char* Set() const { return is_validated_ ? "validation" : "training"; }
   std::string Poses() const { return std::string(Set()) + " poses"; }
 
+  bool LacksLimits() const {
+    const std::vector<Joint>& joints = result_.arm.joints;
+    return std::any_of(joints.begin(), joints.end(), [](const Joint& joint) {
+      return joint.type == JointType::kRevolute && !HasLimits(joint);
+    });
+  }
+
   // The budget of a region that the job states; null where it states none.
   const UncertaintyBudget* StatedRegion() const {
     if (!result_.uncertainty || !result_.uncertainty->budget ||
@@ -103,17 +111,24 @@ class Guide {
   }
 
   void AddAccuracy() {
-    const bool has_lengths = errors_.after.n > 0;
-    if (!has_lengths && errors_.rotation_after.n == 0) return;
-    std::string text = "At " + Poses() + " ";
+    // A fit's own errors are smaller than those of what it was made without.
+    const bool is_folded = !is_validated_ && result_.cross_validation;
+    const ValidationErrors judged =
+        is_folded ? ValidationErrorsOf(result_)
+                  : ValidationErrors{errors_.after, errors_.rotation_after};
+    const bool has_lengths = judged.lengths.n > 0;
+    if (!has_lengths && judged.rotations.n == 0) return;
+    std::string text = is_folded
+                           ? "Of poses that were left out of the fit in turn "
+                           : "At " + Poses() + " ";
     if (has_lengths) {
       text += SpreadOf(std::string(LengthErrorName(result_)) + "s",
-                       errors_.after, Dimension::kLength);
+                       judged.lengths, Dimension::kLength);
     }
-    if (errors_.rotation_after.n > 0) {
-      text += (has_lengths ? "; " : "") + SpreadOf("orientation errors",
-                                                   errors_.rotation_after,
-                                                   Dimension::kAngle);
+    if (judged.rotations.n > 0) {
+      text +=
+          (has_lengths ? "; " : "") +
+          SpreadOf("orientation errors", judged.rotations, Dimension::kAngle);
     }
     text += ", the noise of the measurement included.";
     if (const UncertaintyBudget* const budget = StatedRegion()) {
@@ -126,13 +141,16 @@ class Guide {
               FormatLength(budget->worst_std, 3) + ".";
     }
     if (map_ != nullptr && map_->summary.n > 0) {
-      text += " Over the whole workspace a standard deviation of " +
+      text += " Over the whole workspace" +
+              std::string(LacksLimits() ? " (whole turns of joints for which "
+                                          "the arm file states no limits)"
+                                        : "") +
+              " a standard deviation of " +
               FormatLength(map_->summary.median, 3) +
               " is predicted (median), at most " +
               FormatLength(map_->summary.p95, 3) + " at 95 of 100 places.";
     }
-    const Accuracy& first =
-        has_lengths ? errors_.after : errors_.rotation_after;
+    const Accuracy& first = has_lengths ? judged.lengths : judged.rotations;
     findings_.push_back(Passed("accuracy", first.p95, std::move(text)));
   }
 
@@ -232,6 +250,7 @@ class Guide {
   // is extrapolated to beyond.
   void AddCoverage() {
     constexpr double kFullEnough = 0.6;
+    constexpr double kTurn = 2.0 * kPi;
     const auto& values = result_.train.joint_values;
     if (values.cols() == 0 || values.cols() > kMostLookedAt ||
         values.rows() != result_.arm.num_joints()) {
@@ -241,12 +260,14 @@ class Guide {
     double least = 1.0;
     for (int j = 0; j < result_.arm.num_joints(); ++j) {
       const Joint& joint = result_.arm.joints[static_cast<std::size_t>(j)];
-      if (!HasLimits(joint)) continue;
+      if (!HasLimits(joint) && joint.type != JointType::kRevolute) continue;
       const auto row = values.map().row(j);
       // Beyond a turn the geometry is the same again.
-      const double range = joint.type == JointType::kRevolute
-                               ? std::min(joint.upper - joint.lower, 2.0 * kPi)
-                               : joint.upper - joint.lower;
+      const double range =
+          joint.type == JointType::kRevolute
+              ? std::min(HasLimits(joint) ? joint.upper - joint.lower : kTurn,
+                         kTurn)
+              : joint.upper - joint.lower;
       const double part = (row.maxCoeff() - row.minCoeff()) / range;
       if (!(part < kFullEnough)) continue;
       joints.push_back(std::to_string(j + 1) + " (" +
@@ -257,7 +278,10 @@ class Guide {
     AddNext(least,
             "Only a part of the range was measured of " +
                 std::string(joints.size() == 1 ? "joint " : "joints ") +
-                Join(joints, ", ") + ".",
+                Join(joints, ", ") +
+                (LacksLimits() ? ", of a whole turn where the arm file states "
+                                 "no limits."
+                               : "."),
             "Measure where the arm works beyond it, or do not rely on the "
             "arm there.");
   }

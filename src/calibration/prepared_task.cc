@@ -41,9 +41,16 @@ std::optional<Finding> RefuseMistakes(const CalibrationTask& task) {
 }
 
 Prepared Prepare(CalibrationTask task) {
+  std::vector<MovedStation> stations = AlignStations(&task);
+  std::optional<Finding> misfit = RefuseMistakes(task);
+  Prepared prepared = PrepareAligned(std::move(task));
+  prepared.stations = std::move(stations);
+  prepared.misfit = std::move(misfit);
+  return prepared;
+}
+
+Prepared PrepareAligned(CalibrationTask task) {
   Prepared prepared;
-  prepared.stations = AlignStations(&task);
-  prepared.misfit = RefuseMistakes(task);
   prepared.task = std::move(task);
   if (prepared.task.options.errors.selection != ErrorTermSelection::kNone) {
     // They are estimated anew.

@@ -31,6 +31,10 @@ struct Prepared {
 /// the task's options say. @throws InputError.
 Prepared Prepare(CalibrationTask task);
 
+/// The same of a task whose stations are aligned and whose data were searched
+/// for mistakes.
+Prepared PrepareAligned(CalibrationTask task);
+
 }  // namespace alidade::internal
 
 #endif  // ALIDADE_SRC_CALIBRATION_PREPARED_TASK_H_

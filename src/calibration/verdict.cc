@@ -10,9 +10,11 @@
 #include <vector>
 
 #include "alidade/units.h"
+#include "src/calibration/acceptance.h"
 #include "src/calibration/advice.h"
 #include "src/calibration/guidance.h"
 #include "src/calibration/improvement.h"
+#include "src/calibration/outliers.h"
 #include "src/calibration/parameter_assessment.h"
 #include "src/common/format.h"
 #include "src/common/text.h"
@@ -67,20 +69,6 @@ std::string QuantityTitle(const std::string& key, const char* length_error) {
 // ", without 2 rejected observations".
 std::string WithoutRejected(std::int64_t count) {
   return count == 0 ? "" : ", without " + Count(count, "rejected observation");
-}
-
-// "file.csv:7, file.csv:9 and 3 more".
-std::string PlacesOf(const std::vector<Outlier>& outliers) {
-  constexpr std::size_t kMostNamed = 3;
-  std::vector<std::string> places;
-  for (const Outlier& outlier : outliers) {
-    if (outlier.label.where.empty() || places.size() == kMostNamed) break;
-    places.push_back(outlier.label.where);
-  }
-  if (places.empty()) return "";
-  const std::size_t more = outliers.size() - places.size();
-  return " (" + Join(places, ", ") +
-         (more > 0 ? " and " + std::to_string(more) + " more" : "") + ")";
 }
 
 class Judge {
@@ -195,6 +183,14 @@ class Judge {
     if (by.after.max < kRoundingErrors * floor) {
       text += ", the numerical precision limit";
     }
+    if (result_.cross_validation && !result_.validation) {
+      const ValidationErrors left_out = ValidationErrorsOf(result_);
+      text += "; where they are left out of the fit in turn, it is " +
+              FormatQuantity(by.dimension == Dimension::kLength
+                                 ? left_out.lengths.mean
+                                 : left_out.rotations.mean,
+                             by.dimension);
+    }
     verdict_.sentence = text + ".";
     Add("improvement", by.ratio(), is_worse ? 1.0 : kHardlyBetter,
         verdict_.sentence,
@@ -263,7 +259,9 @@ class Judge {
     constexpr double kOverfitted = 3.0;
     if (!result_.cross_validation) return;
     const double fitted = result_.train.Judged().after.rms;
-    const double validated = result_.cross_validation->position.rms;
+    const CrossValidation& folds = *result_.cross_validation;
+    const double validated =
+        folds.kept ? folds.kept->position.rms : folds.position.rms;
     const double ratio = validated / fitted;
     if (!(ratio > 0.0)) return;
     const bool is_overfitted = ratio > kOverfitted;

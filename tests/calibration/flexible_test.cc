@@ -163,6 +163,24 @@ TEST(FlexibleTest, AutomaticTermsAreFoundAndTold) {
   EXPECT_NEAR(predicted / result.validation->after.rms, 1.0, 0.25);
 }
 
+// Each fold is calibrated as all data are: the errors of what it leaves out are
+// those of poses that no fit has seen, with as many poses.
+TEST(FlexibleTest, FoldsHaveTheErrorTermsOfTheCalibration) {
+  CalibrationOptions options = With(ErrorTermSelection::kStated);
+  options.folds = FoldsOptions{4, 1};
+  const CalibrationResult result =
+      Calibrate(NominalArm(), DataOf(FlexibleArm(), 120), options);
+  const CalibrationResult unseen =
+      Calibrate(NominalArm(), DataOf(FlexibleArm(), 90),
+                With(ErrorTermSelection::kStated));
+  ASSERT_TRUE(result.cross_validation.has_value());
+  EXPECT_EQ(result.cross_validation->position.n, 120);
+  // Of two draws of poses; rigid folds leave more than three times as much.
+  EXPECT_NEAR(
+      result.cross_validation->position.rms / unseen.validation->after.rms, 1.0,
+      0.35);
+}
+
 TEST(FlexibleTest, RigidArmsStayAsTheyAre) {
   int none = 0;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 namespace alidade::internal::guidance_test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::MakeMixedSet;
@@ -116,6 +118,37 @@ TEST(GuidanceTest, JointsThatHardlyMovedAreNamed) {
   EXPECT_EQ(finding.sentence,
             "Only a part of the range was measured of joint 1 (50 %).");
   EXPECT_NEAR(finding.statistic, 0.5, 1e-12);
+}
+
+// A whole turn is what a joint without limits may be asked to do.
+TEST(GuidanceTest, JointsWithoutLimitsAreComparedWithAWholeTurn) {
+  CalibrationResult result = MakeMapped();
+  Joint& joint = result.arm.joints[0];
+  joint.lower = -std::numeric_limits<double>::infinity();
+  joint.upper = std::numeric_limits<double>::infinity();
+  Eigen::MatrixXd values(2, 2);
+  values << -0.5, 0.5, 0.0, 0.1;
+  result.train.joint_values = values;
+  const std::vector<Finding> found = FindingsOf(result, "next_measurement");
+  ASSERT_FALSE(found.empty());
+  EXPECT_THAT(found[0].sentence,
+              HasSubstr("joint 1 (16 %), of a whole turn where"));
+  EXPECT_THAT(FindingsOf(result, "accuracy")[0].sentence,
+              HasSubstr("workspace (whole turns of joints"));
+}
+
+// What the folds left out says more of other poses than what was fitted.
+TEST(GuidanceTest, AccuracyIsThatOfTheFoldsWithoutValidation) {
+  CalibrationResult result = MakeMapped();
+  CrossValidation& folds = result.cross_validation.emplace();
+  folds.folds = 5;
+  folds.position = SummarizeErrors(Eigen::Vector2d(3e-4, 7e-4));
+  EXPECT_THAT(FindingsOf(result, "accuracy")[0].sentence,
+              HasSubstr("At validation poses"));
+  result.validation.reset();
+  EXPECT_THAT(FindingsOf(result, "accuracy")[0].sentence,
+              AllOf(HasSubstr("left out of the fit in turn"),
+                    HasSubstr("all within 0.700 mm")));
 }
 
 TEST(GuidanceTest, SaysWhetherMorePosesHelp) {

@@ -76,6 +76,20 @@ TEST(VerdictTest, CrossValidationFarAboveTheFitIsNoted) {
   const Finding found = FindingOf(result, "cross_validation");
   EXPECT_EQ(found.level, FindingLevel::kAttention);
   EXPECT_EQ(found.next, "Measure more poses, or identify fewer parameters.");
+  // Like with like: the fit's own errors are without what it rejected, too.
+  result.cross_validation->kept = {2, folds.position, {}};
+  EXPECT_EQ(FindingOf(result, "cross_validation").level, FindingLevel::kPassed);
+}
+
+TEST(VerdictTest, FoldsStandBesideTheErrorsOfTheFit) {
+  CalibrationResult result = MakeResult();
+  result.cross_validation = CrossValidation{5, {}, {}};
+  result.cross_validation->position.mean = 2e-5;
+  const std::string left_out = "left out of the fit in turn, it is 0.0200 mm.";
+  EXPECT_FALSE(Contains(VerdictOf(result).sentence, left_out));
+  result.validation.reset();
+  EXPECT_TRUE(Contains(VerdictOf(result).sentence, left_out))
+      << VerdictOf(result).sentence;
 }
 
 TEST(VerdictTest, AcceptedWhereAllLimitsAreMet) {
