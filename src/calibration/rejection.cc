@@ -1,5 +1,6 @@
 #include "src/calibration/rejection.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "src/calibration/improvement.h"
@@ -10,6 +11,8 @@
 namespace alidade::internal {
 namespace {
 
+constexpr double kLargeRatio = 2.0;
+
 // Standardised residuals; of a robust fit those of a typical observation.
 double ResidualRatio(const CalibrationSolution& fit,
                      const CalibrationResult& result) {
@@ -18,11 +21,21 @@ double ResidualRatio(const CalibrationSolution& fit,
              : TypicalResidual(fit.model(), fit.task.data.training, fit.values);
 }
 
+// Its positions fitted nowhere, and no mistake of input explained them: then
+// the fit has to, or the arm is not the one that was measured.
+bool IsOfAnotherArm(const CalibrationResult& result) {
+  return std::any_of(result.plausibility.begin(), result.plausibility.end(),
+                     [](const Finding& finding) {
+                       return finding.key == "plausibility.position_misfit";
+                     });
+}
+
 bool IsUseless(const CalibrationSolution& fit, bool frames_fitted,
                const CalibrationResult& result) {
   constexpr double kNoBetter = 0.9;
   constexpr double kTimesSigma = 100.0;
   constexpr double kOfReach = 0.02;
+  constexpr double kOfReachOfMisfit = 0.005;
   const bool is_robust = fit.task.options.loss != LossKind::kNone;
   const Accuracy& before = result.train.before;
   const Accuracy& after = result.train.after;
@@ -30,9 +43,13 @@ bool IsUseless(const CalibrationSolution& fit, bool frames_fitted,
                                    : after.rms < kNoBetter * before.rms;
   // With sigma estimated no residual is large in sigmas, but it may be of a
   // size that no calibrated arm is off by.
+  const double left = after.median / ArmReach(fit.task.arm);
   return (frames_fitted && !is_better &&
           ResidualRatio(fit, result) > kTimesSigma) ||
-         after.median > kOfReach * ArmReach(fit.task.arm);
+         left > kOfReach ||
+         (IsOfAnotherArm(result) && left > kOfReachOfMisfit &&
+          (fit.task.options.estimate_sigma ||
+           ResidualRatio(fit, result) > kLargeRatio));
 }
 
 // Along directions that hardly matter a solver may creep for ever and be right.
@@ -85,7 +102,6 @@ std::string ReasonToReject(const CalibrationSolution& fit, bool frames_fitted,
     }
   }
   if (IsUseless(fit, frames_fitted, result)) {
-    constexpr double kLargeRatio = 2.0;
     const double ratio = ResidualRatio(fit, result);
     // Sigmas that were estimated say so themselves.
     const std::string beyond_sigma =

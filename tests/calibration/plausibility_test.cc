@@ -270,6 +270,30 @@ TEST(PlausibilityTest, PositionsOfNoArmAreRejectedWithSigmaEstimated) {
       << result.FullReport();
 }
 
+// Links that are a fifth longer fit nowhere, and wide priors let the fit find
+// them. Joints that are not where their values say stay: half of the errors are
+// then above 13 mm and above 3 mm, and half a percent of the reach is 9 mm.
+TEST(PlausibilityTest, WhatFitsNowhereIsAnotherArmUnlessTheFitFindsIt) {
+  for (const double wave : {0.02, 0.004}) {
+    JobConfig job;
+    job.arm = NominalArm();
+    for (Joint& joint : job.arm.joints) joint.d *= 1.2;
+    Arm other = RealArm();
+    other.errors.joints.resize(other.joints.size());
+    for (JointErrors& joint : other.errors.joints) {
+      joint.harmonics = {{2.0, wave, 0.0}};
+    }
+    job.data.training =
+        Bench(other, DrawJointValues(other, 60, 5)).Positions(0).data();
+    job.options.identifiability.candidates = {true, true, true};
+    job.options.identifiability.priors.d = 0.2;
+    job.options.estimate_sigma = true;
+    const CalibrationResult result = RunJob(job, "test");
+    ASSERT_EQ(result.plausibility.size(), 1U) << wave;
+    EXPECT_EQ(result.IsRejected(), wave > 0.01) << result.FullReport();
+  }
+}
+
 TEST(PlausibilityTest, DataThatNoMistakeExplainsAreWarnedOf) {
   const Arm real = RealArm();
   const Eigen::MatrixXd q = DrawJointValues(real, 60, 5);
