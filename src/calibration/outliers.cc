@@ -13,6 +13,7 @@
 #include "src/calibration/label_bytes.h"
 #include "src/common/bytes.h"
 #include "src/common/distributions.h"
+#include "src/common/text.h"
 #include "src/kernel/partition.h"
 #include "src/uncertainty/row_spread.h"
 
@@ -224,6 +225,25 @@ std::vector<Eigen::Index> RejectedObservations(
   }
   std::sort(rejected.begin(), rejected.end());
   return rejected;
+}
+
+std::string PlacesOf(const std::vector<Outlier>& outliers) {
+  constexpr std::size_t kMostNamed = 3;
+  const bool has_rejected = !RejectedObservations(outliers).empty();
+  std::vector<std::string> places;
+  std::size_t more = 0;
+  for (const Outlier& outlier : outliers) {
+    if (has_rejected && !(outlier.weight < kRejected)) continue;
+    if (outlier.label.where.empty()) return "";
+    if (places.size() < kMostNamed) {
+      places.push_back(outlier.label.where);
+    } else {
+      ++more;
+    }
+  }
+  if (places.empty()) return "";
+  return " (" + Join(places, ", ") +
+         (more > 0 ? " and " + std::to_string(more) + " more" : "") + ")";
 }
 
 OutlierSearch FindOutliers(const CalibrationSolution& fit) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "alidade/calibration_result.h"
@@ -32,6 +33,11 @@ struct OutlierSearch {
 /// The observations of a list that are rejected, in ascending order.
 std::vector<Eigen::Index> RejectedObservations(
     const std::vector<Outlier>& outliers);
+
+/// Where those of a list were measured, the first three of them, of the
+/// rejected ones alone if there are any: " (file.csv:7, file.csv:9 and 3
+/// more)"; empty where that is not known.
+std::string PlacesOf(const std::vector<Outlier>& outliers);
 
 /// Of the training data, by the norm of the whitened residual.
 OutlierSearch FindOutliers(const CalibrationSolution& fit);

@@ -1,11 +1,14 @@
 // Observations that are off: found among training and validation poses, left
 // out where the loss rejects them, and nearly half of them off together.
 
+#include "src/calibration/outliers.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "src/calibration/evaluate.h"
 #include "src/job/run_job.h"
@@ -165,6 +168,20 @@ TEST_P(CoherentOutlierTest, NearlyHalfAreFoundWithSigmaEstimated) {
 
 INSTANTIATE_TEST_SUITE_P(Percent, CoherentOutlierTest,
                          ::testing::Values(20, 40, 44));
+
+// Those that were rejected, if any were, since they are what a note speaks of.
+TEST(PlacesTest, TheFirstThreeAreNamed) {
+  std::vector<Outlier> outliers(5);
+  for (std::size_t k = 0; k < outliers.size(); ++k) {
+    outliers[k].label.where = "a.csv:" + std::to_string(k + 2);
+  }
+  EXPECT_EQ(PlacesOf(outliers), " (a.csv:2, a.csv:3, a.csv:4 and 2 more)");
+  outliers[1].weight = outliers[4].weight = 0.0;
+  EXPECT_EQ(PlacesOf(outliers), " (a.csv:3, a.csv:6)");
+  outliers[4].label.where.clear();
+  EXPECT_EQ(PlacesOf(outliers), "");
+  EXPECT_EQ(PlacesOf({}), "");
+}
 
 }  // namespace
 }  // namespace alidade::internal::outliers_test
