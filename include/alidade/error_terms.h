@@ -62,6 +62,12 @@ struct CovariateEffect {
   Eigen::Matrix<double, 6, 1> target = Eigen::Matrix<double, 6, 1>::Zero();
   /// Added to the mass of the payload (kg).
   double payload = 0.0;
+
+  /// Whether it changes nothing, as one that the data have no evidence for.
+  bool is_zero() const {
+    return payload == 0.0 && base.isZero(0.0) && target.isZero(0.0) &&
+           (joints.size() == 0 || joints.isZero(0.0));
+  }
 };
 
 /// What a column of the data may do, which is then estimated.

@@ -9,6 +9,7 @@
 #include "src/calibration/sigma_change.h"
 #include "src/common/distributions.h"
 #include "src/common/format.h"
+#include "src/common/text.h"
 #include "src/identifiability/generic_data.h"
 #include "src/kernel/holdout.h"
 
@@ -109,7 +110,9 @@ Finding Describe(const BaseJump& jump, const Dataset& data, double sigma) {
   Finding finding;
   finding.key = "base_jump";
   finding.statistic = jump.distance * sigma;
-  finding.level = FindingLevel::kAttention;
+  // Poses in number see less than what one measurement is uncertain by.
+  finding.level =
+      jump.distance < 1.0 ? FindingLevel::kNote : FindingLevel::kAttention;
   const std::string where = SourceOf(data, jump.pose);
   finding.sentence =
       "the base, or the instrument, moved before " +
@@ -118,6 +121,10 @@ Finding Describe(const BaseJump& jump, const Dataset& data, double sigma) {
       " mm at the target (by chance once in " +
       FormatSignificant(1.0 / std::max(1e-15, jump.false_alarm), 1) +
       " data sets)";
+  if (finding.level == FindingLevel::kNote) {
+    finding.sentence += ", less than the noise of one measurement";
+    return finding;
+  }
   finding.next =
       "State where the base stood in a column (`columns: {station: ...}`), or "
       "calibrate the parts alone.";
@@ -150,6 +157,17 @@ std::string SentenceOf(const ErrorTermsResult& result, bool is_stated) {
                                std::max(1e-12, LeastRegionError(result)),
                            2) +
          " times smaller";
+}
+
+// "; `temp` has no effect that the data show".
+std::string WithoutEffect(const ErrorTerms& terms) {
+  std::vector<std::string> names;
+  for (const CovariateEffect& effect : terms.covariates) {
+    if (effect.is_zero()) names.push_back("`" + effect.name + "`");
+  }
+  if (names.empty()) return "";
+  return "; " + Join(names, ", ") + (names.size() == 1 ? " has" : " have") +
+         " no effect that the data show";
 }
 
 Dataset AtMost(Eigen::Index poses, const CalibrationTask& task) {
@@ -201,6 +219,7 @@ std::optional<FlexibleFit> FitFlexible(const CalibrationSolution& rigid,
     if (fit->jump) findings->push_back(Describe(*fit->jump, data, sigma));
   }
   result->sentence = SentenceOf(*result, is_stated);
+  if (fit) result->sentence += WithoutEffect(fit->terms);
   if (!fit || !fit->covariance) return std::nullopt;
   if (!(result->share > 0.0)) {
     result->sentence += "; but each station has a base of its own";

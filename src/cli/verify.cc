@@ -41,6 +41,7 @@ std::string PosesFile(const CommandLine& line) {
 // Their columns are not read here.
 void RefuseCovariates(const Arm& arm) {
   for (const CovariateEffect& effect : arm.errors.covariates) {
+    if (effect.is_zero()) continue;
     throw InputError({}, "--check: the arm has an effect of `" + effect.name +
                              "`, which a check does not take into account; "
                              "`alidade validate RESULT JOB.yaml` does");

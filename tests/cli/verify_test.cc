@@ -153,5 +153,23 @@ TEST_F(VerifyTest, WhatIsMeasuredIsNotOverwritten) {
               HasSubstr("expected --nominal"));
 }
 
+TEST_F(VerifyTest, OnlyCovariatesWithAnEffectStandInTheWay) {
+  const std::string file = result_ + "/arm.yaml";
+  const std::string rigid = ReadWhole(file);
+  const auto plan_with = [&](const char* move) {
+    WriteWhole(file, rigid +
+                         "errors: {covariates: [{name: temp, reference: 22, "
+                         "move: " +
+                         move + "}]}\n");
+    return Alidade("plan --check " + result_ +
+                   " --out=" + (directory_ / (move + std::string(".csv"))));
+  };
+  const auto without = plan_with("[0,0,0]");
+  EXPECT_EQ(without.status, 0) << without.err;
+  const auto with = plan_with("[0.001,0,0]");
+  EXPECT_EQ(with.status, 2);
+  EXPECT_THAT(with.err, HasSubstr("an effect of `temp`"));
+}
+
 }  // namespace
 }  // namespace alidade::internal::verify_test
