@@ -98,6 +98,20 @@ void WarnOfWhatIsNotMeasured(const CalibrationSolution& fit,
       "measured, and the whole position may be off by what these are");
 }
 
+// Why intervals cannot be those of the profile likelihood; empty where they
+// can.
+std::string ProfileObstacle(const CalibrationSolution& fit) {
+  if (fit.terms) return "are made of fits without error terms alone";
+  if (fit.task.options.solver != SolverName::kCeres) {
+    return "need `solver: ceres`";
+  }
+  if (fit.task.data.training.global_observations() > kMostForProfiles) {
+    return "are made of " + std::to_string(kMostForProfiles) +
+           " observations at most";
+  }
+  return "";
+}
+
 }  // namespace
 
 Resolve ResolveByCeres(const CalibrationProblem& problem,
@@ -140,8 +154,8 @@ UncertaintyResult AssessFit(const CalibrationSolution& fit,
       fit.task.options.uncertainty};
   input.measurement = found.measurement;
   input.sigma_estimated = fit.task.options.estimate_sigma;
-  if (fit.task.options.solver == SolverName::kCeres && !fit.terms &&
-      fit.task.data.training.global_observations() <= kMostForProfiles) {
+  input.no_profiles = ProfileObstacle(fit);
+  if (input.no_profiles.empty()) {
     input.fit_cost = final_cost;
     input.resolve = ResolveByCeres(problem, fit.task.options.solver_options);
   }
@@ -161,9 +175,8 @@ UncertaintyResult AssessFit(const CalibrationSolution& fit,
   WarnOfWhatIsNotMeasured(fit, pass, &result);
   if (fit.task.options.uncertainty.intervals == IntervalMethod::kProfile &&
       !input.resolve) {
-    result.warnings.push_back(
-        "intervals are linear: profiles need the solver ceres and " +
-        std::to_string(kMostForProfiles) + " observations at most");
+    result.warnings.push_back("intervals are linear: profiles " +
+                              input.no_profiles);
   }
   return result;
 }

@@ -109,15 +109,24 @@ class Assessment {
   }
 
   void WarnOfBending(const std::string& names) {
-    const bool has_profiles =
-        input_.resolve && input_.options.intervals != IntervalMethod::kLinear;
-    result_.warnings.emplace_back(
-        "the model is nonlinear within the uncertainty of " + names +
-        (has_profiles
-             ? ": intervals there are those of the profile likelihood, and "
-               "standard deviations alone say too little"
-             : ": linear intervals there hold less often than they say; ask "
-               "for `uncertainty: {intervals: profile}`"));
+    std::string intervals =
+        "linear intervals there hold less often than they say; ";
+    if (!input_.resolve) {
+      intervals += "measure more poses to narrow it";
+      if (!input_.no_profiles.empty()) {
+        intervals += " (profiles " + input_.no_profiles + ")";
+      }
+    } else if (input_.options.intervals == IntervalMethod::kLinear) {
+      intervals += "leave out `uncertainty: {intervals: linear}`";
+    } else {
+      intervals =
+          "intervals there are those of the profile likelihood, and standard "
+          "deviations alone say too little";
+    }
+    result_.warnings.push_back(
+        "the model is nonlinear within the uncertainty "
+        "of " +
+        names + ": " + intervals);
   }
 
   void ListPairs() {
@@ -196,9 +205,9 @@ class Assessment {
     if (residuals.reduced_chi_square < kMuchSmaller) return;
     if (residuals.normality.p_value < kUnlikely && fit_.losses.empty()) {
       result_.warnings.emplace_back(
-          "the residuals are not Gaussian: look for outliers (`robust: "
-          "{loss: huber}`) and for errors that the parameters do not "
-          "describe");
+          "the residuals are not Gaussian: look for outliers (with the line "
+          "`robust: {loss: huber}` in the job) and for errors that the "
+          "parameters do not describe");
     }
     if (residuals.whiteness.p_value < kUnlikely) {
       result_.warnings.emplace_back(

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "alidade/uncertainty.h"
 #include "src/uncertainty/budget.h"
@@ -48,6 +49,7 @@ struct AssessmentInput {
   /// parameter held, for profiles; linear intervals where empty.
   double fit_cost = 0.0;
   Resolve resolve = {};
+  std::string no_profiles = {};  ///< why `resolve` is empty: "need ..."
   /// Validation poses; null where there are none.
   const Dataset* validation = nullptr;
   /// The data of the fit without those that it has rejected; null where there
