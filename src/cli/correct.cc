@@ -12,6 +12,7 @@
 #include "src/common/files.h"
 #include "src/common/number_text.h"
 #include "src/common/text.h"
+#include "src/common/utf8.h"
 #include "src/dataio/robot_program.h"
 #include "src/job/arm_source.h"
 #include "src/job/calibrated_arm.h"
@@ -119,7 +120,9 @@ class CorrectCommand {
   static void PrintList(const char* title,
                         const std::vector<std::string>& lines) {
     if (!lines.empty()) std::cout << title << "\n";
-    for (const std::string& line : lines) std::cout << "  " << line << "\n";
+    for (const std::string& line : lines) {
+      std::cout << "  " << OnOneLine(line) << "\n";
+    }
   }
 
   ExitStatus RunProgram() {
@@ -155,7 +158,9 @@ class CorrectCommand {
   }
 
   static void PrintErrorList(const std::vector<std::string>& lines) {
-    for (const std::string& line : lines) std::cerr << "  " << line << "\n";
+    for (const std::string& line : lines) {
+      std::cerr << "  " << OnOneLine(line) << "\n";
+    }
   }
 
   ExitStatus Refuse(const RobotProgram& program,

@@ -46,6 +46,9 @@ std::string ListProblems(const CorrectionReport& report) {
         FormatSignificant(correction.solutions.rotation_error[i] / kDegree, 3) +
         " deg remain");
   }
+  if (correction.shift.size() == 0) {
+    return "Nothing is corrected: no position is stated in numbers.\n";
+  }
   if (count == 0) return "All targets are reached.\n";
   if (count > kMostListed) {
     lines.push_back("  and " + std::to_string(count - kMostListed) + " more");

@@ -112,6 +112,29 @@ TEST_F(ProgramPostureTest, AStraightWayToAnotherPostureIsAWarning) {
   }
 }
 
+// As the controller's interpolation does; the search from the position before
+// alone finds another posture here.
+TEST_F(ProgramPostureTest, AStraightMotionKeepsThePostureThatItArrivesIn) {
+  const std::string start =
+      "{A1 24.7,A2 -42.5,A3 90.1,A4 66.1,A5 -94.5,A6 -102}";
+  const std::string pose =
+      "{X 755.8073,Y 128.0528,Z 880.5813,A 80.85096,B 7.10773,C 94.27776}\n";
+  const auto correct = [&](const std::string& motion) {
+    const auto result =
+        Correct("a.src", "DEF a()\nPTP " + start + "\n" + motion + " " + pose +
+                             "LIN " + start + "\nEND\n");
+    EXPECT_EQ(result.status, 0) << result.err;
+    return result.out;
+  };
+  EXPECT_THAT(correct("LIN"), Not(HasSubstr("Warnings")));
+  EXPECT_THAT(correct("PTP"), HasSubstr("from line 3 to line 4: "));
+  // A program of nothing but other files' positions is no success.
+  const auto none = Correct("a.src", "DEF a()\nPTP XP1\nEND\n");
+  EXPECT_THAT(none.out, AllOf(HasSubstr("Nothing is corrected: no position"),
+                              HasSubstr("NOT corrected: 1 motion (line 2)"),
+                              Not(HasSubstr("All targets are reached"))));
+}
+
 TEST_F(ProgramPostureTest, APostureThatIsNotReachedIsNamedWithOthers) {
   const std::string pose = Pose(Joints(10, -60, 90, 20, 40, 10), ",S 2,T 10");
   const auto result = Correct("a.src", "DEF a()\nPTP " + pose + "\nEND\n");
