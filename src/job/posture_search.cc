@@ -47,6 +47,7 @@ StraightWay FollowStraightWay(const Arm& arm, const Eigen::VectorXd& from,
       kFewestSteps, kMostSteps);
   StraightWay way;
   way.joint_values = from;
+  way.fraction = 0.0;
   for (double step = 1.0; step <= steps; step += 1.0) {
     const double fraction = step / steps;
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();

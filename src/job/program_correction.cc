@@ -399,8 +399,11 @@ class ProgramCorrector {
                   result_.correction.asked_motors.col(to));
     if (way.status != PoseStatus::kReached) {
       result_.warnings.push_back(
-          lines + "after " + FormatPercent(way.fraction, 2) +
-          " of the straight way " + Obstacle(way.status) +
+          lines +
+          (way.fraction > 0.0
+               ? "after " + FormatPercent(way.fraction, 2) + " of"
+               : "at the start of") +
+          " the straight way " + Obstacle(way.status) +
           (differing.empty() ? ""
                              : "; from there to the posture that its end is "
                                "corrected in: " +
@@ -418,7 +421,7 @@ class ProgramCorrector {
       return "the nominal arm comes to a joint limit";
     }
     return status == PoseStatus::kOutOfReach
-               ? "the nominal arm is out of reach"
+               ? "the nominal arm is out of reach, or at a singular pose"
                : "joints turn by more than 30 deg within 10 mm or 2 deg, as "
                  "wrists do at a singular pose";
   }
