@@ -105,11 +105,23 @@ class CorrectCommand {
                         CorrectionFigure(report).render(FigureMedium::kFile));
     std::cout << FormatCorrection(report);
     PrintWarnings({}, report);
+    if (!table.has_joints) PrintList("Assumed", {AssumedPosture(correction)});
     PrintResults({out_, FigureBeside(out_)});
     return kExitDone;
   }
 
  private:
+  // Of poses without joint values.
+  std::string AssumedPosture(const Correction& correction) const {
+    return "no joint values beside the poses say in which posture they are: "
+           "row 1 is taken in " +
+           JointText(ProgramLanguage::kUrScript, arms_.nominal,
+                     correction.asked_motors.col(0)) +
+           ", the others near the row before. Where the robot is in another "
+           "posture, the correction is wrong: state q1_deg ... beside the "
+           "poses";
+  }
+
   static void PrintWarnings(std::vector<std::string> warnings,
                             const CorrectionReport& report) {
     const std::string large = LargeCorrectionWarning(report);

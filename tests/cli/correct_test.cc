@@ -294,6 +294,35 @@ TEST(CorrectOutputTest, IsAFolderOfItsOwn) {
               HasSubstr("DEF seam()"));
 }
 
+TEST(CorrectTableTest, PosturesThatNothingStatesAreListed) {
+  const TemporaryDirectory directory;
+  const std::string arm = kRobots + "irb120.yaml";
+  WriteWhole(directory / "q.csv",
+             "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n10,20,5,15,30,20\n");
+  const std::string stated = directory / "stated.csv";
+  ASSERT_EQ(
+      Alidade("fk " + arm + " " + (directory / "q.csv") + " --out=" + stated)
+          .status,
+      0);
+  const auto columns = Columns(ReadWhole(stated));
+  std::string header;
+  std::string row;
+  for (const char* name :
+       {"x_mm", "y_mm", "z_mm", "wx_deg", "wy_deg", "wz_deg"}) {
+    header += (header.empty() ? "" : ",") + std::string(name);
+    row += (row.empty() ? "" : ",") + columns.at(name)[0];
+  }
+  WriteWhole(directory / "poses.csv", header + "\n" + row + "\n");
+  const auto correct = [&](const std::string& table) {
+    return Alidade("correct " + arm + " " + table + " --nominal=" + arm +
+                   " --out=" + (directory / "o.csv"));
+  };
+  EXPECT_THAT(correct(stated).out, ::testing::Not(HasSubstr("Assumed")));
+  EXPECT_THAT(correct(directory / "poses.csv").out,
+              ::testing::ContainsRegex("Assumed\n  no joint values beside the "
+                                       "poses say .*row 1 is taken in q1 "));
+}
+
 // As `plan --check` writes them.
 TEST(CorrectTableTest, EmptyPosesCountAsAbsent) {
   const TemporaryDirectory directory;
