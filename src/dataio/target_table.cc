@@ -129,8 +129,14 @@ class TargetReader {
     if (format.form == OrientationForm::kAngles) {
       if (!rotation_) {
         header.Fail(
-            "three angles state an orientation in many ways, expected "
-            "--rotation=CONVENTION: " +
+            std::string(
+                "three angles state an orientation in many ways, expected ") +
+                (groups_.pendant >= 0
+                     ? "a_deg, b_deg, c_deg for A, B, C of a KUKA, or "
+                       "--rotation=intrinsic_zyx where rx_deg is C, ry_deg B "
+                       "and rz_deg A; else "
+                     : "") +
+                "--rotation=CONVENTION: " +
                 JoinNames(RotationConventionNames()),
             header.NameOf(groups_.angles));
       }

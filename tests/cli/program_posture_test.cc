@@ -263,6 +263,10 @@ TEST_F(ProgramPostureTest, MotionsAndDeclarationsAreOneProgram) {
       "--rotation=intrinsic_zyx --frames=" + (directory_ / "angles.csv"));
   EXPECT_EQ(by_pendant.out, by_convention.out);
   EXPECT_EQ(ReadWhole(directory_ / "out/a.dat"), turned);
+  EXPECT_THAT(
+      Correct("a.src", moves, "--frames=" + (directory_ / "angles.csv")).err,
+      HasSubstr("expected a_deg, b_deg, c_deg for A, B, C of a KUKA, or "
+                "--rotation=intrinsic_zyx"));
   // Declarations alone say that they are.
   const auto alone = Correct("a.dat", declared);
   EXPECT_THAT(alone.out + alone.err,
