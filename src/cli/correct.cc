@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -9,13 +10,18 @@
 #include "src/cli/command.h"
 #include "src/cli/targets.h"
 #include "src/common/files.h"
+#include "src/common/number_text.h"
 #include "src/common/text.h"
+#include "src/common/utf8.h"
 #include "src/dataio/robot_program.h"
 #include "src/job/arm_source.h"
+#include "src/job/calibrated_arm.h"
 #include "src/job/program_correction.h"
+#include "src/job/program_notes.h"
 #include "src/job/result_directory.h"
 #include "src/kernel/measurement_model.h"
 #include "src/report/correction_report.h"
+#include "src/serialization/robot_files.h"
 #include "src/uncertainty/prediction.h"
 
 namespace alidade::internal {
@@ -23,12 +29,35 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// results/welds.csv of parts/welds.csv, unless --out says otherwise.
+// results/corrected/welds.csv of parts/welds.csv, unless --out says otherwise.
+// Controllers want a program's file named as the program.
 std::string OutputFile(const CommandLine& line) {
   if (!line.out.empty()) return line.out;
-  const fs::path targets = line.files[1];
-  return "results/" + targets.stem().string() + "_corrected" +
-         targets.extension().string();
+  return "results/corrected/" + fs::path(line.files[1]).filename().string();
+}
+
+// The file of the declarations that are written with a program.
+std::string DeclarationsOutput(const std::string& out,
+                               const std::string& declarations) {
+  const fs::path written =
+      fs::path(out).replace_extension(fs::path(declarations).extension());
+  if (written == out) {
+    throw InputError({}, "--out=" + out + ", expected a name that ends in " +
+                             ".src: " + declarations +
+                             " is corrected, too, and written beside it");
+  }
+  return written.string();
+}
+
+// The result and the program, in this order.
+void RequireOrder(const CommandLine& line) {
+  const std::string& first = line.files[0];
+  const std::string& second = line.files[1];
+  if (!ProgramLanguageOf(first) && !IsResult(second)) return;
+  throw InputError({},
+                   "correct: expected the result first, then the program "
+                   "or table: `alidade correct " +
+                       second + " " + first + "`");
 }
 
 std::string FigureBeside(const std::string& path) {
@@ -44,7 +73,13 @@ class CorrectCommand {
         out_(OutputFile(line)) {
     std::vector<std::string> inputs = source_.inputs;
     inputs.push_back(line.files[1]);
-    CheckOutputFile(out_, inputs);
+    outputs_ = {out_};
+    const std::string beside = DeclarationsBeside(line.files[1]);
+    if (!beside.empty()) {
+      inputs.push_back(beside);
+      outputs_.insert(outputs_.begin(), DeclarationsOutput(out_, beside));
+    }
+    for (const std::string& path : outputs_) CheckOutputFile(path, inputs);
     CheckOutputFile(FigureBeside(out_), inputs);
     target_ = TargetFlag(line, source_.nominal);
     if (target_ >= source_.real.num_targets()) target_ = 0;
@@ -69,11 +104,39 @@ class CorrectCommand {
     WriteFileWithFolder(FigureBeside(out_),
                         CorrectionFigure(report).render(FigureMedium::kFile));
     std::cout << FormatCorrection(report);
+    PrintWarnings({}, report);
+    if (!table.has_joints) PrintList("Assumed", {AssumedPosture(correction)});
     PrintResults({out_, FigureBeside(out_)});
     return kExitDone;
   }
 
  private:
+  // Of poses without joint values.
+  std::string AssumedPosture(const Correction& correction) const {
+    return "no joint values beside the poses say in which posture they are: "
+           "row 1 is taken in " +
+           JointText(ProgramLanguage::kUrScript, arms_.nominal,
+                     correction.asked_motors.col(0)) +
+           ", the others near the row before. Where the robot is in another "
+           "posture, the correction is wrong: state q1_deg ... beside the "
+           "poses";
+  }
+
+  static void PrintWarnings(std::vector<std::string> warnings,
+                            const CorrectionReport& report) {
+    const std::string large = LargeCorrectionWarning(report);
+    if (!large.empty()) warnings.insert(warnings.begin(), large);
+    PrintList("Warnings", warnings);
+  }
+
+  static void PrintList(const char* title,
+                        const std::vector<std::string>& lines) {
+    if (!lines.empty()) std::cout << title << "\n";
+    for (const std::string& line : lines) {
+      std::cout << "  " << OnOneLine(line) << "\n";
+    }
+  }
+
   ExitStatus RunProgram() {
     std::map<std::string, Eigen::Isometry3d> frames;
     if (!line_.frames.empty()) {
@@ -83,23 +146,61 @@ class CorrectCommand {
         ReadProgram(line_.files[1], arms_.nominal.num_joints(), frames);
     const ProgramCorrection corrected =
         CorrectProgram(program, arms_, options_);
-    const CorrectionReport report =
-        ReportOf(corrected.correction, corrected.names);
-    WriteFileWithFolder(out_, corrected.text);
+    if (corrected.refusal) return Refuse(program, corrected);
+    CorrectionReport report = ReportOf(corrected.correction, corrected.names);
+    report.uncorrected = UncorrectedMotions(program);
+    for (std::size_t k = 0; k < outputs_.size(); ++k) {
+      WriteFileWithFolder(outputs_[k], corrected.texts[k]);
+    }
     WriteFileWithFolder(FigureBeside(out_),
                         CorrectionFigure(report).render(FigureMedium::kFile));
     std::cout << FormatCorrection(report);
-    const auto assumptions = AssumptionsOf(program, arms_.nominal);
-    if (!assumptions.empty()) std::cout << "Assumed\n";
-    for (const std::string& note : assumptions) {
-      std::cout << "  " << note << "\n";
-    }
-    if (!program.left.empty()) std::cout << "Not touched\n";
+    PrintWarnings(corrected.warnings, report);
+    PrintList("Assumed", Assumed(program, corrected));
+    std::vector<std::string> left;
     for (const ProgramNote& note : program.left) {
-      std::cout << "  line " << note.line << ": " << note.text << "\n";
+      left.push_back(LineName(program, note.line) + ": " + note.text);
     }
-    PrintResults({out_, FigureBeside(out_)});
+    PrintList("Not touched", left);
+    std::vector<std::string> written = outputs_;
+    std::reverse(written.begin(), written.end());
+    written.push_back(FigureBeside(out_));
+    PrintResults(written);
     return kExitDone;
+  }
+
+  static void PrintErrorList(const std::vector<std::string>& lines) {
+    for (const std::string& line : lines) {
+      std::cerr << "  " << OnOneLine(line) << "\n";
+    }
+  }
+
+  ExitStatus Refuse(const RobotProgram& program,
+                    const ProgramCorrection& corrected) const {
+    PrintError(corrected.refusal->opening);
+    PrintErrorList(corrected.refusal->lines);
+    const std::vector<std::string> assumed = Assumed(program, corrected);
+    if (!assumed.empty()) std::cerr << "Assumed\n";
+    PrintErrorList(assumed);
+    return kExitBadInput;
+  }
+
+  std::vector<std::string> Assumed(const RobotProgram& program,
+                                   const ProgramCorrection& corrected) const {
+    std::vector<std::string> assumed = corrected.assumed;
+    if (IsFactoryCalibrated(program)) {
+      assumed.emplace_back(
+          "the controller computes with the arm of the data sheet; those of "
+          "Universal Robots compute with their factory's calibration: give it "
+          "by --nominal (docs/controllers/universal_robots.md)");
+    }
+    return assumed;
+  }
+
+  // Whose controller has another arm than any file that comes with Alidade.
+  bool IsFactoryCalibrated(const RobotProgram& program) const {
+    return program.language == ProgramLanguage::kUrScript &&
+           !RobotNameOf(source_.nominal_path).empty();
   }
 
   static void WriteFileWithFolder(const std::string& path,
@@ -139,6 +240,10 @@ class CorrectCommand {
   CorrectionReport ReportOf(const Correction& correction,
                             std::vector<std::string> names) const {
     CorrectionReport report{correction, source_.real.name};
+    report.nominal_name = NominalName(source_);
+    report.validation = source_.validation;
+    report.before = source_.before;
+    report.is_result = IsResult(line_.files[0]);
     report.names = std::move(names);
     // What the real arm does.
     const Eigen::MatrixXd joints =
@@ -149,7 +254,7 @@ class CorrectCommand {
     if (source_.calibrated && source_.calibrated->arm.errors.empty()) {
       report.position_std = Deviations(joints);
     }
-    if (source_.measured.size() > 0) report.outside = Outside(joints);
+    if (source_.measured.size() > 0) AddOutside(joints, &report);
     return report;
   }
 
@@ -166,22 +271,31 @@ class CorrectCommand {
     return deviations;
   }
 
-  std::vector<std::string> Outside(const Eigen::MatrixXd& joints) const {
+  void AddOutside(const Eigen::MatrixXd& joints,
+                  CorrectionReport* report) const {
     // Corrections themselves take joints a little out of it.
     constexpr double kMargin = 0.02;  // rad, m
-    std::vector<std::string> outside;
     for (const auto& q : joints.colwise()) {
       std::vector<std::string> names;
+      std::vector<std::string> values;
       for (Eigen::Index j = 0; j < q.size(); ++j) {
         if (q[j] >= source_.measured(j, 0) - kMargin &&
             q[j] <= source_.measured(j, 1) + kMargin) {
           continue;
         }
-        names.push_back("q" + std::to_string(j + 1));
+        const bool turns = arms_.real.joints[j].type == JointType::kRevolute;
+        const double unit = turns ? kDegree : kMillimetre;
+        const std::string name = "q" + std::to_string(j + 1);
+        names.push_back(name);
+        values.push_back(
+            name + " = " + FixedNumber(q[j] / unit, 1) + ", measured " +
+            FixedNumber(source_.measured(j, 0) / unit, 1) + " to " +
+            FixedNumber(source_.measured(j, 1) / unit, 1) +
+            (turns ? " deg" : " mm"));
       }
-      outside.push_back(Join(names, " "));
+      report->outside.push_back(Join(names, " "));
+      report->outside_values.push_back(Join(values, "; "));
     }
-    return outside;
   }
 
   std::vector<AddedColumn> Columns(const TargetTable& table,
@@ -223,6 +337,7 @@ class CorrectCommand {
   const CommandLine& line_;
   const ArmSource source_;
   const std::string out_;
+  std::vector<std::string> outputs_;  // as the program's files
   int target_ = 0;
   CorrectionArms arms_;
   CorrectionOptions options_;
@@ -234,6 +349,7 @@ ExitStatus RunCorrect(const CommandLine& line) {
   if (!line.from.empty() && line.from != "joints" && line.from != "poses") {
     throw InputError({}, "--from=" + line.from + ", expected joints or poses");
   }
+  RequireOrder(line);
   return CorrectCommand(line).Run();
 }
 

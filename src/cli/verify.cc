@@ -48,6 +48,33 @@ void RefuseCovariates(const Arm& arm) {
   }
 }
 
+// The two ways to go on, with their commands.
+std::string NextSteps(const CommandLine& line, const std::string& out) {
+  const std::string& result = line.files[0];
+  const std::string nominal =
+      line.nominal.empty() ? "" : " --nominal=" + line.nominal;
+  const fs::path file = fs::path(out).filename();
+  const std::string to_drive = "results/corrected/" + file.string();
+  return "Next\n"
+         "  the arm alone: drive to the joint values of " +
+         out +
+         ", fill in what is measured there, then\n"
+         "    alidade validate --check " +
+         result + " " + out + nominal +
+         "\n"
+         "  with the correction: make the joint values to drive to,\n"
+         "    alidade correct " +
+         result + " " + out + nominal + " --out=" + to_drive +
+         "\n"
+         "  drive to its corrected_q1_deg ..., fill what is measured into " +
+         out +
+         ", whose joint values stay, then\n"
+         "    alidade validate --check --corrected " +
+         result + " " + out + nominal + "\n" +
+         "  The poses lie within what the calibration has measured: a program "
+         "that goes elsewhere is not checked by them.\n";
+}
+
 }  // namespace
 
 ExitStatus RunCheckPlan(const CommandLine& line) {
@@ -72,6 +99,7 @@ ExitStatus RunCheckPlan(const CommandLine& line) {
   WriteFileAtomically(out, plan.text);
   std::cout << FormatCheckPlan(source.real, plan.planned, plan.by_number);
   PrintResults({out});
+  std::cout << "\n" << NextSteps(line, out);
   return kExitDone;
 }
 

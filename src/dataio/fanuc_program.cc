@@ -2,6 +2,7 @@
 // X = 1.000 mm, ... W = 0.000 deg, ... }; or J1 = 0.000 deg, ....
 
 #include <algorithm>
+#include <cstring>
 #include <map>
 #include <string_view>
 #include <utility>
@@ -23,6 +24,7 @@ class FanucReader : ProgramReader {
   void Read() {
     const std::size_t positions = text_.text().find("/POS");
     ListComputed(std::min(positions, text_.size()));
+    ListLineMotions(std::min(positions, text_.size()));
     if (positions == kNowhere) return;
     for (std::size_t at = positions;
          (at = text_.text().find("P[", at)) != kNowhere; ++at) {
@@ -70,9 +72,36 @@ class FanucReader : ProgramReader {
       int last = 0;
       for (std::size_t at = 0; (at = text_.FindWord(word, at)) < end; ++at) {
         const int line = text_.LineOf(at);
-        if (line != last) Leave(at, why);
+        if (line != last) Leave(at, why, KindOf(at, word));
         last = line;
       }
+    }
+  }
+
+  // The J, L, C or A of "3:L P[2] 100mm/sec ..."; nothing of other lines.
+  char MotionOf(std::size_t at) const {
+    const std::size_t colon = text_.text().find(':', text_.LineStart(at));
+    if (colon >= text_.LineEnd(at)) return ' ';
+    const std::string word = text_.WordAt(text_.SkipSpaces(colon + 1));
+    const bool is_motion = word.size() == 1 && std::strchr("JLCA", word[0]);
+    return is_motion ? word[0] : ' ';
+  }
+
+  Uncorrected KindOf(std::size_t at, const std::string& word) const {
+    if (MotionOf(at) == ' ') return Uncorrected::kNoMotion;
+    const std::string_view line =
+        std::string_view(text_.text())
+            .substr(text_.LineStart(at), at - text_.LineStart(at));
+    // "L P[1] 100mm/sec FINE Offset,PR[2]" names its register, too.
+    const bool is_register =
+        word == "PR" && line.find(" P[") == std::string_view::npos;
+    return is_register ? Uncorrected::kMotion : Uncorrected::kRelativeMotion;
+  }
+
+  void ListLineMotions(std::size_t end) {
+    for (std::size_t start = 0; start < end; start = text_.LineEnd(start) + 1) {
+      const char motion = MotionOf(start);
+      if (motion != ' ' && motion != 'J') AddStraight(start);
     }
   }
 
@@ -144,8 +173,8 @@ class FanucReader : ProgramReader {
     };
     target->frame = name("base", *frame->Whole());
     target->tool = name("tool", *tool->Whole());
-    return KnowsFrame(target->tool, target->line, program_) &&
-           KnowsFrame(target->frame, target->line, program_);
+    const bool knows_tool = KnowsFrame(target->tool, target->line, program_);
+    return KnowsFrame(target->frame, target->line, program_) && knows_tool;
   }
 
   std::vector<std::string> axes_;

@@ -1,5 +1,5 @@
 // KUKA KRL: {X 1,Y 2,Z 3,A 0,B 90,C 0,S 2,T 10} in mm and deg, {A1 0,A2 -90,
-// ...} in deg; .src and .dat files, one at a time.
+// ...} in deg; a .src file with its .dat, or one of both alone.
 
 #include <algorithm>
 #include <cctype>
@@ -79,6 +79,9 @@ class KrlReader : ProgramReader {
     for (const Variable& variable : variables_) ReadVariable(variable);
     ListOtherMoves(IsMotion, [this](const std::string& name) {
       return uses_.count(name) > 0;
+    });
+    ListStraight([](const std::string& word) {
+      return IsMotion(word) && word.substr(word.size() - 3) != "PTP";
     });
     SortTargets();
   }
@@ -236,7 +239,8 @@ class KrlReader : ProgramReader {
     const bool is_relative =
         first.size() > 4 && first.substr(first.size() - 4) == "_REL";
     if (is_relative) {
-      Leave(at, first + " moves relative to where the robot is");
+      Leave(at, first + " moves relative to where the robot is",
+            Uncorrected::kRelativeMotion);
       return;
     }
     if (IsMotion(first)) {
@@ -252,7 +256,8 @@ class KrlReader : ProgramReader {
     const bool is_arc = motion.back() == 'C';
     const char last = before.back();
     if (before != motion && !(is_arc && last == ',')) {
-      Leave(aggregate.begin, "a position is computed at run time");
+      Leave(aggregate.begin, "a position is computed at run time",
+            Uncorrected::kMotion);
       return;
     }
     AddTarget(aggregate, is_axes, "", FramesAt(aggregate.begin));
@@ -337,9 +342,12 @@ class KrlReader : ProgramReader {
     const bool is_point = !variable.type.empty() && variable.type != "FRAME";
     const auto data = point_frames_.find(name.substr(1));
     if (data != point_frames_.end() && is_point) frames = {data->second};
-    if (frames.empty() && is_point) frames = {FramesAt(begin)};
+    // Of declarations alone every position counts.
+    const bool is_whole = program_->files.size() > 1;
+    if (frames.empty() && is_point && !is_whole) frames = {FramesAt(begin)};
     if (frames.empty()) {
-      Leave(begin, name + " is not moved to in this file");
+      Leave(begin, name + " is not moved to in this " +
+                       (is_whole ? "program" : "file"));
       return;
     }
     if (uses.is_computed_with) {
@@ -387,10 +395,9 @@ class KrlReader : ProgramReader {
         return;
       }
     }
-    if (!KnowsFrame(target.tool, target.line, program_) ||
-        !KnowsFrame(target.frame, target.line, program_)) {
-      return;
-    }
+    const bool knows_tool = KnowsFrame(target.tool, target.line, program_);
+    const bool knows_base = KnowsFrame(target.frame, target.line, program_);
+    if (!knows_tool || !knows_base) return;
     program_->targets.push_back(target);
   }
 

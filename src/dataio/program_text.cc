@@ -198,7 +198,19 @@ void ProgramReader::ListOtherMoves(
     if (!is_motion(first)) continue;
     const std::string name = text_.WordAt(text_.SkipSpaces(at + first.size()));
     if (name.empty() || is_known(name)) continue;
-    Leave(at, "moves to " + name + ", which is not stated in this file");
+    Leave(at,
+          "moves to " + name + ", which is not stated in this " +
+              (program_->files.size() > 1 ? "program" : "file"),
+          Uncorrected::kMotion);
+  }
+}
+
+void ProgramReader::ListStraight(
+    const std::function<bool(const std::string&)>& is_straight) {
+  for (std::size_t start = 0; start < text_.size();
+       start = text_.LineEnd(start) + 1) {
+    const std::size_t at = text_.SkipSpaces(start);
+    if (is_straight(text_.WordAt(at))) AddStraight(at);
   }
 }
 
@@ -235,12 +247,12 @@ void ProgramReader::SortTargets() {
 
 bool KnowsFrame(const std::string& name, int line, RobotProgram* program) {
   if (name.empty() || program->frames.count(name) > 0) return true;
-  const bool is_computed = name == "?";
-  program->refused.push_back(
-      {line, is_computed
-                 ? "its tool or base is set at run time to what is not stated"
-                 : name + " is not stated in the program, expected it in the "
-                          "table of --frames"});
+  if (name == "?") {
+    program->refused.push_back(
+        {line, "its tool or base is set at run time to what is not stated"});
+  } else {
+    program->missing[name].push_back(line);
+  }
   return false;
 }
 

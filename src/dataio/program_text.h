@@ -80,9 +80,17 @@ class ProgramReader {
   void Refuse(std::size_t at, const std::string& why) {
     program_->refused.push_back({text_.LineOf(at), why});
   }
-  void Leave(std::size_t at, const std::string& why) {
-    program_->left.push_back({text_.LineOf(at), why});
+  void Leave(std::size_t at, const std::string& why,
+             Uncorrected kind = Uncorrected::kNoMotion) {
+    program_->left.push_back({text_.LineOf(at), why, kind});
   }
+
+  /// That the motion at `at` goes along a line or an arc.
+  void AddStraight(std::size_t at) {
+    program_->straight.insert(text_.LineOf(at));
+  }
+  /// The same of every line that begins with a word of which `is_straight`.
+  void ListStraight(const std::function<bool(const std::string&)>& is_straight);
 
   /// The frame of a position: `name`, or the arm's own where it is
   /// kUnstatedTool or kUnstatedBase and no table of frames has it.
@@ -109,8 +117,8 @@ void ReadKrl(int num_joints, RobotProgram* program);
 void ReadRapid(int num_joints, RobotProgram* program);
 void ReadFanuc(int num_joints, RobotProgram* program);
 
-/// Whether the program knows a frame, or none is asked for; else a refusal is
-/// noted at `line`.
+/// Whether the program knows a frame, or none is asked for; else it is noted
+/// among the missing ones, or a refusal where it is set at run time.
 bool KnowsFrame(const std::string& name, int line, RobotProgram* program);
 
 }  // namespace alidade::internal

@@ -54,6 +54,10 @@ class RapidReader : ProgramReader {
     ListOtherMoves(names_target, [this](const std::string& name) {
       return name == "OFFS" || name == "RELTOOL" || variables_.count(name) > 0;
     });
+    ListStraight([](const std::string& word) {
+      return word.rfind("MOVEL", 0) == 0 || word.rfind("MOVEC", 0) == 0 ||
+             IsOneOf(word, {"TRIGGL", "TRIGGC", "SEARCHL", "SEARCHC"});
+    });
     SortTargets();
   }
 
@@ -225,7 +229,8 @@ class RapidReader : ProgramReader {
       if (before.find('(') == kNowhere) {
         AddTarget(literal, "", FramesOf(literal.end));
       } else {
-        Leave(literal.begin, "a position is computed at run time");
+        Leave(literal.begin, "a position is computed at run time",
+              Uncorrected::kMotion);
       }
       return;
     }
@@ -262,7 +267,8 @@ class RapidReader : ProgramReader {
         continue;
       }
       if (text_.text().substr(start, at - start).find('(') != kNowhere) {
-        Leave(at, "moves relative to " + name + ", as it is corrected");
+        Leave(at, "moves relative to " + name + ", as it is corrected",
+              Uncorrected::kRelativeMotion);
       }
       frames.insert(FramesOf(at));
     }
@@ -302,6 +308,7 @@ class RapidReader : ProgramReader {
       const auto& turn = literal.lists[1];
       target.numbers.insert(target.numbers.end(), turn.begin(), turn.end());
       target.posture = {literal.lists[2].begin(), literal.lists[2].begin() + 3};
+      target.branch = literal.lists[2][3].Whole();
       for (const NumberSpan& quarter : target.posture) {
         if (quarter.Whole()) continue;
         Refuse(literal.begin, "its configuration is not of whole numbers");
@@ -309,10 +316,9 @@ class RapidReader : ProgramReader {
       }
       target.tool = frames.first;
       target.frame = frames.second;
-      if (!KnowsFrame(target.tool, target.line, program_) ||
-          !KnowsFrame(target.frame, target.line, program_)) {
-        return;
-      }
+      const bool knows_tool = KnowsFrame(target.tool, target.line, program_);
+      const bool knows_base = KnowsFrame(target.frame, target.line, program_);
+      if (!knows_tool || !knows_base) return;
       double norm = 0.0;
       for (const NumberSpan& q : turn) norm += q.value * q.value;
       if (std::abs(norm - 1.0) > 1e-2) {

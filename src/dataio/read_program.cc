@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <filesystem>
 
 #include "src/common/files.h"
 #include "src/dataio/program_text.h"
@@ -54,20 +55,75 @@ void RefuseEndlessPoses(RobotProgram* program) {
                 targets.end());
 }
 
+// The first note of a line says enough; its kind is that of all of them.
+void MergeNotes(std::vector<ProgramNote>* notes) {
+  std::vector<ProgramNote> merged;
+  for (const ProgramNote& note : *notes) {
+    if (merged.empty() || merged.back().line != note.line) {
+      merged.push_back(note);
+    } else {
+      merged.back().kind = std::max(merged.back().kind, note.kind);
+    }
+  }
+  *notes = merged;
+}
+
 }  // namespace
+
+std::string DeclarationsBeside(const std::string& path) {
+  std::filesystem::path beside = path;
+  const std::string ending = beside.extension().string();
+  for (const auto& [motions, declarations] :
+       {std::pair<const char*, const char*>{".src", ".dat"},
+        {".SRC", ".DAT"},
+        {".SRC", ".dat"},
+        {".src", ".DAT"}}) {
+    if (ending != motions) continue;
+    beside.replace_extension(declarations);
+    if (std::filesystem::is_regular_file(beside)) return beside.string();
+  }
+  return "";
+}
+
+std::pair<std::string, int> PlaceOf(const RobotProgram& program, int line) {
+  const ProgramFile* file = &program.files.front();
+  for (const ProgramFile& other : program.files) {
+    if (other.first_line <= line) file = &other;
+  }
+  return {file->path, line - file->first_line + 1};
+}
+
+std::string LineName(const RobotProgram& program, int line) {
+  const auto [path, number] = PlaceOf(program, line);
+  const std::string name = "line " + std::to_string(number);
+  if (path == program.path) return name;
+  return std::filesystem::path(path).filename().string() + " " + name;
+}
 
 RobotProgram ReadProgram(
     const std::string& path, int num_joints,
     const std::map<std::string, Eigen::Isometry3d>& frames) {
-  return ParseProgram(ReadFile(path), path, num_joints, frames);
+  const std::string beside = DeclarationsBeside(path);
+  std::optional<std::pair<std::string, std::string>> declarations;
+  if (!beside.empty()) declarations.emplace(beside, ReadFile(beside));
+  return ParseProgram(ReadFile(path), path, num_joints, frames, declarations);
 }
 
 RobotProgram ParseProgram(
     const std::string& text, const std::string& path, int num_joints,
-    const std::map<std::string, Eigen::Isometry3d>& frames) {
+    const std::map<std::string, Eigen::Isometry3d>& frames,
+    const std::optional<std::pair<std::string, std::string>>& declarations) {
   RobotProgram program;
   program.path = path;
-  program.text = text;
+  if (declarations) {
+    program.files.push_back({declarations->first});
+    program.text = declarations->second + "\n";
+  }
+  const auto first_line =
+      1 + std::count(program.text.begin(), program.text.end(), '\n');
+  program.files.push_back(
+      {path, program.text.size(), static_cast<int>(first_line)});
+  program.text += text;
   program.language = *ProgramLanguageOf(path);
   program.frames = frames;
   switch (program.language) {
@@ -90,16 +146,12 @@ RobotProgram ParseProgram(
     return a.line < b.line;
   };
   std::stable_sort(program.left.begin(), program.left.end(), by_line);
-  // The first note of a line says enough.
-  program.left.erase(
-      std::unique(program.left.begin(), program.left.end(),
-                  [](const ProgramNote& a, const ProgramNote& b) {
-                    return a.line == b.line;
-                  }),
-      program.left.end());
+  MergeNotes(&program.left);
   std::stable_sort(program.refused.begin(), program.refused.end(), by_line);
-  for (auto& [kind, lines] : program.unstated) {
-    std::sort(lines.begin(), lines.end());
+  for (auto* frames_of : {&program.unstated, &program.missing}) {
+    for (auto& [name, lines] : *frames_of) {
+      std::sort(lines.begin(), lines.end());
+    }
   }
   return program;
 }

@@ -19,6 +19,8 @@ namespace {
 const RotationConvention kZyx = {false, true, {2, 1, 0}};
 constexpr double kNoBound = std::numeric_limits<double>::infinity();
 constexpr int kMostDecimals = 15;
+// Axes whose quadrants cf1, cf4 and cf6 of RAPID state.
+constexpr std::array kQuadrants = {0, 3, 5};
 
 bool HasMillimetres(ProgramLanguage language) {
   return language != ProgramLanguage::kUrScript;
@@ -193,11 +195,10 @@ Eigen::MatrixXd PostureBounds(ProgramLanguage language,
       bounds(j, is_negative ? 1 : 0) = is_negative ? kSlack : -kSlack;
     }
   } else if (language == ProgramLanguage::kRapid && num_joints == 6) {
-    constexpr std::array kJoints = {0, 3, 5};
-    for (std::size_t k = 0; k < kJoints.size(); ++k) {
+    for (std::size_t k = 0; k < kQuadrants.size(); ++k) {
       const double quadrant = target.posture[k].value * 90.0 * kDegree;
-      bounds(kJoints[k], 0) = quadrant - kSlack;
-      bounds(kJoints[k], 1) = quadrant + 90.0 * kDegree + kSlack;
+      bounds(kQuadrants[k], 0) = quadrant - kSlack;
+      bounds(kQuadrants[k], 1) = quadrant + 90.0 * kDegree + kSlack;
     }
   }
   return bounds;
@@ -224,9 +225,8 @@ std::vector<int> PostureOf(ProgramLanguage language,
     }
     posture[0] = static_cast<int>(turn);
   } else if (language == ProgramLanguage::kRapid && motors.size() == 6) {
-    constexpr std::array kJoints = {0, 3, 5};
-    for (std::size_t k = 0; k < kJoints.size(); ++k) {
-      const double quarters = motors[kJoints[k]] / (90.0 * kDegree);
+    for (std::size_t k = 0; k < kQuadrants.size(); ++k) {
+      const double quarters = motors[kQuadrants[k]] / (90.0 * kDegree);
       const double low = std::floor(quarters - kSlack);
       const double high = std::floor(quarters + kSlack);
       if (low == high) posture[k] = static_cast<int>(low);
@@ -235,8 +235,43 @@ std::vector<int> PostureOf(ProgramLanguage language,
   return posture;
 }
 
-std::string RewriteProgram(const RobotProgram& program,
-                           const std::vector<ProgramValues>& values) {
+std::string PostureText(ProgramLanguage language,
+                        const std::vector<int>& posture) {
+  if (language == ProgramLanguage::kKrl) {
+    return "T " + std::to_string(posture[0]);
+  }
+  std::string text;
+  for (const int quadrant : posture) {
+    text += (text.empty() ? "[" : ",") + std::to_string(quadrant);
+  }
+  return text + "]";
+}
+
+std::string PostureMeaning(ProgramLanguage language,
+                           const std::vector<int>& posture, int num_joints) {
+  std::string text;
+  const auto add = [&](const std::string& part) {
+    text += (text.empty() ? "" : ", ") + part;
+  };
+  if (language == ProgramLanguage::kKrl) {
+    const auto turn = static_cast<unsigned>(posture[0]);
+    for (int j = 0; j < std::min(num_joints, 6); ++j) {
+      const bool is_negative = ((turn >> j) & 1U) != 0;
+      add("A" + std::to_string(j + 1) + (is_negative ? " < 0" : " >= 0"));
+    }
+    return text;
+  }
+  for (std::size_t k = 0; k < std::min(posture.size(), kQuadrants.size());
+       ++k) {
+    add("axis " + std::to_string(kQuadrants[k] + 1) + " between " +
+        std::to_string(90 * posture[k]) + " and " +
+        std::to_string(90 * (posture[k] + 1)) + " deg");
+  }
+  return text;
+}
+
+std::vector<std::string> RewriteProgram(
+    const RobotProgram& program, const std::vector<ProgramValues>& values) {
   std::vector<Replacement> replacements;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const ProgramTarget& target = program.targets[i];
@@ -259,15 +294,24 @@ std::string RewriteProgram(const RobotProgram& program,
             [](const Replacement& a, const Replacement& b) {
               return a.span.begin < b.span.begin;
             });
-  std::string text;
-  std::size_t from = 0;
-  for (const Replacement& replacement : replacements) {
-    text += program.text.substr(from, replacement.span.begin - from);
-    if (RunsInto(text, replacement.text)) text += ' ';
-    text += replacement.text;
-    from = replacement.span.end;
+  std::vector<std::string> texts;
+  auto replacement = replacements.begin();
+  for (std::size_t k = 0; k < program.files.size(); ++k) {
+    const bool is_last = k + 1 == program.files.size();
+    const std::size_t end =
+        is_last ? program.text.size() : program.files[k + 1].begin - 1;
+    std::string text;
+    std::size_t from = program.files[k].begin;
+    for (; replacement != replacements.end() && replacement->span.end <= end;
+         ++replacement) {
+      text += program.text.substr(from, replacement->span.begin - from);
+      if (RunsInto(text, replacement->text)) text += ' ';
+      text += replacement->text;
+      from = replacement->span.end;
+    }
+    texts.push_back(text + program.text.substr(from, end - from));
   }
-  return text + program.text.substr(from);
+  return texts;
 }
 
 }  // namespace alidade::internal

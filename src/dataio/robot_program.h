@@ -6,7 +6,9 @@
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "alidade/arm.h"
@@ -42,23 +44,43 @@ struct ProgramTarget {
   /// What the program says of the posture: T of KRL, cf1, cf4, cf6 of RAPID,
   /// all whole numbers.
   std::vector<NumberSpan> posture;
+  std::optional<int> branch;  ///< cfx of RAPID
 };
+
+/// What is not corrected: no motion at all, one relative to a position that is
+/// corrected, or one to a place that is not stated in numbers.
+enum class Uncorrected { kNoMotion, kRelativeMotion, kMotion };
 
 struct ProgramNote {
   int line = 0;
   std::string text;
+  Uncorrected kind = Uncorrected::kNoMotion;
 };
 
-/// A program's positions. Its text is not changed but where these stand.
+/// One file of a program: where its text begins, and in which line.
+struct ProgramFile {
+  std::string path;
+  std::size_t begin = 0;
+  int first_line = 1;
+};
+
+/// A program's positions. Its text is not changed but where these stand. Lines
+/// are those of the text: LineName is what people call them.
 struct RobotProgram {
   ProgramLanguage language = ProgramLanguage::kUrScript;
-  std::string path;
-  std::string text;
+  std::string path;  ///< of the file that moves
+  std::string text;  ///< of all files, a line feed between them
+  std::vector<ProgramFile> files;
   std::vector<ProgramTarget> targets;  ///< in the order of the text
   std::map<std::string, Eigen::Isometry3d> frames;
   /// Lines of positions before which the program sets no "tool" or no "base",
   /// nor does the table of frames name one so: taken as the arm's own.
   std::map<std::string, std::vector<int>> unstated;
+  /// Lines of positions whose tool or base neither the program nor the table of
+  /// frames states: these are not among the targets.
+  std::map<std::string, std::vector<int>> missing;
+  /// Lines that move along a straight line or an arc.
+  std::set<int> straight;
   std::vector<ProgramNote> left;     ///< computed at run time: not touched
   std::vector<ProgramNote> refused;  ///< not understood: nothing may be written
 };
@@ -70,17 +92,30 @@ bool IsWordCharacter(char c);
 /// .modx, .prg, .sys; .ls. Nothing for others.
 std::optional<ProgramLanguage> ProgramLanguageOf(const std::string& path);
 
-/// Reads a program for an arm of so many joints. `frames`: tools and bases
+/// The file of declarations (.dat) that belongs to a file of KRL motions (.src)
+/// and lies beside it; empty where there is none.
+std::string DeclarationsBeside(const std::string& path);
+
+/// What people call a line: "line 12" or, of a file that is not the program's
+/// path, "seam.dat line 4"; and its file and number there.
+std::string LineName(const RobotProgram& program, int line);
+std::pair<std::string, int> PlaceOf(const RobotProgram& program, int line);
+
+/// Reads a program for an arm of so many joints, KRL motions (.src) together
+/// with the declarations beside them. `frames`: tools and bases
 /// that it refers to and does not state, "tool 1", "base 2" (KRL, Fanuc) or by
 /// their names (RAPID); "tool" (URScript, KRL) and "base" (KRL): what holds
 /// where it sets none. @throws InputError where the file cannot be read.
 RobotProgram ReadProgram(
     const std::string& path, int num_joints,
     const std::map<std::string, Eigen::Isometry3d>& frames);
-/// The same of a file's text.
+/// The same of a file's text; `declarations`: the path and the text of the file
+/// that is read before it.
 RobotProgram ParseProgram(
     const std::string& text, const std::string& path, int num_joints,
-    const std::map<std::string, Eigen::Isometry3d>& frames);
+    const std::map<std::string, Eigen::Isometry3d>& frames,
+    const std::optional<std::pair<std::string, std::string>>& declarations =
+        std::nullopt);
 
 /// The pose that a target states, in its frame. @pre it is not of joints.
 Eigen::Isometry3d PoseOf(ProgramLanguage language, const ProgramTarget& target);
@@ -107,17 +142,25 @@ std::vector<int> PostureOf(ProgramLanguage language,
                            const ProgramTarget& target,
                            const Eigen::VectorXd& motors);
 
+/// What the posture of a target says, with integers for its spans as PostureOf
+/// gives them: "T 10", "[0,-1,0]", and in words.
+std::string PostureText(ProgramLanguage language,
+                        const std::vector<int>& posture);
+std::string PostureMeaning(ProgramLanguage language,
+                           const std::vector<int>& posture, int num_joints);
+
 /// What replaces the numbers of one target.
 struct ProgramValues {
   std::vector<double> numbers;
   std::vector<int> posture;
 };
 
-/// The text with the numbers of all targets replaced, in their decimals or, if
-/// these are fewer, in those that a controller shows. Every other byte stays; a
-/// number that stood right after a word ("X-5") is parted from it by a space.
-std::string RewriteProgram(const RobotProgram& program,
-                           const std::vector<ProgramValues>& values);
+/// The text of each file with the numbers of all targets replaced, in their
+/// decimals or, if these are fewer, in those that a controller shows. Every
+/// other byte stays; a number that stood right after a word ("X-5") is parted
+/// from it by a space.
+std::vector<std::string> RewriteProgram(
+    const RobotProgram& program, const std::vector<ProgramValues>& values);
 
 }  // namespace alidade::internal
 

@@ -25,10 +25,14 @@ struct Groups {
   int angles;
   int quaternion;
   int vector;
+  int pendant;  // A, B, C of KUKA, of frames alone
   int name;
 };
 
-std::vector<ColumnSpec> MakeSpecs(const Arm& arm, Groups* groups) {
+enum class TableKind { kTargets, kFrames };
+
+std::vector<ColumnSpec> MakeSpecs(const Arm& arm, TableKind kind,
+                                  Groups* groups) {
   std::vector<ColumnSpec> specs = JointColumns(arm);
   // They need not be there; where they are, every row has them (Reader).
   for (ColumnSpec& spec : specs) spec.rule = CellRule::kMeasured;
@@ -43,14 +47,19 @@ std::vector<ColumnSpec> MakeSpecs(const Arm& arm, Groups* groups) {
   groups->quaternion = add({"qw", "qx", "qy", "qz"}, ColumnType::kPlain);
   groups->vector = add({"wx", "wy", "wz"}, ColumnType::kAngle);
   groups->name = add({"name"}, ColumnType::kText);
+  groups->pendant = -1;
+  if (kind == TableKind::kFrames) {
+    groups->pendant = add({"a", "b", "c"}, ColumnType::kAngle);
+  }
   return specs;
 }
 
 class TargetReader {
  public:
   TargetReader(const std::string& path, const Arm& arm,
-               const std::optional<RotationConvention>& rotation)
-      : content_{arm, MakeSpecs(arm, &groups_), true},
+               const std::optional<RotationConvention>& rotation,
+               TableKind kind)
+      : content_{arm, MakeSpecs(arm, kind, &groups_), true},
         csv_(MappedFile(path), content_, ReadOptions()),
         rotation_(rotation) {
     table_.path = path;
@@ -100,6 +109,15 @@ class TargetReader {
     table_.has_positions = HasAll(groups_.position, 3);
     PoseFormat& format = table_.format;
     format.form = OrientationForm::kNone;
+    if (table_.has_joints && table_.has_positions && PosesAreEmpty()) {
+      table_.has_positions = false;
+      return;
+    }
+    if (groups_.pendant >= 0 && HasAll(groups_.pendant, 3)) {
+      SetForm(OrientationForm::kAngles);
+      format.rotation = *FindRotationConvention("intrinsic_zyx");
+      return;
+    }
     if (HasAll(groups_.angles, 3)) SetForm(OrientationForm::kAngles);
     if (HasAll(groups_.quaternion, 4)) SetForm(OrientationForm::kQuaternion);
     if (HasAll(groups_.vector, 3)) SetForm(OrientationForm::kVector);
@@ -111,8 +129,14 @@ class TargetReader {
     if (format.form == OrientationForm::kAngles) {
       if (!rotation_) {
         header.Fail(
-            "three angles state an orientation in many ways, expected "
-            "--rotation=CONVENTION: " +
+            std::string(
+                "three angles state an orientation in many ways, expected ") +
+                (groups_.pendant >= 0
+                     ? "a_deg, b_deg, c_deg for A, B, C of a KUKA, or "
+                       "--rotation=intrinsic_zyx where rx_deg is C, ry_deg B "
+                       "and rz_deg A; else "
+                     : "") +
+                "--rotation=CONVENTION: " +
                 JoinNames(RotationConventionNames()),
             header.NameOf(groups_.angles));
       }
@@ -122,6 +146,21 @@ class TargetReader {
     if (first >= 0 && format.form != OrientationForm::kQuaternion) {
       format.angle = header.columns()[header.ColumnOf(first)].unit->name;
     }
+  }
+
+  // As in a data set that is to be filled in.
+  bool PosesAreEmpty() const {
+    std::vector<int> specs;
+    for (int spec = groups_.position; spec < groups_.name; ++spec) {
+      if (csv_.header().Has(spec)) specs.push_back(spec);
+    }
+    bool is_empty = true;
+    csv_.VisitRows(1, [&](const TableRow& row) {
+      for (const int spec : specs) {
+        is_empty = is_empty && std::isnan(row.Number(spec));
+      }
+    });
+    return is_empty;
   }
 
   void SetForm(OrientationForm form) {
@@ -175,6 +214,11 @@ class TargetReader {
       pose.linear() = ReadQuaternion(row);
       return;
     }
+    if (groups_.pendant >= 0 && csv_.header().Has(groups_.pendant)) {
+      table_.numbers.col(i) = Vector(row, groups_.pendant).reverse();
+      pose.linear() = RotationOf(table_.format.rotation, table_.numbers.col(i));
+      return;
+    }
     table_.numbers.col(i) = Vector(row, FirstOf(form));
     pose.linear() =
         form == OrientationForm::kAngles
@@ -226,7 +270,12 @@ void RefuseRepeated(const TargetTable& table, std::string_view header, int line,
 
 TargetTable ReadTargets(const std::string& path, const Arm& arm,
                         const std::optional<RotationConvention>& rotation) {
-  return TargetReader(path, arm, rotation).Read();
+  return TargetReader(path, arm, rotation, TableKind::kTargets).Read();
+}
+
+TargetTable ReadFrameTable(const std::string& path, const Arm& arm,
+                           const std::optional<RotationConvention>& rotation) {
+  return TargetReader(path, arm, rotation, TableKind::kFrames).Read();
 }
 
 std::string WithColumns(const TargetTable& table,

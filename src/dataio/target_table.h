@@ -41,11 +41,18 @@ struct TargetTable {
   Eigen::Index num_rows = 0;
 };
 
+/// Columns of a pose that are empty in all rows count as absent, where there
+/// are joint values: data sets to be filled in have them.
 /// @throws InputError with line and column: no rows, neither joint values nor
 /// positions, some columns of a group without the others, rx ry rz without
 /// `rotation`, a cell that is no number.
 TargetTable ReadTargets(const std::string& path, const Arm& arm,
                         const std::optional<RotationConvention>& rotation);
+
+/// The same of tools and bases, which may state their orientation as KUKA's
+/// pendant does: a_deg, b_deg, c_deg about z, y, x, whatever `rotation` is.
+TargetTable ReadFrameTable(const std::string& path, const Arm& arm,
+                           const std::optional<RotationConvention>& rotation);
 
 /// A column to add: its name, and a cell for each row.
 struct AddedColumn {

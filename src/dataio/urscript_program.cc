@@ -43,6 +43,12 @@ class UrScriptReader : ProgramReader {
       ReadVariable(name, literals);
     }
     ListComputedMoves();
+    for (const std::string word : {"movel", "movep", "movec"}) {
+      for (std::size_t at = 0; (at = text_.FindWord(word, at)) != kNowhere;
+           at += word.size()) {
+        AddStraight(at);
+      }
+    }
     SortTargets();
   }
 
@@ -89,7 +95,7 @@ class UrScriptReader : ProgramReader {
     const Use use = UseOf(begin);
     if (!numbers) {
       if (IsTarget(use, is_pose)) {
-        Leave(at, "a position is computed at run time");
+        Leave(at, "a position is computed at run time", Uncorrected::kMotion);
       }
       return;
     }
@@ -225,7 +231,8 @@ class UrScriptReader : ProgramReader {
     for (const char* name : {"speedj", "speedl"}) {
       for (std::size_t at = 0; (at = text_.FindWord(name, at)) != kNowhere;
            ++at) {
-        Leave(at, name + std::string(" moves by a speed, to no position"));
+        Leave(at, name + std::string(" moves by a speed, to no position"),
+              Uncorrected::kMotion);
       }
     }
     for (const char* name :
@@ -243,7 +250,8 @@ class UrScriptReader : ProgramReader {
         const bool is_list = text_.at(argument) == '[' ||
                              (first == "p" && text_.at(argument + 1) == '[');
         if (is_list || variables_.count(first) > 0) continue;
-        Leave(at, "moves to what is computed at run time");
+        Leave(at, "moves to what is computed at run time",
+              Uncorrected::kMotion);
       }
     }
   }

@@ -13,6 +13,7 @@
 #include "src/job/result_directory.h"
 #include "src/serialization/config_file.h"
 #include "src/serialization/result_json.h"
+#include "src/serialization/robot_files.h"
 
 namespace alidade::internal {
 namespace {
@@ -31,9 +32,10 @@ bool IsUnchangedArm(const InputFile& input) {
   return DetectFormat(input.path) == FileFormat::kArm;
 }
 
-std::string FindNominal(const std::string& path, const std::string& json) {
+std::string FindNominal(const std::string& path,
+                        const CalibrationResult& result) {
   std::string seen;
-  for (const InputFile& input : LoadResultJson(json).inputs) {
+  for (const InputFile& input : result.inputs) {
     if (IsUnchangedArm(input)) return input.path;
     seen += (seen.empty() ? "" : ", ") + input.path;
   }
@@ -62,6 +64,20 @@ Eigen::MatrixXd MeasuredRange(const std::string& path, const Arm& arm) {
   return range;
 }
 
+// A folder may hold anything, a job above all.
+void RequireResult(const std::string& path) {
+  const fs::path folder = path;
+  if (!fs::is_directory(folder) || fs::exists(folder / "result.json")) return;
+  const fs::path job = folder / "job.yaml";
+  throw InputError(
+      {path, 0, 0, ""},
+      fs::exists(job)
+          ? "this folder holds a job, no result: `alidade calibrate " +
+                job.string() + "` first, and name the folder that it writes"
+          : "this folder holds no result.json: name the one that `alidade "
+            "calibrate` has written");
+}
+
 void RequireSameJoints(const ArmSource& source, const std::string& path) {
   const Arm& nominal = source.nominal;
   if (nominal.JointDimensions() == source.real.JointDimensions()) return;
@@ -75,6 +91,7 @@ void RequireSameJoints(const ArmSource& source, const std::string& path) {
 }  // namespace
 
 Arm LoadArmOrResult(const std::string& path) {
+  RequireResult(path);
   if (!IsResult(path)) return LoadArm(path);
   return LoadArm(FileBeside(ResultJsonOf(path), "arm.yaml"));
 }
@@ -87,7 +104,11 @@ ArmSource LoadArmSource(const std::string& path,
   if (IsResult(path)) {
     const std::string json = ResultJsonOf(path);
     source.inputs = {json, FileBeside(json, "arm.yaml")};
-    if (nominal_path.empty()) source.nominal_path = FindNominal(path, json);
+    const CalibrationResult result = LoadResultJson(json);
+    if (nominal_path.empty()) source.nominal_path = FindNominal(path, result);
+    source.before = result.train.Judged().before;
+    if (result.validation)
+      source.validation = result.validation->Judged().after;
     source.calibrated = LoadCalibratedArm(json);
     source.measured =
         MeasuredRange(FileBeside(json, "residuals.csv"), source.real);
@@ -95,14 +116,22 @@ ArmSource LoadArmSource(const std::string& path,
     source.inputs = {path};
     if (nominal_path.empty()) {
       throw InputError({path, 0, 0, ""},
-                       "an arm file does not say which arm the controller "
-                       "believes in, expected --nominal=ARM.yaml");
+                       "an arm file, which says neither what was measured nor "
+                       "which arm the controller believes in: calibrate first, "
+                       "and name the folder of the result; or, where this is "
+                       "the calibrated arm, expected --nominal=ARM.yaml");
     }
   }
   source.nominal = LoadArm(source.nominal_path, &source.inputs);
   source.inputs.push_back(source.nominal_path);
   RequireSameJoints(source, path);
   return source;
+}
+
+std::string NominalName(const ArmSource& source) {
+  const std::string name = RobotNameOf(source.nominal_path);
+  return source.nominal.name + " (" +
+         (name.empty() ? source.nominal_path : name) + ")";
 }
 
 }  // namespace alidade::internal

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "alidade/accuracy.h"
 #include "alidade/arm.h"
 #include "src/job/calibrated_arm.h"
 
@@ -25,6 +26,10 @@ struct ArmSource {
   /// Least and largest joint value of the training poses (n x 2); 0 x 0 where
   /// they are not known.
   Eigen::MatrixXd measured;
+  /// Of a result: its errors at validation poses, and those of the nominal arm
+  /// at training poses, base and tool fitted; n = 0 where it has none.
+  Accuracy validation;
+  Accuracy before;
   std::vector<std::string> inputs;  ///< files that were read
 };
 
@@ -34,6 +39,10 @@ struct ArmSource {
 /// @throws InputError, also where both arms are not of the same joints.
 ArmSource LoadArmSource(const std::string& path,
                         const std::string& nominal_path);
+
+/// The arm that its controller is taken to compute with: "Universal Robots UR10
+/// (robots/ur10)".
+std::string NominalName(const ArmSource& source);
 
 }  // namespace alidade::internal
 

@@ -10,31 +10,32 @@
 #include "alidade/correction.h"
 #include "src/dataio/robot_program.h"
 #include "src/dataio/rotation_convention.h"
+#include "src/job/program_notes.h"
 
 namespace alidade::internal {
 
-/// The corrections of a program's positions, and the text that has them.
+/// The corrections of a program's positions, and the texts that have them.
 struct ProgramCorrection {
   Correction correction;
   std::vector<std::string> names;  ///< "line 12, P[1]"
-  std::string text;
+  std::vector<std::string> texts;  ///< of the program's files
+  /// What the program does not state and was taken: tools, bases, postures.
+  std::vector<std::string> assumed;
+  /// Straight motions that do not lead to the posture which their end was
+  /// solved in.
+  std::vector<std::string> warnings;
+  /// Where a position is refused or cannot be corrected; then there are no
+  /// texts, and nothing may be written.
+  std::optional<ProgramRefusal> refusal;
 };
 
-/// Corrects a program's positions in the order of its text, each pose in the
-/// posture that the program states or, without, nearest to the position before.
-/// Tools stand behind the arm's target (the flange), bases in its base frame.
-/// @throws InputError, a line for each position that is refused or cannot be
-/// corrected: then nothing may be written.
+/// Corrects a program's positions in the order of its motions, each pose in the
+/// posture that the program states or, without, the one that a straight motion
+/// arrives in, else the one nearest to the position before. Tools stand behind
+/// the arm's target (the flange), bases in its base frame.
 ProgramCorrection CorrectProgram(const RobotProgram& program,
                                  const CorrectionArms& arms,
                                  const CorrectionOptions& options);
-
-/// What was assumed: of positions before which the program sets no frame
-/// (RobotProgram::unstated), and that the arm's target is the flange, which the
-/// program's tools are taken from, where it is away from the last joint's
-/// frame.
-std::vector<std::string> AssumptionsOf(const RobotProgram& program,
-                                       const Arm& nominal);
 
 /// Tools and bases of a table with the columns name, x_mm, y_mm, z_mm and an
 /// orientation. @throws InputError.

@@ -46,6 +46,9 @@ std::string ListProblems(const CorrectionReport& report) {
         FormatSignificant(correction.solutions.rotation_error[i] / kDegree, 3) +
         " deg remain");
   }
+  if (correction.shift.size() == 0) {
+    return "Nothing is corrected: no position is stated in numbers.\n";
+  }
   if (count == 0) return "All targets are reached.\n";
   if (count > kMostListed) {
     lines.push_back("  and " + std::to_string(count - kMostListed) + " more");
@@ -60,7 +63,9 @@ std::string ListOutside(const CorrectionReport& report) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < report.outside.size(); ++i) {
     if (report.outside[i].empty() || ++count > kMostListed) continue;
-    lines.push_back("  " + report.names[i] + ": " + report.outside[i]);
+    const auto& texts =
+        report.outside_values.empty() ? report.outside : report.outside_values;
+    lines.push_back("  " + report.names[i] + ": " + texts[i]);
   }
   if (count == 0) return "All joints are within what was measured.\n";
   if (count > kMostListed) {
@@ -85,7 +90,57 @@ std::string OrientationNote(const Correction& correction) {
       FormatSignificant(left.max / kDegree, 3) + " deg at most.");
 }
 
+// How accurate targets will be, as far as the calibration has shown it.
+std::string Expectation(const CorrectionReport& report) {
+  std::string text;
+  const Accuracy& validation = report.validation;
+  if (validation.n > 0) {
+    text = "What to expect: " + FormatLength(validation.mean, 3) +
+           " in the mean, " + FormatLength(validation.max, 3) +
+           " at most, as at the " +
+           Count(validation.n, "validation measurement") +
+           " of the calibration; errors of the controller's tool and base "
+           "come on top.";
+    const auto outside =
+        std::count_if(report.outside.begin(), report.outside.end(),
+                      [](const std::string& one) { return !one.empty(); });
+    if (outside > 0) {
+      text += " That does not hold for " + Count(outside, "target") +
+              ", whose joints are outside what was measured.";
+    }
+  } else if (report.is_result && report.position_std.size() == 0) {
+    text =
+        "What to expect is not known: the calibration has no validation "
+        "poses. `alidade plan --check` has poses to find out.";
+  }
+  if (report.position_std.size() > 0) {
+    text += std::string(text.empty() ? "" : " ") +
+            "The predicted standard deviation is that of the position in "
+            "space (root of the sum over x, y and z), by the uncertainty of "
+            "the arm's parameters alone.";
+  }
+  return text.empty() ? "" : Paragraph(text);
+}
+
 }  // namespace
+
+std::string LargeCorrectionWarning(const CorrectionReport& report) {
+  constexpr double kFar = 3.0;
+  const Accuracy shift =
+      SummarizeErrors(Reached(report.correction, report.correction.shift));
+  const Accuracy& before = report.before;
+  if (before.n == 0 || shift.n == 0 || shift.mean <= kFar * before.max) {
+    return "";
+  }
+  return "corrections of " + FormatLength(shift.mean, 3) +
+         " in the mean are far larger than what the calibration found: the "
+         "nominal arm was off by " +
+         FormatLength(before.max, 3) +
+         " at most at its poses, base and tool fitted. " + report.nominal_name +
+         " is hardly the arm that the controller computes with, nor the one "
+         "that was calibrated: check --nominal, and the pendant's poses by "
+         "`alidade fk`";
+}
 
 std::string StatusOf(const Correction& correction, Eigen::Index i) {
   const PoseStatus asked = correction.asked_status[i];
@@ -109,9 +164,14 @@ std::string FormatCorrection(const CorrectionReport& report) {
   AddRow("correction", correction, correction.turn, Dimension::kAngle,
          &rotation);
   std::string text = "Targets of " + report.arm_name + "\n";
+  if (!report.nominal_name.empty()) {
+    text += "The controller is taken to compute with " + report.nominal_name +
+            ".\n\n";
+  }
   if (!position.empty()) text += position.ToText() + "\n" + rotation.ToText();
-  return text + "\n" + ListProblems(report) + OrientationNote(correction) +
-         ListOutside(report);
+  return text + "\n" + ListProblems(report) + report.uncorrected +
+         OrientationNote(correction) + ListOutside(report) +
+         Expectation(report);
 }
 
 Figure CorrectionFigure(const CorrectionReport& report) {

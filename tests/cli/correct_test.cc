@@ -265,7 +265,82 @@ TEST(CorrectErrorsTest, AreNamed) {
               HasSubstr("is there already"));
   const auto alone = Alidade("correct " + arm + " " + table);
   EXPECT_EQ(alone.status, 2);
+  EXPECT_THAT(alone.err, HasSubstr("calibrate first, and name the folder of"));
   EXPECT_THAT(alone.err, HasSubstr("--nominal"));
+  WriteWhole(directory / "job.yaml", "format: alidade-job-2\n");
+  const auto job =
+      Alidade("correct " + directory.path().string() + " " + table);
+  EXPECT_EQ(job.status, 2);
+  EXPECT_THAT(job.err, HasSubstr("this folder holds a job, no result: "
+                                 "`alidade calibrate "));
+  const auto swapped =
+      Alidade("correct " + table + " " + directory.path().string());
+  EXPECT_EQ(swapped.status, 2);
+  EXPECT_THAT(swapped.err, HasSubstr("expected the result first"));
+}
+
+// A file keeps its name, which controllers want to be the program's.
+TEST(CorrectOutputTest, IsAFolderOfItsOwn) {
+  const TemporaryDirectory directory;
+  const std::string arm = kRobots + "irb120.yaml";
+  WriteWhole(directory / "seam.src",
+             "DEF seam()\nPTP {A1 0,A2 10,A3 5,A4 0,A5 30,A6 0}\nEND\n");
+  const auto run = testing::RunProcess("cd " + directory.path().string() +
+                                       " && " + ALIDADE_BINARY + " correct " +
+                                       arm + " seam.src --nominal=" + arm);
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("  results/corrected/seam.src\n"));
+  EXPECT_THAT(ReadWhole(directory / "results/corrected/seam.src"),
+              HasSubstr("DEF seam()"));
+}
+
+TEST(CorrectTableTest, PosturesThatNothingStatesAreListed) {
+  const TemporaryDirectory directory;
+  const std::string arm = kRobots + "irb120.yaml";
+  WriteWhole(directory / "q.csv",
+             "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n10,20,5,15,30,20\n");
+  const std::string stated = directory / "stated.csv";
+  ASSERT_EQ(
+      Alidade("fk " + arm + " " + (directory / "q.csv") + " --out=" + stated)
+          .status,
+      0);
+  const auto columns = Columns(ReadWhole(stated));
+  std::string header;
+  std::string row;
+  for (const char* name :
+       {"x_mm", "y_mm", "z_mm", "wx_deg", "wy_deg", "wz_deg"}) {
+    header += (header.empty() ? "" : ",") + std::string(name);
+    row += (row.empty() ? "" : ",") + columns.at(name)[0];
+  }
+  WriteWhole(directory / "poses.csv", header + "\n" + row + "\n");
+  const auto correct = [&](const std::string& table) {
+    return Alidade("correct " + arm + " " + table + " --nominal=" + arm +
+                   " --out=" + (directory / "o.csv"));
+  };
+  EXPECT_THAT(correct(stated).out, ::testing::Not(HasSubstr("Assumed")));
+  EXPECT_THAT(correct(directory / "poses.csv").out,
+              ::testing::ContainsRegex("Assumed\n  no joint values beside the "
+                                       "poses say .*row 1 is taken in q1 "));
+}
+
+// As `plan --check` writes them.
+TEST(CorrectTableTest, EmptyPosesCountAsAbsent) {
+  const TemporaryDirectory directory;
+  const std::string arm = kRobots + "irb120.yaml";
+  const std::string header =
+      "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,x_mm,y_mm,z_mm\n";
+  const auto correct = [&](const std::string& rows) {
+    WriteWhole(directory / "t.csv", header + rows);
+    return Alidade("correct " + arm + " " + (directory / "t.csv") +
+                   " --nominal=" + arm + " --out=" + (directory / "o.csv"));
+  };
+  const auto empty = correct("0,10,5,0,30,0,,,\n1,10,5,0,30,0,,,\n");
+  EXPECT_EQ(empty.status, 0) << empty.err;
+  const auto columns = Columns(ReadWhole(directory / "o.csv"));
+  EXPECT_EQ(columns.at("corrected_q1_deg").size(), 2u);
+  const auto some = correct("0,10,5,0,30,0,,,\n1,10,5,0,30,0,1,2,3\n");
+  EXPECT_EQ(some.status, 2);
+  EXPECT_THAT(some.err, HasSubstr("t.csv:2:"));
 }
 
 // The posture of a pose is that of the position which the program moves to

@@ -42,6 +42,11 @@ class VerifyTest : public ::testing::Test {
         Alidade("plan --check " + result_ + " --poses=8 --out=" + poses_);
     ASSERT_EQ(plan.status, 0) << plan.err;
     EXPECT_THAT(plan.out, HasSubstr("8 poses to check whether"));
+    EXPECT_THAT(plan.out, HasSubstr("\nNext\n  the arm alone: drive to"));
+    EXPECT_THAT(plan.out, HasSubstr("alidade correct " + result_ + " " +
+                                    poses_ + " --out=results/corrected/"));
+    EXPECT_THAT(plan.out, HasSubstr("alidade validate --check --corrected " +
+                                    result_ + " " + poses_));
     std::istringstream lines(ReadWhole(poses_));
     for (std::string line; std::getline(lines, line);) {
       if (line.empty() || line[0] == '#' || line[0] == 'q') continue;
@@ -127,6 +132,34 @@ TEST_F(VerifyTest, AnInstrumentThatWasSetUpAnewIsNoFault) {
   EXPECT_EQ(refitted.status, 0) << refitted.out << refitted.err;
   moved.joints[2].theta += 0.2 * kDegree;
   EXPECT_EQ(Check(moved, "--refit=base").status, 1);
+}
+
+// The poses of a check, whose positions are empty, are corrected, and it is
+// said what to expect of it.
+TEST_F(VerifyTest, CorrectionsOfTheResultSayWhatToExpect) {
+  const auto correct = [&](const std::string& more) {
+    const auto run = Alidade("correct " + result_ + " " + poses_ +
+                             " --out=" + (directory_ / "c.csv") + " " + more);
+    EXPECT_EQ(run.status, 0) << run.err;
+    return run.out;
+  };
+  const std::string out = correct("");
+  EXPECT_THAT(out, HasSubstr("The controller is taken to compute with RV-2AJ"));
+  EXPECT_THAT(out, HasSubstr("that of the position in space (root of"));
+  EXPECT_THAT(out, ::testing::Not(HasSubstr("far larger")));
+  Arm other = nominal_;
+  other.joints[2].d += 0.05;
+  WriteWhole(directory_ / "other.yaml", FormatArm(other, ""));
+  EXPECT_THAT(correct("--nominal=" + (directory_ / "other.yaml")),
+              HasSubstr("Warnings\n  corrections of "));
+  // Joints that were not measured are named with what was.
+  WriteWhole(directory_ / "far.csv",
+             "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg\n-149,0,90,0,0\n");
+  const auto far =
+      Alidade("correct " + result_ + " " + (directory_ / "far.csv") +
+              " --out=" + (directory_ / "c.csv"));
+  EXPECT_THAT(far.out, ::testing::ContainsRegex(
+                           "row 1: q1 = -1[0-9.]+, measured -[0-9.]+ to "));
 }
 
 TEST_F(VerifyTest, WrongUnitsAreNamed) {

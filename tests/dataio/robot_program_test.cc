@@ -63,6 +63,78 @@ TEST(RobotProgramTest, APositionThatNothingMovesToIsUsedOnItsOwnLine) {
               ElementsAre(ElementsAre(2), ElementsAre(3)));
 }
 
+// What the robot does there is not what is corrected.
+TEST(RobotProgramTest, MotionsThatAreNotCorrectedAreKnown) {
+  const auto kinds = [](const std::string& path, const std::string& text) {
+    std::vector<std::pair<int, Uncorrected>> found;
+    for (const ProgramNote& note : ParseProgram(text, path, 6, {}).left) {
+      found.emplace_back(note.line, note.kind);
+    }
+    return found;
+  };
+  using Kind = Uncorrected;
+  using ::testing::Pair;
+  EXPECT_THAT(kinds("a.script",
+                    "a = p[0.4,0.2,0.5,0,3.1,0]\n"
+                    "movel(pose_trans(p[0.4,0,0.3,0,3,0], a))\n"
+                    "movel(b)\n"),
+              ElementsAre(Pair(1, Kind::kNoMotion), Pair(2, Kind::kMotion),
+                          Pair(3, Kind::kMotion)));
+  EXPECT_THAT(
+      kinds("a.src", "LIN_REL {Z 10}\nPTP XP1\n"),
+      ElementsAre(Pair(1, Kind::kRelativeMotion), Pair(2, Kind::kMotion)));
+  EXPECT_THAT(
+      kinds("a.ls",
+            "/MN\n 1:J PR[1] 100% FINE ;\n 2:L P[1] 100mm/sec FINE "
+            "Offset,PR[2] ;\n 3:  PR[1]=PR[2] ;\n/POS\n/END\n"),
+      ElementsAre(Pair(2, Kind::kMotion), Pair(3, Kind::kRelativeMotion),
+                  Pair(4, Kind::kNoMotion)));
+}
+
+TEST(RobotProgramTest, StraightMotionsAreKnown) {
+  const auto straight = [](const std::string& path, const std::string& text) {
+    return ParseProgram(text, path, 6, {}).straight;
+  };
+  EXPECT_THAT(straight("a.script",
+                       "movej([0,-1,1,0,1,0])\nmovel(p[0.4,0.2,0.5,0,3.1,"
+                       "0])\n"),
+              ElementsAre(2));
+  EXPECT_THAT(straight("a.src", "SPTP XP1\nSLIN XP1\nCIRC XP1,XP2\n"),
+              ElementsAre(2, 3));
+  EXPECT_THAT(straight("a.mod", "MoveJ p,v1,z1,t;\nMoveLDO p,v1,z1,t,d,1;\n"),
+              ElementsAre(2));
+  EXPECT_THAT(straight("a.ls",
+                       "/MN\n 1:J P[1] 100% FINE ;\n 2:L P[1] 100mm/sec "
+                       "FINE ;\n/POS\n/END\n"),
+              ElementsAre(3));
+}
+
+TEST(RobotProgramTest, DeclarationsAndMotionsAreOneProgram) {
+  const std::string declared =
+      "DEFDAT A\nDECL E6POS XP1={X 1,Y 2,Z 3,A 0,B 0,C 0,S 2,T 0}\nENDDAT";
+  const std::string moves = "DEF a()\nBAS(#TOOL,1)\nBAS(#BASE,2)\nLIN XP1\n";
+  const RobotProgram missing =
+      ParseProgram(moves, "a.src", 6, {}, {{"cell/a.dat", declared}});
+  EXPECT_THAT(missing.missing,
+              ElementsAre(::testing::Pair("base 2", ElementsAre(2)),
+                          ::testing::Pair("tool 1", ElementsAre(2))));
+  const Eigen::Isometry3d none = Eigen::Isometry3d::Identity();
+  const RobotProgram program =
+      ParseProgram(moves, "a.src", 6, {{"tool 1", none}, {"base 2", none}},
+                   {{"cell/a.dat", declared}});
+  ASSERT_EQ(program.targets.size(), 1U);
+  EXPECT_EQ(program.targets[0].tool, "tool 1");
+  EXPECT_EQ(LineName(program, program.targets[0].line), "a.dat line 2");
+  EXPECT_EQ(LineName(program, program.targets[0].uses[0]), "line 4");
+  EXPECT_EQ(PlaceOf(program, 2), std::make_pair(std::string("cell/a.dat"), 2));
+  ProgramValues values;
+  values.numbers = {1.5, 2.0, 3.0, 0.0, 0.0, 0.0};
+  EXPECT_THAT(RewriteProgram(program, {values}),
+              ElementsAre("DEFDAT A\nDECL E6POS XP1={X 1.500,Y 2.000,Z 3.000,A "
+                          "0.0000,B 0.0000,C 0.0000,S 2,T 0}\nENDDAT",
+                          moves));
+}
+
 // What stands before ":=" may be anything where brackets are missing.
 TEST(RobotProgramTest, WhatIsNoNameIsNoVariable) {
   const RobotProgram program = ParseProgram(

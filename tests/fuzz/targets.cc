@@ -297,8 +297,8 @@ void ReadRobotProgram(const std::string& input, const std::string& path) {
     }
   }
   if (!program.refused.empty()) return;
-  const RobotProgram again =
-      ReadBack(RewriteProgram(program, values), [&](const std::string& text) {
+  const RobotProgram again = ReadBack(
+      RewriteProgram(program, values)[0], [&](const std::string& text) {
         return ParseProgram(text, file, kNumJoints, frames);
       });
   Require(again.targets.size() == program.targets.size(),
