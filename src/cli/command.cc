@@ -54,7 +54,7 @@ std::vector<Command> InputCommands() {
            "orientations are refused."},
           {"arm"}, 2, 2, RunConvert),
       Command(
-          {"import", "FILE --arm=ARM.yaml",
+          {"import", "FILE [FILE --match=COLUMN] --arm=ARM.yaml",
            "read another program's measurements; write data set and job",
            "FILE is a text of any form that is certain: separators, decimal "
            "commas, encodings, titles, rows of units and words for what is "
@@ -64,8 +64,13 @@ std::vector<Command> InputCommands() {
            "writes data.csv and job.yaml, ready for `calibrate`, below "
            "--out=DIR (default: results/ and the file's name). What is not "
            "certain is refused, and said what to state; footers and other "
-           "lines of no measurement are left out by --exclude."},
-          {"arm", "out", "units", "rotation", "exclude"}, 1, 1, RunImport),
+           "lines of no measurement are left out by --exclude. A job.yaml that "
+           "is there and says something else is kept as job.yaml.old.\n"
+           "Two files are put together by the points' names in their rows, a "
+           "controller's log of joint values and an instrument's list of "
+           "positions, say: --match names the column."},
+          {"arm", "out", "units", "rotation", "exclude", "match"}, 1, 2,
+          RunImport),
       Command(
           {"simulate", "SIMULATION.yaml",
            "write a data set from an arm, its deviations, poses and noise",

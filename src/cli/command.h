@@ -50,6 +50,7 @@ struct CommandLine {
   int poses = 0;                 ///< --poses
   std::string units;             ///< --units; empty = not given
   std::string exclude;           ///< --exclude; empty = not given
+  std::string match;             ///< --match; empty = not given
 };
 
 /// The texts of a command.

@@ -49,6 +49,9 @@ DEFINE_bool(keep_going, false,
             "run all jobs whatever becomes of one, the default");
 DEFINE_string(list, "",
               "FILE jobs and folders, one a line, from the list's folder");
+DEFINE_string(match, "",
+              "COLUMN of two files that names the points: rows of the same "
+              "point are put together; A::P1 is P1");
 DEFINE_string(nominal, "",
               "ARM.yaml the arm that the controller believes in; of a result, "
               "the one that it was calibrated from by default");
@@ -64,8 +67,8 @@ DEFINE_string(table, "", "FORMAT of tables: csv (the default), yaml, latex");
 DEFINE_string(target, "", "NAME of the arm's target, where it has several");
 DEFINE_string(
     units, "",
-    "UNITS of columns whose names state none: mm,deg; found by the arm "
-    "otherwise");
+    "UNITS of columns whose names state none: mm,deg, or mm,rad,deg of "
+    "lengths, joints and orientations; found by the arm otherwise");
 DEFINE_string(refit, "",
               "PARTS found anew from the data before errors are taken: base, "
               "tool, references, with commas between them; of a check base, "
@@ -299,6 +302,7 @@ std::optional<CommandLine> ParseArguments(
                      FLAGS_refit,
                      FLAGS_poses,
                      FLAGS_units,
-                     FLAGS_exclude};
+                     FLAGS_exclude,
+                     FLAGS_match};
 }
 }  // namespace alidade::internal
