@@ -114,7 +114,8 @@ std::vector<Command> CalibrationCommands() {
           {"calibrate", "JOB.yaml",
            "run a whole calibration job and write its results",
            "Identifies, solves, validates, and writes the result directory "
-           "--out=DIR (default: results/ and the job's name): arm.yaml, "
+           "--out=DIR (default: results/ and the job's name; of a file called "
+           "job.yaml, `result` beside it): arm.yaml, "
            "result.json, report.txt, CSV files and SVG figures, and with "
            "--report report.html, a page that holds all of it.\n"
            "Exit status 1: an acceptance limit of the job is missed; 3: there "
@@ -278,6 +279,9 @@ void PrintResults(const std::vector<std::string>& paths) {
 std::string OutputDirectory(const CommandLine& line) {
   if (!line.out.empty()) return line.out;
   const std::filesystem::path file = line.files.front();
+  if (file.filename() == "job.yaml") {
+    return (file.parent_path() / "result").string();
+  }
   return "results/" + file.stem().string();
 }
 

@@ -113,6 +113,7 @@ ExitStatus RunCompletion(const CommandLine& line);
 void PrintResults(const std::vector<std::string>& paths);
 
 /// Where a command writes its results: --out, or results/ and the file's name.
+/// Of a file job.yaml, whose name says nothing, `result` beside it.
 std::string OutputDirectory(const CommandLine& line);
 
 /// Prints "alidade: MESSAGE" on standard error.
