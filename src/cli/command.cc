@@ -19,11 +19,13 @@ constexpr int kAnyNumber = std::numeric_limits<int>::max();
 
 std::vector<Command> InputCommands() {
   return {
-      Command({"robots", "", "list the arm files that come with the program",
-               "Prints the names by which jobs and commands take them, "
-               "'robots/ur10e' for one, and the folders that they are in. "
-               "Folders of your own go first: ALIDADE_ROBOTS=DIR:DIR..."},
-              {}, 0, 0, RunRobots),
+      Command(
+          {"robots", "[NAME]", "list the arm files that come with the program",
+           "Prints the names by which jobs and commands take them, "
+           "'robots/ur10e' for one, and the folders that they are in; with "
+           "NAME those that have it in theirs. Folders of your own go "
+           "first: ALIDADE_ROBOTS=DIR:DIR..."},
+          {}, 0, 1, RunRobots),
       Command(
           {"show", "ARM.yaml [DATA.csv] | JOB.yaml | RESULT.json",
            "print an arm, a data set, a job or a result as a table",

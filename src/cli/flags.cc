@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
 #include <utility>
 
 #include "alidade/error.h"
@@ -197,6 +198,29 @@ class ArgumentParser {
   CommandLine line_;
 };
 
+// A folder where a file is to say what to do.
+void RefuseFolder(const Command& command, const CommandLine& line) {
+  namespace fs = std::filesystem;
+  const std::string arguments = command.arguments;
+  std::error_code error;
+  if (line.files.empty() || FLAGS_check ||
+      arguments.find("DIR") != std::string::npos ||
+      !fs::is_directory(line.files.front(), error)) {
+    return;
+  }
+  for (const char* kind : {"job", "plan", "simulation"}) {
+    std::string upper = kind;
+    for (char& c : upper) c = static_cast<char>(c - 'a' + 'A');
+    if (arguments.rfind(upper + ".yaml", 0) != 0) continue;
+    const fs::path file =
+        fs::path(line.files.front()) / (std::string(kind) + ".yaml");
+    ThrowUsage(command,
+               line.files.front() + " is a folder, expected a " + kind +
+                   ", which is a YAML file" +
+                   (fs::exists(file, error) ? ": " + file.string() : ""));
+  }
+}
+
 void CheckLine(const Command& command, const CommandLine& line) {
   const auto count = static_cast<int>(line.files.size());
   if (count < command.min_files) {
@@ -214,6 +238,7 @@ void CheckLine(const Command& command, const CommandLine& line) {
                             " is a table of measurements, expected a job: "
                             "'alidade import' makes one of it");
   }
+  RefuseFolder(command, line);
   if (FLAGS_threads < 1 || FLAGS_threads > 1024) {
     ThrowUsage(command, "--threads = " + std::to_string(FLAGS_threads) +
                             ", must be between 1 and 1024");
