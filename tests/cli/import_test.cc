@@ -126,6 +126,22 @@ TEST_F(ImportTest, EachCalibrationHasAFolderOfItsOwn) {
                                    "run, and is removed"));
 }
 
+TEST_F(ImportTest, JobsOfSeveralImportsRunTogether) {
+  Write("cell.csv", Table(kPosition, PositionsOf(Poses(30))));
+  for (const char* name : {"left", "right"}) {
+    const ProcessResult imported =
+        Alidade(std::string("import cell.csv --arm=robots/irb120 "
+                            "--units=mm,deg --out=results/") +
+                name);
+    ASSERT_EQ(imported.status, 0) << imported.err;
+  }
+  const ProcessResult batch =
+      Alidade("batch results/left/job.yaml results/right/job.yaml --dry-run");
+  EXPECT_EQ(batch.status, 0) << batch.err;
+  EXPECT_THAT(batch.out, HasSubstr("left"));
+  EXPECT_THAT(batch.out, HasSubstr("right"));
+}
+
 TEST_F(ImportTest, AnEditedJobIsKept) {
   Write("cell.csv", Table(kPosition, PositionsOf(Poses(30))));
   const std::string import =
