@@ -1,5 +1,6 @@
 #include <glog/logging.h>
 
+#include <filesystem>
 #include <iostream>
 #include <set>
 #include <string>
@@ -42,6 +43,14 @@ void WarnOfIdle(const JobConfig& config, const Communicator& communicator) {
                   "as many files as there are processes, or more";
 }
 
+// What a result that may be used is for.
+void PrintNext(const std::string& directory) {
+  std::cout << "\nNext: alidade correct " << directory
+            << " PROGRAM  (or targets; docs/robot.md)\n      alidade plan "
+            << "--check " << directory << "  (poses that show at the robot "
+            << "whether it works)\n";
+}
+
 // What is printed and written is so by the root.
 ExitStatus Calibrate(const CommandLine& line, Communicator* communicator) {
   const bool is_root = communicator->is_root();
@@ -72,6 +81,8 @@ ExitStatus Calibrate(const CommandLine& line, Communicator* communicator) {
     return kExitNumerical;
   }
   progress.Show("writing " + directory);
+  const std::string page = directory + "/report.html";
+  const bool had_page = std::filesystem::exists(page);
   std::vector<ReportFile> files = RenderResult(result, outputs);
   if (line.report) {
     // Before result.json, which comes last.
@@ -80,11 +91,18 @@ ExitStatus Calibrate(const CommandLine& line, Communicator* communicator) {
   const std::vector<std::string> paths = WriteResultDirectory(directory, files);
   progress.Clear();
   PrintSummary(result, paths);
+  if (had_page && !std::filesystem::exists(page)) {
+    std::cout << "  " << page << " was that of an earlier run, and is removed: "
+              << "--report writes it anew\n";
+  }
   if (is_kept) return kExitNumerical;
   if (result.status == CalibrationStatus::kMissedLimits) {
     PrintError(path + ": " + result.message + "; " + directory +
                "/report.txt says which");
     return kExitMissedLimits;
+  }
+  if (result.verdict.decision() != VerdictDecision::kRejected) {
+    PrintNext(directory);
   }
   return kExitDone;
 }

@@ -66,8 +66,12 @@ class Checker {
   const Arm& RequireArm(const std::string& path) const {
     if (arm_) return *arm_;
     throw InputError({path, 0, 0, ""},
-                     "its names depend on the arm: name the arm's file before "
-                     "it");
+                     "a table of measurements, whose columns depend on the "
+                     "arm: name that before it, as in 'alidade check "
+                     "robots/ur10e " +
+                         path +
+                         "' ('alidade robots' lists arms); what another "
+                         "program wrote 'alidade import' reads");
   }
 
   const int num_threads_;

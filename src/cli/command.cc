@@ -19,11 +19,13 @@ constexpr int kAnyNumber = std::numeric_limits<int>::max();
 
 std::vector<Command> InputCommands() {
   return {
-      Command({"robots", "", "list the arm files that come with the program",
-               "Prints the names by which jobs and commands take them, "
-               "'robots/ur10e' for one, and the folders that they are in. "
-               "Folders of your own go first: ALIDADE_ROBOTS=DIR:DIR..."},
-              {}, 0, 0, RunRobots),
+      Command(
+          {"robots", "[NAME]", "list the arm files that come with the program",
+           "Prints the names by which jobs and commands take them, "
+           "'robots/ur10e' for one, and the folders that they are in; with "
+           "NAME those that have it in theirs. Folders of your own go "
+           "first: ALIDADE_ROBOTS=DIR:DIR..."},
+          {}, 0, 1, RunRobots),
       Command(
           {"show", "ARM.yaml [DATA.csv] | JOB.yaml | RESULT.json",
            "print an arm, a data set, a job or a result as a table",
@@ -54,7 +56,7 @@ std::vector<Command> InputCommands() {
            "orientations are refused."},
           {"arm"}, 2, 2, RunConvert),
       Command(
-          {"import", "FILE --arm=ARM.yaml",
+          {"import", "FILE [FILE --match=COLUMN] --arm=ARM.yaml",
            "read another program's measurements; write data set and job",
            "FILE is a text of any form that is certain: separators, decimal "
            "commas, encodings, titles, rows of units and words for what is "
@@ -64,8 +66,13 @@ std::vector<Command> InputCommands() {
            "writes data.csv and job.yaml, ready for `calibrate`, below "
            "--out=DIR (default: results/ and the file's name). What is not "
            "certain is refused, and said what to state; footers and other "
-           "lines of no measurement are left out by --exclude."},
-          {"arm", "out", "units", "rotation", "exclude"}, 1, 1, RunImport),
+           "lines of no measurement are left out by --exclude. A job.yaml that "
+           "is there and says something else is kept as job.yaml.old.\n"
+           "Two files are put together by the points' names in their rows, a "
+           "controller's log of joint values and an instrument's list of "
+           "positions, say: --match names the column."},
+          {"arm", "out", "units", "rotation", "exclude", "match"}, 1, 2,
+          RunImport),
       Command(
           {"simulate", "SIMULATION.yaml",
            "write a data set from an arm, its deviations, poses and noise",
@@ -109,7 +116,8 @@ std::vector<Command> CalibrationCommands() {
           {"calibrate", "JOB.yaml",
            "run a whole calibration job and write its results",
            "Identifies, solves, validates, and writes the result directory "
-           "--out=DIR (default: results/ and the job's name): arm.yaml, "
+           "--out=DIR (default: results/ and the job's name; of a file called "
+           "job.yaml, `result` beside it): arm.yaml, "
            "result.json, report.txt, CSV files and SVG figures, and with "
            "--report report.html, a page that holds all of it.\n"
            "Exit status 1: an acceptance limit of the job is missed; 3: there "
@@ -274,6 +282,9 @@ void PrintResults(const std::vector<std::string>& paths) {
 std::string OutputDirectory(const CommandLine& line) {
   if (!line.out.empty()) return line.out;
   const std::filesystem::path file = line.files.front();
+  if (file.filename() == "job.yaml") {
+    return (file.parent_path() / "result").string();
+  }
   return "results/" + file.stem().string();
 }
 

@@ -50,6 +50,7 @@ struct CommandLine {
   int poses = 0;                 ///< --poses
   std::string units;             ///< --units; empty = not given
   std::string exclude;           ///< --exclude; empty = not given
+  std::string match;             ///< --match; empty = not given
 };
 
 /// The texts of a command.
@@ -112,6 +113,7 @@ ExitStatus RunCompletion(const CommandLine& line);
 void PrintResults(const std::vector<std::string>& paths);
 
 /// Where a command writes its results: --out, or results/ and the file's name.
+/// Of a file job.yaml, whose name says nothing, `result` beside it.
 std::string OutputDirectory(const CommandLine& line);
 
 /// Prints "alidade: MESSAGE" on standard error.

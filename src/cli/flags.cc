@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
 #include <utility>
 
 #include "alidade/error.h"
@@ -49,6 +50,9 @@ DEFINE_bool(keep_going, false,
             "run all jobs whatever becomes of one, the default");
 DEFINE_string(list, "",
               "FILE jobs and folders, one a line, from the list's folder");
+DEFINE_string(match, "",
+              "COLUMN of two files that names the points: rows of the same "
+              "point are put together; A::P1 is P1");
 DEFINE_string(nominal, "",
               "ARM.yaml the arm that the controller believes in; of a result, "
               "the one that it was calibrated from by default");
@@ -64,8 +68,8 @@ DEFINE_string(table, "", "FORMAT of tables: csv (the default), yaml, latex");
 DEFINE_string(target, "", "NAME of the arm's target, where it has several");
 DEFINE_string(
     units, "",
-    "UNITS of columns whose names state none: mm,deg; found by the arm "
-    "otherwise");
+    "UNITS of columns whose names state none: mm,deg, or mm,rad,deg of "
+    "lengths, joints and orientations; found by the arm otherwise");
 DEFINE_string(refit, "",
               "PARTS found anew from the data before errors are taken: base, "
               "tool, references, with commas between them; of a check base, "
@@ -194,6 +198,29 @@ class ArgumentParser {
   CommandLine line_;
 };
 
+// A folder where a file is to say what to do.
+void RefuseFolder(const Command& command, const CommandLine& line) {
+  namespace fs = std::filesystem;
+  const std::string arguments = command.arguments;
+  std::error_code error;
+  if (line.files.empty() || FLAGS_check ||
+      arguments.find("DIR") != std::string::npos ||
+      !fs::is_directory(line.files.front(), error)) {
+    return;
+  }
+  for (const char* kind : {"job", "plan", "simulation"}) {
+    std::string upper = kind;
+    for (char& c : upper) c = static_cast<char>(c - 'a' + 'A');
+    if (arguments.rfind(upper + ".yaml", 0) != 0) continue;
+    const fs::path file =
+        fs::path(line.files.front()) / (std::string(kind) + ".yaml");
+    ThrowUsage(command,
+               line.files.front() + " is a folder, expected a " + kind +
+                   ", which is a YAML file" +
+                   (fs::exists(file, error) ? ": " + file.string() : ""));
+  }
+}
+
 void CheckLine(const Command& command, const CommandLine& line) {
   const auto count = static_cast<int>(line.files.size());
   if (count < command.min_files) {
@@ -211,6 +238,7 @@ void CheckLine(const Command& command, const CommandLine& line) {
                             " is a table of measurements, expected a job: "
                             "'alidade import' makes one of it");
   }
+  RefuseFolder(command, line);
   if (FLAGS_threads < 1 || FLAGS_threads > 1024) {
     ThrowUsage(command, "--threads = " + std::to_string(FLAGS_threads) +
                             ", must be between 1 and 1024");
@@ -299,6 +327,7 @@ std::optional<CommandLine> ParseArguments(
                      FLAGS_refit,
                      FLAGS_poses,
                      FLAGS_units,
-                     FLAGS_exclude};
+                     FLAGS_exclude,
+                     FLAGS_match};
 }
 }  // namespace alidade::internal

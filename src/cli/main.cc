@@ -58,6 +58,23 @@ std::string Paragraphs(const std::string& text) {
   return wrapped;
 }
 
+// Of the installation that the program belongs to, wherever that has been
+// moved; else of the source tree.
+std::string DocumentationFolder() {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  for (const fs::path& folder :
+       {program.parent_path() / ALIDADE_DOCS_FROM_PROGRAM,
+        fs::path(ALIDADE_SOURCE_DOCS)}) {
+    const fs::path found = fs::canonical(folder, error);
+    if (!error && fs::exists(found / "docs/files.md", error)) {
+      return found.string();
+    }
+  }
+  return ALIDADE_INSTALLED_DOCS;
+}
+
 void PrintUsage(std::ostream& out) {
   out << "alidade " << Version()
       << ": the true geometry of a robot arm from measured poses\n\n"
@@ -70,7 +87,9 @@ void PrintUsage(std::ostream& out) {
   out << "\n'alidade COMMAND --help' says more of one; 'alidade --version' "
          "prints the version.\n"
          "Exit status: 0 done; 1 an acceptance limit is missed or a check "
-         "failed; 2 bad\nusage or input; 3 a numerical failure.\n";
+         "failed; 2 bad\nusage or input; 3 a numerical failure.\n"
+         "Documentation: "
+      << DocumentationFolder() << "\n";
 }
 
 void PrintHelp(const Command& command) {
@@ -88,6 +107,8 @@ void PrintHelp(const Command& command) {
     std::cout << "\n'alidade keys " << format.name
               << "' lists all that the file " << file << " may say.\n";
   }
+  std::cout << "\nPages that are named here are in " << DocumentationFolder()
+            << "\n";
 }
 
 const Command& FindCommand(const std::string& name) {
@@ -127,7 +148,11 @@ ExitStatus Main(const std::vector<std::string>& arguments) {
   }
   const std::string& first = arguments.front();
   if (first == "--help" || first == "-h" || first == "help") {
-    PrintUsage(std::cout);
+    if (arguments.size() > 1) {
+      PrintHelp(FindCommand(arguments[1]));
+    } else {
+      PrintUsage(std::cout);
+    }
     return kExitDone;
   }
   if (first == "--version") {

@@ -74,6 +74,27 @@ bool IsRotation(const Words& words) {
                           "quat", "r", "angle"});
 }
 
+// 1 to 6 of Universal Robots' names; -1 where it is none of them.
+int NamedJointOf(const Words& words) {
+  Words name;
+  for (const std::string& word : words) {
+    const bool is_filler =
+        IsOneOf(word, {"joint", "angle", "actual", "act", "measured", "meas",
+                       "q", "pos", "position", "axis"});
+    if (!is_filler) name.push_back(word);
+  }
+  if (name.size() == 1) {
+    constexpr std::array<std::string_view, 3> kFirst = {"base", "shoulder",
+                                                        "elbow"};
+    const auto found = std::find(kFirst.begin(), kFirst.end(), name[0]);
+    return found == kFirst.end() ? -1
+                                 : static_cast<int>(found - kFirst.begin()) + 1;
+  }
+  if (name.size() != 2 || name[0] != "wrist") return -1;
+  const int number = ParseWhole<int>(name[1]).value_or(-1);
+  return number >= 1 && number <= 3 ? number + 3 : -1;
+}
+
 // -1 where the name is no joint's.
 int JointOf(const Words& words) {
   for (std::size_t i = 1; i < words.size(); ++i) {
@@ -136,11 +157,57 @@ int MatrixPartOf(const Words& words) {
   return 3 * (row - 1) + column - 1;
 }
 
+std::string Joined(const Words& words) {
+  std::string text;
+  for (const std::string& word : words) text += word;
+  return text;
+}
+
+// "smr1" of "SMR1 X" and "smr_1_x_mm".
+std::string OwnerOf(Words words) {
+  const auto axis = std::find_if(
+      words.begin(), words.end(),
+      [](const std::string& word) { return PositionAxisOf({word}) >= 0; });
+  if (axis != words.end()) words.erase(axis);
+  return Joined(words);
+}
+
+// Columns of x, y, z that belong together, by what else is in their names.
+struct OwnedPosition {
+  std::string owner;
+  std::vector<int> columns = std::vector<int>(3, 0);  // 0 = none
+
+  bool IsWhole() const {
+    return !owner.empty() && std::count(columns.begin(), columns.end(), 0) == 0;
+  }
+};
+
+// As YAML reads it in a list.
+std::string YamlName(const std::string& name) {
+  const bool is_plain =
+      !name.empty() &&
+      name.find_first_of(",[]{}:#&*!|>'\"%@`?-") == std::string::npos;
+  return is_plain ? name : "\"" + name + "\"";
+}
+
+std::string YamlList(const std::vector<int>& columns,
+                     const std::vector<std::string>& names) {
+  std::string text;
+  for (const int column : columns) {
+    text += (text.empty() ? "[" : ", ") +
+            YamlName(names[static_cast<std::size_t>(column) - 1]);
+  }
+  return text + "]";
+}
+
 class RoleFinder {
  public:
   RoleFinder(const std::string& path, const std::vector<std::string>& names,
-             int num_joints)
-      : path_(path), names_(names), num_joints_(num_joints) {}
+             int num_joints, const std::vector<std::string>& targets)
+      : path_(path),
+        names_(names),
+        num_joints_(num_joints),
+        targets_(targets) {}
 
   ColumnRoles Find() const {
     if (WithoutUnit(names_.front()) == "1" &&
@@ -149,6 +216,10 @@ class RoleFinder {
     }
     ColumnRoles roles;
     roles.joints = Joints();
+    if (targets_.size() > 1) roles.targets = Targets();
+    // Orientations are of one target in a row.
+    if (!roles.targets.empty()) return roles;
+    RefuseSeveralPositions(roles);
     roles.position = Group(PositionAxisOf, 3);
     const std::vector<int> quaternion = Group(QuaternionPartOf, 4);
     roles.matrix = Group(MatrixPartOf, 9);
@@ -156,7 +227,9 @@ class RoleFinder {
     if (roles.matrix.empty() && quaternion.empty()) {
       roles.angles = Group(AngleOf, 3);
     }
-    if (roles.position.empty()) FailMissing("the position: x, y and z");
+    if (roles.position.empty()) {
+      FailMissing("the position: x, y and z", kNoPositions);
+    }
     return roles;
   }
 
@@ -165,19 +238,89 @@ class RoleFinder {
 
   int size() const { return static_cast<int>(names_.size()); }
 
-  [[noreturn]] void FailMissing(const std::string& what) const {
-    throw InputError({path_, 0, 0, ""}, "no columns seem to hold " + what +
-                                            ", among " + JoinNames(names_) +
-                                            kRemedy);
+  Words WordsAt(int i) const {
+    return WordsOf(names_[static_cast<std::size_t>(i)]);
   }
 
-  [[noreturn]] void FailTwice(int first, int second) const {
+  // "; a job can name them: ...".
+  std::string Remedy() const {
+    return "; a job can name them: `data: {file: ..., columns: {joints: [...], "
+           "position: [...]}}`, or rename the columns to J1 ... J" +
+           std::to_string(num_joints_) + ", X, Y, Z";
+  }
+
+  [[noreturn]] void FailMissing(const std::string& what,
+                                const std::string& why = "") const {
+    throw InputError({path_, 0, 0, ""}, "no columns seem to hold " + what +
+                                            ", among " + JoinNames(names_) +
+                                            Remedy() + why);
+  }
+
+  [[noreturn]] void FailTwice(int first, int second,
+                              const std::string& remedy) const {
     throw InputError({path_, 0, 0, ""},
                      "columns " + std::to_string(first) + " (" +
                          Quote(names_[static_cast<std::size_t>(first) - 1]) +
                          ") and " + std::to_string(second) + " (" +
                          Quote(names_[static_cast<std::size_t>(second) - 1]) +
-                         ") seem to hold the same" + kRemedy);
+                         ") seem to hold the same" + remedy);
+  }
+
+  std::vector<OwnedPosition> OwnedPositions() const {
+    std::vector<OwnedPosition> all;
+    for (int i = 0; i < size(); ++i) {
+      const Words words = WordsAt(i);
+      const int axis = PositionAxisOf(words);
+      if (axis < 0) continue;
+      const std::string owner = OwnerOf(words);
+      auto found = std::find_if(
+          all.begin(), all.end(),
+          [&](const OwnedPosition& one) { return one.owner == owner; });
+      if (found == all.end()) {
+        all.push_back({owner});
+        found = all.end() - 1;
+      }
+      int& column = found->columns[static_cast<std::size_t>(axis)];
+      if (column != 0) FailTwice(column, i + 1, Remedy());
+      column = i + 1;
+    }
+    all.erase(
+        std::remove_if(all.begin(), all.end(),
+                       [](const OwnedPosition& one) { return !one.IsWhole(); }),
+        all.end());
+    return all;
+  }
+
+  std::vector<std::pair<std::string, std::vector<int>>> Targets() const {
+    std::vector<std::pair<std::string, std::vector<int>>> found;
+    for (const OwnedPosition& one : OwnedPositions()) {
+      for (const std::string& target : targets_) {
+        if (Joined(WordsOf(target)) != one.owner) continue;
+        found.emplace_back(target, one.columns);
+      }
+    }
+    return found;
+  }
+
+  // Of targets that the arm does not have.
+  void RefuseSeveralPositions(const ColumnRoles& roles) const {
+    const std::vector<OwnedPosition> all = OwnedPositions();
+    if (all.size() < 2) return;
+    ColumnRoles as_targets;
+    as_targets.joints = roles.joints;
+    for (const OwnedPosition& one : all) {
+      as_targets.targets.emplace_back(one.owner, one.columns);
+    }
+    const bool has_targets = targets_.size() > 1;
+    FailTwice(
+        all[0].columns[0], all[1].columns[0],
+        ": where they are of several targets, the arm file has to name its "
+        "`targets` so (" +
+            (has_targets ? "it names " + JoinNames(targets_)
+                         : std::string("as robots/irb120_reflectors does")) +
+            "), or a job says which is which: `data: {file: ..., columns: {" +
+            DescribeMapping(as_targets, names_) +
+            "}}`; of one target, it names one `position`");
   }
 
   // All of the parts or none.
@@ -187,12 +330,23 @@ class RoleFinder {
       const int part = role(WordsOf(names_[static_cast<std::size_t>(i)]));
       if (part < 0) continue;
       int& column = columns[static_cast<std::size_t>(part)];
-      if (column != 0) FailTwice(column, i + 1);
+      if (column != 0) FailTwice(column, i + 1, Remedy());
       column = i + 1;
     }
     const bool is_whole =
         std::find(columns.begin(), columns.end(), 0) == columns.end();
     return is_whole ? columns : std::vector<int>();
+  }
+
+  std::map<int, int> NamedJoints() const {
+    std::map<int, int> found;
+    for (int i = 0; i < size(); ++i) {
+      const int joint = NamedJointOf(WordsAt(i));
+      if (joint < 0) continue;
+      const auto [at, is_new] = found.emplace(joint, i + 1);
+      if (!is_new) FailTwice(at->second, i + 1, Remedy());
+    }
+    return found;
   }
 
   std::vector<int> Joints() const {
@@ -201,14 +355,16 @@ class RoleFinder {
       const int joint = JointOf(WordsOf(names_[static_cast<std::size_t>(i)]));
       if (joint < 0) continue;
       const auto [at, is_new] = found.emplace(joint, i + 1);
-      if (!is_new) FailTwice(at->second, i + 1);
+      if (!is_new) FailTwice(at->second, i + 1, Remedy());
     }
+    if (found.empty() && num_joints_ == 6) found = NamedJoints();
     const int first = found.count(0) > 0 ? 0 : 1;
     std::vector<int> joints;
     for (int j = first; j < first + num_joints_; ++j) {
       if (found.count(j) == 0) {
-        FailMissing("joint " + std::to_string(j) + " of " +
-                    std::to_string(num_joints_));
+        FailMissing(
+            "joint " + std::to_string(j) + " of " + std::to_string(num_joints_),
+            found.empty() ? kNoJoints : "");
       }
       joints.push_back(found.at(j));
     }
@@ -242,26 +398,45 @@ class RoleFinder {
       throw InputError({path_, 0, 0, ""},
                        "has no header and " + std::to_string(size()) +
                            " columns, expected " + std::to_string(least) +
-                           ": the joints', then x, y, z" + kRemedy);
+                           ": the joints', then x, y, z" + Remedy());
     }
     return roles;
   }
 
-  static constexpr char kRemedy[] =
-      "; a job can name them: `data: {file: ..., columns: {joints: [...], "
-      "position: [...]}}`";
+  static constexpr char kNoJoints[] =
+      "; where another file has the joint values, `import JOINTS.csv "
+      "POINTS.txt --match=COLUMN` puts the rows together by the points' names";
+  static constexpr char kNoPositions[] =
+      "; where another file has the positions, `import JOINTS.csv POINTS.txt "
+      "--match=COLUMN` puts the rows together by the points' names";
 
   const std::string& path_;
   const std::vector<std::string>& names_;
   const int num_joints_;
+  const std::vector<std::string>& targets_;
 };
 
 }  // namespace
 
 ColumnRoles FindColumnRoles(const std::string& path,
                             const std::vector<std::string>& names,
-                            int num_joints) {
-  return RoleFinder(path, names, num_joints).Find();
+                            int num_joints,
+                            const std::vector<std::string>& targets) {
+  return RoleFinder(path, names, num_joints, targets).Find();
+}
+
+std::string DescribeMapping(const ColumnRoles& roles,
+                            const std::vector<std::string>& names) {
+  std::string text = "joints: " + YamlList(roles.joints, names);
+  if (roles.targets.empty()) {
+    return text + ", position: " + YamlList(roles.position, names);
+  }
+  std::string targets;
+  for (const auto& [name, columns] : roles.targets) {
+    targets += (targets.empty() ? "" : ", ") + YamlName(name) + ": " +
+               YamlList(columns, names);
+  }
+  return text + ", targets: {" + targets + "}";
 }
 
 }  // namespace alidade::internal

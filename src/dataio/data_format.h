@@ -42,6 +42,7 @@ struct ColumnMapping {
   /// Of headers that state none; null: those of the format.
   const Unit* length_unit = nullptr;
   const Unit* angle_unit = nullptr;
+  const Unit* rotation_unit = nullptr;  ///< of orientations; null: angle_unit
 };
 
 /// DataFormat::sigma of those who want to know what a file states: rows without
@@ -60,6 +61,8 @@ struct DataFormat {
   bool is_inverse = false;
   /// Orientations are passed over.
   bool ignore_rotation = false;
+  /// All is passed over but positions, orientations, their sigmas and targets.
+  bool poses_only = false;
   double sigma = 1e-3;  ///< of lengths without a sigma of their own (m)
   /// Of orientations without sigmas of their own (rad), about each axis of the
   /// instrument; 0 = DefaultRotationSigma(sigma).

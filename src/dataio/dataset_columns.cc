@@ -86,6 +86,16 @@ void IgnoreOthers(const DataFormat& format, DatasetColumns* columns) {
   }
   if (no_rotation || given > 0) Ignore(columns->vector, 3, columns);
   if (no_rotation) Ignore(columns->turn_sigma, 3, columns);
+  if (format.poses_only) {
+    for (const int text :
+         {columns->distance, columns->distance_sigma, columns->point.front(),
+          columns->plane, columns->from, columns->set, columns->station}) {
+      Ignore(text, 1, columns);
+    }
+    Ignore(columns->difference, 3, columns);
+    Ignore(columns->difference_sigma, 3, columns);
+    Ignore(columns->covariance, 6, columns);
+  }
   if (mapping.targets.empty()) return;
   Ignore(columns->position, 3, columns);
   Ignore(columns->target, 1, columns);
@@ -93,9 +103,9 @@ void IgnoreOthers(const DataFormat& format, DatasetColumns* columns) {
 
 // Those that the mapping states hold for all headers, those of the job for the
 // ones that the mapping names.
-void SetDefaultUnits(const DataFormat& format, std::vector<ColumnSpec>* specs) {
+void SetDefaultUnits(const DataFormat& format, DatasetColumns* columns) {
   const ColumnMapping& mapping = format.columns;
-  for (ColumnSpec& spec : *specs) {
+  for (ColumnSpec& spec : columns->specs) {
     const bool is_angle = spec.type == ColumnType::kAngle;
     if (!is_angle && spec.type != ColumnType::kLength) continue;
     const Unit* const stated =
@@ -105,6 +115,13 @@ void SetDefaultUnits(const DataFormat& format, std::vector<ColumnSpec>* specs) {
     spec.default_unit = stated != nullptr     ? stated
                         : spec.mapped.empty() ? nullptr
                                               : of_job;
+  }
+  if (mapping.rotation_unit == nullptr) return;
+  for (const int first : {columns->angles, columns->vector,
+                          columns->angle_sigma, columns->turn_sigma}) {
+    for (int i = first; i < first + 3; ++i) {
+      columns->specs[i].default_unit = mapping.rotation_unit;
+    }
   }
 }
 
@@ -345,7 +362,7 @@ DatasetColumns MakeDatasetColumns(const Arm& arm, const DataFormat& format) {
                                            specs));
   }
   IgnoreOthers(format, &columns);
-  SetDefaultUnits(format, specs);
+  SetDefaultUnits(format, &columns);
   return columns;
 }
 

@@ -275,6 +275,7 @@ int DatasetRows::ReadPosition(const TableRow& row, int first,
 
 void DatasetRows::ReadOrientation(const TableRow& row,
                                   StatedObservation* stated) const {
+  if (groups_.angles) RefuseLargeAngles(row, header_, columns_.angles);
   const Eigen::Vector3d vector = VectorFromRotation(
       ReadRotation(row, columns_, groups_, format_.rotation));
   std::copy_n(vector.data(), 3, stated->measured.begin() + 3);

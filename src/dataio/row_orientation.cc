@@ -5,7 +5,9 @@
 
 #include "alidade/rotation.h"
 #include "src/common/names.h"
+#include "src/common/number_text.h"
 #include "src/common/text.h"
+#include "src/dataio/csv_columns.h"
 
 namespace alidade::internal {
 namespace {
@@ -54,6 +56,25 @@ bool HasOrientation(const TableRow& row, const DatasetColumns& columns,
                                         : Quote(row.Text(one))));
   }
   return missing == 0;
+}
+
+void RefuseLargeAngles(const TableRow& row, const TableHeader& header,
+                       int first) {
+  constexpr double kMost = 10.0;  // rad
+  for (int i = first; i < first + 3; ++i) {
+    if (!(std::abs(row.Number(i)) > kMost)) continue;
+    const Unit* const unit =
+        header.columns()[static_cast<std::size_t>(header.ColumnOf(i))].unit;
+    if (unit == nullptr || unit->InSi() != 1.0) continue;
+    const std::string name(WithoutUnit(header.NameOf(i)));
+    row.Fail(i, "found " + ShortestNumber(row.Number(i)) +
+                    " rad, an angle of an orientation of more than 10 rad: are "
+                    "these degrees? A header may say so (" +
+                    name +
+                    "_deg), `unit` of the job's `columns` ([mm, rad, deg]: of "
+                    "lengths, joints and orientations), or "
+                    "--units=mm,rad,deg of `import`");
+  }
 }
 
 Eigen::Matrix3d ReadRotation(

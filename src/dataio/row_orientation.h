@@ -18,6 +18,11 @@ Eigen::Vector3d VectorOf(const TableRow& row, int first);
 bool HasOrientation(const TableRow& row, const DatasetColumns& columns,
                     const MeasuredGroups& groups);
 
+/// Refuses three angles, from `first` on, of more than 10 rad: degrees that are
+/// read as radians. @throws InputError.
+void RefuseLargeAngles(const TableRow& row, const TableHeader& header,
+                       int first);
+
 /// The orientation of a row that has one, by whichever group of columns it is
 /// stated; `convention` is that of angles. @throws InputError where a
 /// quaternion or a matrix is none.

@@ -150,6 +150,56 @@ std::string UnitHint(const Arm& arm, const Dataset& data, double predicted) {
   return hint;
 }
 
+// Whether the check passes with other options; not where it cannot be made.
+bool WouldPass(const ArmSource& source, const Dataset& data,
+               const std::string& path, const VerificationOptions& options) {
+  try {
+    const Arm& arm = Calibrated(source).arm;
+    Dataset taken = data;
+    if (options.corrected) {
+      taken.joint_values = JointsTaken(source, data, path);
+    }
+    const bool refits = options.refit_base || options.refit_tool;
+    const ArmCheckResult check = Check(
+        source, refits ? Refitted(arm, taken, options) : arm, taken, options);
+    return check.passes && check.degrees_of_freedom >= 1.0;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+// What was done otherwise than said, where the check passes so: the other kind
+// of joint values, or an instrument that has been moved. `data` as they were
+// read.
+std::string OptionHint(const ArmSource& source, const Dataset& data,
+                       const std::string& path,
+                       const VerificationOptions& options) {
+  VerificationOptions other = options;
+  other.corrected = !options.corrected;
+  if (WouldPass(source, data, path, other)) {
+    return options.corrected
+               ? "Without --corrected it would pass: were the joint values "
+                 "driven as they stand in the file?"
+               : "With --corrected it would pass: were these poses driven with "
+                 "corrected joint values?";
+  }
+  if (options.refit_base) return "";
+  for (const bool corrected : {options.corrected, !options.corrected}) {
+    other = options;
+    other.refit_base = true;
+    other.corrected = corrected;
+    if (!WouldPass(source, data, path, other)) continue;
+    return std::string("With --refit=base") +
+           (options.refit_tool ? ",tool" : "") +
+           (corrected == options.corrected ? ""
+            : corrected                    ? " and --corrected"
+                                           : " and without --corrected") +
+           " it would pass: was the instrument, or the robot's base, moved "
+           "since the calibration?";
+  }
+  return "";
+}
+
 // Limits narrowed to what was measured: elsewhere the calibration is an
 // extrapolation, and a check would be one too.
 Arm WithinMeasured(const ArmSource& source) {
@@ -188,6 +238,7 @@ ArmCheckResult VerifyArm(const ArmSource& source, const std::string& path,
                          " of a check; `validate` without --check takes any "
                          "number");
   }
+  const Dataset as_read = data;
   if (options.corrected) {
     data.joint_values = JointsTaken(source, data, path);
   }
@@ -202,6 +253,9 @@ ArmCheckResult VerifyArm(const ArmSource& source, const std::string& path,
   }
   if (!result.passes) {
     result.hint = UnitHint(calibrated.arm, data, result.predicted_rms);
+    if (result.hint.empty()) {
+      result.hint = OptionHint(source, as_read, path, options);
+    }
   }
   return result;
 }

@@ -1,10 +1,8 @@
 #include "src/job/import_data.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
-#include <set>
 #include <tuple>
 #include <utility>
 
@@ -14,20 +12,24 @@
 #include "src/common/format.h"
 #include "src/common/names.h"
 #include "src/common/number_text.h"
-#include "src/common/text.h"
 #include "src/dataio/column_roles.h"
 #include "src/dataio/csv_columns.h"
-#include "src/dataio/csv_layout.h"
 #include "src/dataio/csv_lines.h"
+#include "src/dataio/dataset_columns.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/dataio/dataset_npy.h"
-#include "src/dataio/text_encoding.h"
+#include "src/job/import_text.h"
+#include "src/job/lost_targets.h"
+#include "src/job/orientation_misfit.h"
+#include "src/job/rotation_search.h"
+#include "src/job/unused_columns.h"
 #include "src/model/motors.h"
 
 namespace alidade::internal {
 namespace {
 
-constexpr Eigen::Index kPosesToHoldOut = 20;
+// Angles of an orientation beyond it are in degrees: a little more than 2 pi.
+constexpr double kTurn = 6.4;
 
 std::vector<std::string> Numbers(const std::vector<int>& columns) {
   std::vector<std::string> numbers;
@@ -35,102 +37,96 @@ std::vector<std::string> Numbers(const std::vector<int>& columns) {
   return numbers;
 }
 
+StatedDialect DialectOf(const ImportRequest& request) {
+  if (IsNpy(request.path)) {
+    throw InputError({request.path, 0, 0, ""},
+                     "an array states its columns: jobs read it as it is");
+  }
+  StatedDialect dialect;
+  dialect.excluded_lines = request.excluded_lines;
+  return dialect;
+}
+
+std::vector<std::string> TargetNames(const Arm& arm) {
+  std::vector<std::string> names;
+  for (const Target& target : arm.targets) names.push_back(target.name);
+  return names;
+}
+
 class Importer {
  public:
-  explicit Importer(const ImportRequest& request) : request_(request) {
-    if (IsNpy(request.path)) {
-      throw InputError({request.path, 0, 0, ""},
-                       "an array states its columns: jobs read it as it is");
-    }
+  explicit Importer(const ImportRequest& request)
+      : request_(request),
+        text_(request.path, DialectOf(request), request.exclude),
+        names_(text_.names()) {
+    format_.dialect.excluded_lines = request.excluded_lines;
+    format_.exclude = request.exclude;
   }
 
   ImportedData Import() {
-    ReadLayout();
-    roles_ = FindColumnRoles(request_.path, names_, NumMotors(request_.arm));
+    DescribeText();
+    text_.RefuseShortRows();
+    roles_ = FindColumnRoles(request_.path, names_, NumMotors(request_.arm),
+                             TargetNames(request_.arm));
+    text_.RefuseEmptyAtEnd(roles_.joints);
+    NoteEmptyAtEnd();
     SetFormat();
     FindUnits();
+    FindRotationUnit();
     LoadedData loaded = Load(format_);
     if (LeaveOutLost(loaded.data, ArmReach(request_.arm))) {
       loaded = Load(format_);
     }
     Describe(loaded);
-    NoteUnused();
+    DescribeOwn();
+    NoteRotation(loaded.data);
+    for (const std::string& note :
+         NotesOnUnused(result_.columns, {request_.path, roles_, text_})) {
+      result_.notes.push_back(note);
+    }
     FindPlaces(loaded.data);
     result_.loaded = std::move(loaded);
     return std::move(result_);
   }
 
  private:
-  // Columns that are passed over and look as if they said something of use.
-  void NoteUnused() {
-    const auto is_unused = [&](const std::string& name) {
-      return std::any_of(result_.columns.begin(), result_.columns.end(),
-                         [&](const ImportedData::Column& column) {
-                           return column.use.empty() && column.name == name;
-                         });
-    };
-    for (const ImportedData::Column& column : result_.columns) {
-      const std::string& name = column.name;
-      if (!column.use.empty() ||
-          (name != "station" && name != "Station" && name != "STATION")) {
-        continue;
-      }
-      result_.notes.emplace_back(
-          "where the instrument stood is passed over: in the job, `data: "
-          "{file: data.csv, stations: {NAME: FIRST-LAST, ...}}` gives each "
-          "place a base of its own, by lines of that file");
-    }
-    if (is_unused("A") && is_unused("B") && is_unused("C")) {
-      result_.notes.emplace_back(
-          "A, B and C are passed over: where they are KUKA's angles, rename "
-          "them rz, ry and rx, and state --rotation=intrinsic_zyx");
-    }
+  void NoteEmptyAtEnd() {
+    const std::vector<int> lines = text_.EmptyAtEnd(Positions());
+    if (lines.size() < 2) return;
+    result_.notes.push_back(
+        "the last rows have no positions (lines " + LinesText(lines) +
+        "): if columns have slipped, pasted a few rows higher than the "
+        "others, all rows are wrong");
   }
 
-  void ReadLayout() {
-    const TextFile text = OpenText(MappedFile(request_.path));
-    const std::string_view all = text.file.text().substr(text.begin);
-    format_.dialect.excluded_lines = request_.excluded_lines;
-    format_.exclude = request_.exclude;
-    const CsvLayout layout = FindCsvLayout(request_.path, all, format_.dialect);
-    names_ = layout.names;
-    separator_ = layout.dialect.separator;
-    if (names_.empty()) {
-      throw InputError({request_.path, 0, 0, ""}, "holds no table");
+  void DescribeText() {
+    result_.notes = text_.Notes();
+    for (const std::string& name : names_) {
+      result_.columns.push_back({name, "", "", ""});
     }
-    if (!text.encoding.empty()) {
-      result_.notes.push_back("the text is " + text.encoding);
-    }
-    result_.notes.insert(result_.notes.end(), layout.notes.begin(),
-                         layout.notes.end());
-    std::string_view rest = all.substr(layout.rows);
-    std::vector<std::string_view> cells;
-    while (!rest.empty() && cells.empty()) {
-      const std::string_view line = TakeLine(&rest);
-      if (IsPassedOver(line, layout.dialect.separator)) continue;
-      SplitCells(line, layout.dialect.separator, &cells);
-    }
-    for (std::size_t i = 0; i < names_.size(); ++i) {
-      const std::string first = i < cells.size() ? TextOf(cells[i]) : "";
-      result_.columns.push_back({names_[i], "", "", first});
-    }
+    bool is_first = true;
+    text_.VisitRows([&](const ImportText::Cells& cells, int /*line*/) {
+      if (!std::exchange(is_first, false)) return;
+      for (std::size_t i = 0; i < std::min(names_.size(), cells.size()); ++i) {
+        result_.columns[i].first = TextOf(cells[i]);
+      }
+    });
   }
 
   void FindPlaces(const Dataset& data) {
-    const TextFile text = OpenText(MappedFile(request_.path));
-    std::string_view rest = text.file.text().substr(text.begin);
-    const bool has_label = result_.columns.front().use.empty();
-    const std::string name = names_[0] == "1" ? "" : names_[0] + " ";
-    int number = 0;
-    std::vector<std::string_view> cells;
+    std::map<int, std::string> labels;
+    if (result_.columns.front().use.empty()) {
+      const std::string name = names_[0] == "1" ? "" : names_[0] + " ";
+      text_.VisitRows([&](const ImportText::Cells& cells, int line) {
+        labels[line] = WithoutMarks(name + TextOf(cells[0]));
+      });
+    }
     for (std::size_t i = 0; i < data.sources.size(); ++i) {
-      std::string_view line;
-      for (; number < data.sources[i].line; ++number) line = TakeLine(&rest);
-      std::string place = "line " + std::to_string(number);
-      if (has_label && SplitCells(line, separator_, &cells) == nullptr) {
-        place = WithoutMarks(name + TextOf(cells[0])) + " (" + place + ")";
-      }
-      result_.places.push_back(place);
+      const int line = data.sources[i].line;
+      const std::string place = "line " + std::to_string(line);
+      const auto label = labels.find(line);
+      result_.places.push_back(
+          label == labels.end() ? place : label->second + " (" + place + ")");
     }
   }
 
@@ -146,10 +142,14 @@ class Importer {
   void SetFormat() {
     format_.sigma = kUnstatedSigma;
     format_.ignore_others = true;
+    format_.poses_only = true;
     format_.logs_findings = false;
     ColumnMapping& columns = format_.columns;
     columns.joints = Numbers(roles_.joints);
     columns.position = Numbers(roles_.position);
+    for (const auto& [name, position] : roles_.targets) {
+      columns.targets.emplace_back(name, Numbers(position));
+    }
     format_.rotation = request_.rotation;
     const bool has_angles = !roles_.angles.empty() && request_.rotation;
     if (!roles_.quaternion.empty()) {
@@ -161,18 +161,16 @@ class Importer {
     } else {
       format_.ignore_rotation = true;
     }
-    if (!roles_.angles.empty() && !has_angles) {
-      result_.notes.emplace_back(
-          "three angles state an orientation in many ways: they are passed "
-          "over, --rotation=CONVENTION reads them");
-    }
     const Arm& arm = request_.arm;
-    if (arm.num_targets() > 1 &&
+    if (arm.num_targets() > 1 && roles_.targets.empty() &&
         std::find(names_.begin(), names_.end(), "target") == names_.end()) {
       throw InputError({request_.path, 0, 0, "target"},
-                       "arm " + Quote(arm.name) +
-                           " has several targets, expected a column target "
-                           "that names one of them");
+                       "arm " + Quote(arm.name) + " has the targets " +
+                           JoinNames(TargetNames(arm)) +
+                           ", expected a column target that names one of "
+                           "them, or columns of each (" +
+                           arm.targets[0].name + " X, " + arm.targets[0].name +
+                           " Y ...)");
     }
   }
 
@@ -198,10 +196,19 @@ class Importer {
     return units;
   }
 
+  // The columns of all positions.
+  std::vector<int> Positions() const {
+    std::vector<int> columns = roles_.position;
+    for (const auto& [name, position] : roles_.targets) {
+      columns.insert(columns.end(), position.begin(), position.end());
+    }
+    return columns;
+  }
+
   // By the fit of the positions to the nominal arm with any base and tool.
   void FindUnits() {
     const std::vector<const Unit*> lengths =
-        Candidates(roles_.position, request_.length_unit, {"mm", "m", "in"});
+        Candidates(Positions(), request_.length_unit, {"mm", "m", "in"});
     const std::vector<const Unit*> angles =
         Candidates(roles_.joints, request_.angle_unit, {"deg", "rad"});
     if (lengths.size() * angles.size() > 1) {
@@ -257,137 +264,124 @@ class Importer {
         {request_.path, 0, 0, ""},
         "the names of columns state no units, and under none, or several, of "
         "mm, m, inches, degrees and radians do the positions fit the arm: "
-        "expected --units=mm,deg, or another arm");
+        "expected --units=mm,deg, or another arm; or joint values and "
+        "positions are not of the same poses, as where columns have slipped "
+        "by some rows");
+  }
+
+  const Unit* StatedRotationUnit() const {
+    return request_.rotation_unit != nullptr ? request_.rotation_unit
+                                             : request_.angle_unit;
+  }
+
+  // Of three angles, whose unit may be another than that of the joints.
+  void FindRotationUnit() {
+    ColumnMapping& columns = format_.columns;
+    if (columns.orientation.size() != 3 || !NeedsUnit(roles_.angles)) return;
+    columns.rotation_unit = StatedRotationUnit();
+    if (columns.rotation_unit != nullptr) return;
+    const double largest = text_.LargestOf(roles_.angles);
+    if (largest > kTurn) {
+      columns.rotation_unit = FindHeaderUnit("deg");
+      result_.notes.push_back(
+          "angles of the orientation are in degrees: the largest is " +
+          FormatSignificant(largest, 3));
+      return;
+    }
+    const std::optional<double> degrees = RotationMisfitWith("deg");
+    const std::optional<double> radians = RotationMisfitWith("rad");
+    constexpr double kClear = 3.0;
+    if (degrees && radians) {
+      const bool are_degrees = *degrees < *radians;
+      const auto [best, other] = std::minmax(*degrees, *radians);
+      if (best < kOrientationFits && other > kClear * best) {
+        columns.rotation_unit = FindHeaderUnit(are_degrees ? "deg" : "rad");
+        result_.notes.push_back(
+            std::string("angles of the orientation are in ") +
+            (are_degrees ? "degrees" : "radians") +
+            ": so they fit the arm, to " +
+            FormatSignificant(best / kDegree, 2) + " deg");
+        return;
+      }
+    }
+    const std::string& name =
+        names_[static_cast<std::size_t>(roles_.angles.front()) - 1];
+    throw InputError({request_.path, 0, 0, name},
+                     "the unit of the orientation's angles is not stated, and "
+                     "the arm does not show it: expected --units=mm,rad,deg "
+                     "(of lengths, joints and orientation), or units in the "
+                     "headers (" +
+                         name + "_deg); or another --rotation");
+  }
+
+  // What the arm says of the convention of three angles.
+  void NoteRotation(const Dataset& data) {
+    if (roles_.angles.empty()) return;
+    constexpr Eigen::Index kMostPoses = 5000;  // that are read 25 times
+    const std::optional<FittingRotation> found =
+        data.num_poses() > kMostPoses ? std::nullopt : SearchRotation();
+    std::string note =
+        "three angles state an orientation in many ways: they are passed over, "
+        "--rotation=CONVENTION reads them";
+    if (format_.columns.orientation.size() == 3) {
+      const std::optional<double> misfit =
+          OrientationMisfit(request_.arm, data);
+      constexpr double kClear = 3.0;
+      const bool fits = misfit && *misfit < kOrientationFits &&
+                        !(found && *misfit > kClear * found->misfit);
+      if (!misfit || fits) return;
+      note = "under this --rotation orientations are " +
+             FormatSignificant(*misfit / kDegree, 2) +
+             " deg off those of the arm";
+    }
+    if (found) {
+      note += "; they fit the arm as " + found->names + ", to " +
+              FormatSignificant(found->misfit / kDegree, 2) + " deg";
+    }
+    result_.notes.push_back(note);
+  }
+
+  std::optional<FittingRotation> SearchRotation() const {
+    DataFormat format = format_;
+    format.ignore_rotation = false;
+    format.columns.orientation = Numbers(roles_.angles);
+    const Unit*& unit = format.columns.rotation_unit;
+    if (unit == nullptr) unit = StatedRotationUnit();
+    if (unit == nullptr) {
+      unit = FindHeaderUnit(text_.LargestOf(roles_.angles) > kTurn ? "deg"
+                                                                   : "rad");
+    }
+    try {
+      return FindFittingRotation(request_.arm,
+                                 [&](const RotationConvention& rotation) {
+                                   format.rotation = rotation;
+                                   return Load(format).data;
+                                 });
+    } catch (const InputError&) {
+      return std::nullopt;  // they may be no angles at all
+    }
+  }
+
+  std::optional<double> RotationMisfitWith(const char* unit) const {
+    DataFormat format = format_;
+    format.columns.rotation_unit = FindHeaderUnit(unit);
+    return OrientationMisfit(request_.arm, Load(format).data);
   }
 
   // Whether there were any.
   bool LeaveOutLost(const Dataset& data, double reach) {
-    constexpr double kFar = 20.0;  // reaches
-    const double far = kFar * reach;
-    const Eigen::Vector3d middle = MedianOf(data);
-    const std::set<double> sentinels = SentinelsOf(data, middle, reach);
-    std::vector<int> lines;
-    std::set<std::string> written;
-    ForEachPosition(data, [&](const Eigen::Vector3d& point, int line) {
-      const bool is_one = point[0] == point[1] && point[1] == point[2];
-      const auto sentinel =
-          std::find_if(point.begin(), point.end(),
-                       [&](double x) { return sentinels.count(x) > 0; });
-      if (!is_one && sentinel == point.end() && (point - middle).norm() < far) {
-        return;
-      }
-      lines.push_back(line);
-      if (is_one || sentinel != point.end()) {
-        written.insert(
-            ShortestNumber(InMillimetres(is_one ? point[0] : *sentinel)) +
-            " mm");
-      }
-    });
-    // Most of them are not lost: something else is wrong.
-    if (2 * lines.size() > data.sources.size()) return false;
-    std::sort(lines.begin(), lines.end());
-    std::vector<std::string> names;
-    for (const int line : lines) {
+    const LostTargets lost = FindLostTargets(data, reach);
+    for (const int line : lost.lines) {
       format_.dialect.excluded_lines.emplace_back(line, line);
-      names.push_back(std::to_string(line));
     }
-    if (!names.empty()) {
-      result_.notes.push_back(
-          "the target was lost (" +
-          (written.empty() ? "out of reach"
-                           : JoinNames({written.begin(), written.end()}) +
-                                 " in place of a position, or out of reach") +
-          ") and the row is left out: line " + JoinNames(names));
-    }
-    return !names.empty();
-  }
-
-  template <typename Use>
-  static void ForEachPosition(const Dataset& data, const Use& use) {
-    for (const ObservationBlock& block : data.blocks) {
-      if (!HoldsPosition(block.kind)) continue;
-      for (Eigen::Index i = 0; i < block.size(); ++i) {
-        use(Eigen::Vector3d(block.measured.map().col(i).head<3>()),
-            data.sources[block.pose(i)].line);
-      }
-    }
-  }
-
-  // Coordinates that stand for none: out of reach, and there again and again
-  // or of nines alone.
-  static std::set<double> SentinelsOf(const Dataset& data,
-                                      const Eigen::Vector3d& middle,
-                                      double reach) {
-    constexpr double kOutOfReach = 2.5;  // reaches
-    constexpr int kOften = 3;
-    const double limit = kOutOfReach * reach;
-    std::map<double, int> counts;
-    ForEachPosition(data, [&](const Eigen::Vector3d& point, int /*line*/) {
-      for (int axis = 0; axis < 3; ++axis) {
-        if (std::abs(point[axis] - middle[axis]) > limit) {
-          ++counts[point[axis]];
-        }
-      }
-    });
-    std::set<double> sentinels;
-    for (const auto& [value, count] : counts) {
-      if (count >= kOften || IsOfNines(value)) sentinels.insert(value);
-    }
-    return sentinels;
-  }
-
-  // As it may have been written: to nine digits.
-  static double InMillimetres(double metres) {
-    constexpr int kDigits = 9;
-    return NumberOrNan(FormatSignificant(metres / kMillimetre, kDigits));
-  }
-
-  // 999, -9999.9, in mm or m.
-  static bool IsOfNines(double metres) {
-    std::string digits = ShortestNumber(std::abs(InMillimetres(metres)));
-    digits.erase(std::remove(digits.begin(), digits.end(), '.'), digits.end());
-    digits.erase(digits.find_last_not_of('0') + 1);
-    return digits.size() > 2 &&
-           digits.find_first_not_of('9') == std::string::npos;
-  }
-
-  // The median distance of positions from their middle.
-  static double TypicalDistance(const Dataset& data) {
-    const Eigen::Vector3d middle = MedianOf(data);
-    std::vector<double> distances;
-    ForEachPosition(data, [&](const Eigen::Vector3d& point, int /*line*/) {
-      distances.push_back((point - middle).norm());
-    });
-    if (distances.empty()) return 0.0;
-    const auto half =
-        distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-    std::nth_element(distances.begin(), half, distances.end());
-    return *half;
-  }
-
-  static Eigen::Vector3d MedianOf(const Dataset& data) {
-    Eigen::Vector3d median = Eigen::Vector3d::Zero();
-    for (int axis = 0; axis < 3; ++axis) {
-      std::vector<double> values;
-      for (const ObservationBlock& block : data.blocks) {
-        if (!HoldsPosition(block.kind)) continue;
-        for (Eigen::Index i = 0; i < block.size(); ++i) {
-          values.push_back(block.measured(axis, i));
-        }
-      }
-      if (values.empty()) continue;
-      const auto middle =
-          values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-      std::nth_element(values.begin(), middle, values.end());
-      median[axis] = *middle;
-    }
-    return median;
+    if (!lost.lines.empty()) result_.notes.push_back(lost.Describe());
+    return !lost.lines.empty();
   }
 
   void SetUse(const std::vector<int>& columns,
-              const std::vector<const char*>& uses, const Unit* unit) {
+              const std::vector<std::string>& uses, const Unit* unit) {
     for (std::size_t i = 0; i < columns.size(); ++i) {
-      ImportedData::Column& column =
+      ImportedColumn& column =
           result_.columns[static_cast<std::size_t>(columns[i]) - 1];
       column.use = uses.empty() ? "joint " + std::to_string(i + 1) : uses[i];
       if (StatesUnit(column.name)) {
@@ -405,17 +399,40 @@ class Importer {
     return unit == nullptr ? "" : unit->name;
   }
 
+  // By Alidade's own names columns are read beside those that were found.
+  void DescribeOwn() {
+    const std::vector<ColumnSpec> specs =
+        MakeDatasetColumns(request_.arm, format_).specs;
+    for (std::size_t i = 0; i < names_.size(); ++i) {
+      if (!result_.columns[i].use.empty()) continue;
+      const int number = static_cast<int>(i) + 1;
+      for (const ColumnSpec& spec : specs) {
+        if (spec.is_ignored || !spec.mapped.empty()) continue;
+        if (!IsNamed(spec, names_[i], number)) continue;
+        const bool is_length_or_angle =
+            spec.type != ColumnType::kPlain && spec.type != ColumnType::kText;
+        const Unit* const unit =
+            is_length_or_angle ? UnitOf(spec, names_[i]) : nullptr;
+        if (is_length_or_angle && unit == nullptr) continue;
+        SetUse({number}, {spec.base}, unit);
+      }
+    }
+  }
+
   void Describe(const LoadedData& loaded) {
-    const Unit* const length = format_.columns.length_unit;
-    const Unit* const angle = format_.columns.angle_unit;
-    SetUse(roles_.joints, {}, angle);
-    SetUse(roles_.position, {"x", "y", "z"}, length);
+    const ColumnMapping& units = format_.columns;
+    SetUse(roles_.joints, {}, units.angle_unit);
+    SetUse(roles_.position, {"x", "y", "z"}, units.length_unit);
+    for (const auto& [name, position] : roles_.targets) {
+      SetUse(position, {name + " x", name + " y", name + " z"},
+             units.length_unit);
+    }
     SetUse(roles_.matrix,
            {"r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"},
            nullptr);
     SetUse(roles_.quaternion, {"qw", "qx", "qy", "qz"}, nullptr);
     if (request_.rotation) {
-      SetUse(roles_.angles, {"rx", "ry", "rz"}, angle);
+      SetUse(roles_.angles, {"rx", "ry", "rz"}, units.rotation_unit);
     }
     std::vector<std::string> lines;
     for (const RejectedRow& row : loaded.rejected) {
@@ -428,73 +445,17 @@ class Importer {
   }
 
   const ImportRequest& request_;
-  std::vector<std::string> names_;
-  char separator_ = ',';
+  const ImportText text_;
+  const std::vector<std::string>& names_;
   ColumnRoles roles_;
   DataFormat format_;
   ImportedData result_;
 };
 
-// As YAML reads it.
-std::string Quoted(const std::string& text) {
-  std::string quoted = "'";
-  for (const char c : OneLine(text)) {
-    quoted += c == '\'' ? "''" : std::string(1, c);
-  }
-  return quoted + "'";
-}
-
 }  // namespace
 
 ImportedData ImportData(const ImportRequest& request) {
   return Importer(request).Import();
-}
-
-std::string DataText(const ImportedData& imported, const Arm& arm,
-                     const std::string& title) {
-  const std::string plain =
-      FormatDataset(imported.loaded.data, arm, kFewestDigits, true, {title});
-  std::string text;
-  std::size_t pose = 0;
-  bool is_header = true;
-  std::string_view rest = plain;
-  while (!rest.empty()) {
-    const std::string_view line = TakeLine(&rest);
-    text += line;
-    if (line.front() != '#') {
-      text +=
-          "," + (std::exchange(is_header, false) ? "note"
-                                                 : imported.places.at(pose++));
-    }
-    text += "\n";
-  }
-  return text;
-}
-
-std::string JobText(const std::string& title, const std::string& arm,
-                    const std::string& data, Eigen::Index num_poses) {
-  std::string text =
-      "format: alidade-job-2\n"
-      "title: " +
-      Quoted(title) +
-      "\n"
-      "units: {length: mm, angle: deg}\n"
-      "arm: " +
-      Quoted(arm) +
-      "\n"
-      "data: " +
-      Quoted(data) +
-      "\n"
-      "# The instrument's standard deviation of a coordinate, or as here: from "
-      "the fit.\n"
-      "measurement: {sigma: estimate}\n"
-      "identifiability: {parameters: [joints, base, tool]}\n";
-  if (num_poses >= kPosesToHoldOut) {
-    text +=
-        "# Held-out poses, which the result is judged by.\n"
-        "validation: {fraction: 0.2}\n";
-  }
-  return text;
 }
 
 }  // namespace alidade::internal

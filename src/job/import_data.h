@@ -8,6 +8,7 @@
 
 #include "alidade/arm.h"
 #include "src/dataio/data_format.h"
+#include "src/job/imported_column.h"
 
 namespace alidade::internal {
 
@@ -18,6 +19,8 @@ struct ImportRequest {
   /// Of columns whose names state none: "mm", "deg"; empty: found.
   const Unit* length_unit = nullptr;
   const Unit* angle_unit = nullptr;
+  /// Of three angles of an orientation; null: `angle_unit`, or found.
+  const Unit* rotation_unit = nullptr;
   std::optional<RotationConvention> rotation = {};  ///< of three angles
   /// What is left out: lines, and rows by what is in them.
   std::vector<std::pair<int, int>> excluded_lines = {};
@@ -26,13 +29,7 @@ struct ImportRequest {
 
 /// A file of measurements as it was understood.
 struct ImportedData {
-  struct Column {
-    std::string name;
-    std::string use;  ///< "joint 1", "x"; empty: passed over
-    std::string unit;
-    std::string first;  ///< its first cell
-  };
-  std::vector<Column> columns;
+  std::vector<ImportedColumn> columns;
   std::vector<std::string> notes;  ///< how it is written, what was left out
   LoadedData loaded;
   /// Where each pose stands in the file: "Point 17 (line 21)" by the first
@@ -43,23 +40,11 @@ struct ImportedData {
 /// Reads positions or poses from a text file of any form that is certain
 /// (csv_layout.h, column_roles.h). Units that neither names nor the request
 /// state are those under which the positions fit the nominal arm, where only
-/// one does so. Positions that are exactly 0, 0, 0 or another number three
-/// times, farther away than an arm of this size can be, or that have a number
-/// out of reach which stands there again and again or consists of nines, are
-/// those of a lost target and left out.
+/// one does so; angles of an orientation beyond a turn are in degrees. Rows of
+/// a lost target (lost_targets.h) are left out.
 /// @throws InputError where something is not certain; the message says what to
 /// state.
 ImportedData ImportData(const ImportRequest& request);
-
-/// The data set as a file, with the places as a column `note`. `title`: a
-/// comment on top.
-std::string DataText(const ImportedData& imported, const Arm& arm,
-                     const std::string& title);
-
-/// A job that calibrates with the data set, ready to run; paths are as seen
-/// from the job's folder.
-std::string JobText(const std::string& title, const std::string& arm,
-                    const std::string& data, Eigen::Index num_poses);
 
 }  // namespace alidade::internal
 

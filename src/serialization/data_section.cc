@@ -141,7 +141,8 @@ void VisitColumns(Visitor& v, const Arm& arm, ColumnMapping* mapping) {
         mapping->targets = ReadTargetHeaders(value, arm);
       });
   v.Custom(Key("unit").Default("those of the job").Schema(kUnitsSchema),
-           "of headers that state none: `mm`, `deg`, or a list of both",
+           "of headers that state none: `mm`, `deg`, or a list of both; a "
+           "second unit of angles is that of orientations: `[mm, rad, deg]`",
            [=](const YamlValue& value) { ReadHeaderUnits(value, mapping); });
   v.Check(CheckTargets);
 }

@@ -123,13 +123,15 @@ void ReadHeaderUnits(const YamlValue& value, ColumnMapping* mapping) {
           "(deg, rad, mrad), found " +
           Quote(entry.Text()));
     }
-    const Unit*& member = unit->dimension == Dimension::kLength
-                              ? mapping->length_unit
-                              : mapping->angle_unit;
+    const bool is_length = unit->dimension == Dimension::kLength;
+    const bool is_second = !is_length && mapping->angle_unit != nullptr;
+    const Unit*& member = is_length   ? mapping->length_unit
+                          : is_second ? mapping->rotation_unit
+                                      : mapping->angle_unit;
     if (member != nullptr) {
       entry.Fail(
-          "a second unit of the same kind, expected one of lengths and "
-          "one of angles");
+          "a unit too many of its kind, expected one of lengths and one of "
+          "angles, or two of these: of joints and of orientations");
     }
     member = unit;
   }

@@ -320,7 +320,12 @@ const std::vector<std::string>& JobMatrix::files() const {
 }
 
 std::string JobMatrix::NameOfFile(const std::string& path) {
-  return NameForFiles(std::filesystem::path(path).stem().string());
+  const std::filesystem::path file = path;
+  const std::string folder = file.parent_path().filename().string();
+  const bool says_nothing = file.filename() == "job.yaml";
+  const bool has_folder = !folder.empty() && folder != "." && folder != "..";
+  return NameForFiles(says_nothing && has_folder ? folder
+                                                 : file.stem().string());
 }
 
 std::string JobMatrix::NameOf(std::int64_t job) const {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <sstream>
 
+#include "src/common/characters.h"
 #include "src/common/names.h"
 #include "src/serialization/yaml_reader.h"
 
@@ -42,6 +43,15 @@ std::string StemOf(const std::string& text) {
   const fs::path file = text.substr(sizeof(kPrefix) - 1);
   const std::string ending = file.extension().string();
   return ending.empty() || ending == kEnding ? file.stem().string() : "";
+}
+
+std::string Condensed(const std::string& text) {
+  std::string condensed;
+  for (const char c : text) {
+    const char lower = LowerCase(c);
+    if (IsDigit(lower) || (lower >= 'a' && lower <= 'z')) condensed += lower;
+  }
+  return condensed;
 }
 
 }  // namespace
@@ -84,6 +94,10 @@ std::vector<RobotFile> ListRobots() {
   return files;
 }
 
+bool HasRobotName(const std::string& name, const std::string& part) {
+  return Condensed(name).find(Condensed(part)) != std::string::npos;
+}
+
 std::string RobotNameOf(const std::string& path) {
   const fs::path file = path;
   const std::string name = kPrefix + file.stem().string();
@@ -119,12 +133,19 @@ void RefuseBareName(const std::string& text, const std::string& path,
       fs::exists(path, error)) {
     return;
   }
+  std::vector<std::string> similar;
   for (const RobotFile& robot : ListRobots()) {
-    if (robot.name != kPrefix + StemOf(name)) continue;
-    throw InputError(location, Quote(text) + " is no file, did you mean \"" +
-                                   robot.name +
-                                   "\"? 'alidade robots' lists them");
+    if (robot.name == kPrefix + StemOf(name)) {
+      throw InputError(location, Quote(text) + " is no file, did you mean \"" +
+                                     robot.name +
+                                     "\"? 'alidade robots' lists them");
+    }
+    if (HasRobotName(robot.name, StemOf(name))) similar.push_back(robot.name);
   }
+  if (similar.empty()) return;
+  throw InputError(location, Quote(text) + " is no file, did you mean " +
+                                 JoinNames(similar) +
+                                 "? 'alidade robots' lists them");
 }
 
 }  // namespace alidade::internal

@@ -23,6 +23,10 @@ struct RobotFile {
 /// All of them by name. One of an earlier folder hides those of its name.
 std::vector<RobotFile> ListRobots();
 
+/// Whether `part` is in a name, whatever its case, blanks and marks: "KR 6" is
+/// in "robots/kr6_r900_2". Empty ones are in all.
+bool HasRobotName(const std::string& name, const std::string& part);
+
 /// "robots/NAME" of a path that ArmPath gave for it; nothing of others.
 std::string RobotNameOf(const std::string& path);
 
@@ -33,7 +37,8 @@ std::string ArmPath(const std::string& text, const std::string& path,
                     const SourceLocation& location);
 
 /// Refuses the name of an arm without its folder, "ur10", where there is no
-/// such file: says that "robots/ur10" is meant. For what is to be read as a
+/// such file: says that "robots/ur10" is meant; of "kr6" it names all that
+/// have it in their names. For what is to be read as a
 /// file; other texts pass. @throws InputError at `location`.
 void RefuseBareName(const std::string& text, const std::string& path,
                     const SourceLocation& location);

@@ -68,6 +68,24 @@ std::string HintAt(const std::string& key) {
              : "";
 }
 
+// What people write one level too high: it is said of data.
+std::string PlaceHint(const std::string& path, const std::string& key,
+                      const std::vector<std::string>& keys) {
+  static const std::vector<std::string> kOfData = {
+      "columns",  "decimal", "exclude",   "file",    "header",   "inverse",
+      "missing",  "plane",   "point",     "payload", "rotation", "separator",
+      "stations", "target",  "thousands", "unit",    "where"};
+  const auto has = [](const std::vector<std::string>& names,
+                      const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  if (!path.empty() || !has(keys, "data") || !has(kOfData, key)) return "";
+  return key == "unit"
+             ? ". It belongs in `data`: `data: {file: ..., columns: {unit: "
+               "...}}`"
+             : ". It belongs in `data`: `data: {file: ..., " + key + ": ...}`";
+}
+
 }  // namespace
 
 YamlValue ReadYaml(const std::string& path) {
@@ -219,7 +237,8 @@ YamlMap YamlValue::Map(const std::vector<std::string>& keys) const {
       SourceLocation location = value.location();
       location.line = item.key_place.line;
       location.column = item.key_place.column;
-      throw InputError(location, UnknownName("key", key, keys) + HintAt(key));
+      throw InputError(location, UnknownName("key", key, keys) + HintAt(key) +
+                                     PlaceHint(path_, key, keys));
     }
     entries.emplace_back(key, value);
   }

@@ -103,7 +103,9 @@ class TreeBuilder : public YAML::EventHandler {
 
   void OnDocumentStart(const YAML::Mark& mark) override {
     if (started_) {
-      Fail(mark, "a second document begins here, expected one per file");
+      Fail(mark,
+           "a second document begins here, expected one per file; or this "
+           "key begins in another column than the first");
     }
     started_ = true;
   }
@@ -246,6 +248,89 @@ void RefuseBinary(const std::string& text, const std::string& file) {
   }
 }
 
+// "title" of a line "  - title: UR10"; empty where it begins with no key.
+std::string_view KeyOf(std::string_view line) {
+  const std::size_t first = line.find_first_not_of(" -");
+  if (first == std::string_view::npos) return {};
+  line = line.substr(first);
+  const std::size_t end = line.find_first_not_of(
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_");
+  const bool is_key = end != std::string_view::npos && end > 0;
+  return is_key && line[end] == ':' ? line.substr(0, end) : std::string_view();
+}
+
+// What follows the key and its colon.
+std::string_view RestOf(std::string_view line) {
+  line = line.substr(line.find(':') + 1);
+  while (!line.empty() && (line.back() == ' ' || line.back() == '\r')) {
+    line.remove_suffix(1);
+  }
+  return line;
+}
+
+std::size_t IndentOf(std::string_view line) {
+  return std::min(line.find_first_not_of(' '), line.size());
+}
+
+// The line of a slip that people make, from 0, of those that come to an error
+// at line `number`: it or the last one above that holds something.
+class SlipFinder {
+ public:
+  SlipFinder(const Lines& lines, int number) : lines_(lines) {
+    Add(number);
+    for (int k = number - 1; k >= 0 && places_.size() < 2; --k) {
+      const std::string_view line = lines[k];
+      const std::size_t first = line.find_first_not_of(" \t\r");
+      if (first != std::string_view::npos && line[first] != '#') Add(k);
+    }
+  }
+
+  std::string Describe() const {
+    for (const int k : places_) {
+      const std::string slip = SlipIn(lines_[k]);
+      if (!slip.empty()) return ". Line " + std::to_string(k + 1) + slip;
+    }
+    if (places_.size() < 2) return "";
+    const std::string_view line = lines_[places_[0]];
+    const std::string_view above = lines_[places_[1]];
+    const bool are_keys = !KeyOf(line).empty() && !KeyOf(above).empty();
+    if (!are_keys || IndentOf(line) == IndentOf(above)) return "";
+    return ". Line " + std::to_string(places_[0] + 1) + " begins " +
+           std::to_string(IndentOf(line)) + " blanks from the left, line " +
+           std::to_string(places_[1] + 1) + " " +
+           std::to_string(IndentOf(above)) +
+           ": keys of one map stand below each other";
+  }
+
+ private:
+  void Add(int number) { places_.push_back(number); }
+
+  static std::string SlipIn(std::string_view line) {
+    const std::size_t text = line.find_first_not_of(" \t");
+    if (text != std::string_view::npos &&
+        line.substr(0, text).find('\t') != std::string_view::npos) {
+      return " begins with a tab: YAML takes blanks";
+    }
+    const std::string key(KeyOf(line));
+    const std::string_view rest = RestOf(line);
+    if (key.empty() || rest.empty()) return "";
+    if (rest.front() != ' ') {
+      return " has no blank after the colon: write \"" + key + ": " +
+             std::string(rest) + "\"";
+    }
+    const std::size_t first = rest.find_first_not_of(' ');
+    const std::string value(rest.substr(first));
+    const bool is_plain = std::string_view("[{\"'|>#").find(value.front()) ==
+                          std::string_view::npos;
+    if (!is_plain || value.find(": ") == std::string::npos) return "";
+    return " has a colon in its text: quote that, \"" + key + ": '" + value +
+           "'\"";
+  }
+
+  const Lines& lines_;
+  std::vector<int> places_;
+};
+
 void BuildTree(const std::string& text, YamlDocument* document) {
   TreeBuilder builder(text, document);
   try {
@@ -254,8 +339,10 @@ void BuildTree(const std::string& text, YamlDocument* document) {
     while (parser.HandleNextDocument(builder)) {
     }
   } catch (const YAML::Exception& e) {
+    const std::string slip =
+        e.mark.is_null() ? "" : SlipFinder(Lines(text), e.mark.line).Describe();
     throw InputError(LocationOf(document->files.front(), e.mark),
-                     "not valid YAML: " + e.msg);
+                     "not valid YAML: " + e.msg + slip);
   }
 }
 

@@ -61,6 +61,15 @@ TEST(CliTest, HelpNamesEveryCommandOnStandardOutput) {
   }
 }
 
+TEST(CliTest, HelpNamesACommandAndTheDocumentation) {
+  EXPECT_EQ(Alidade("help calibrate").out, Alidade("calibrate --help").out);
+  EXPECT_THAT(Alidade("help calibrat").err, HasSubstr("did you mean"));
+  EXPECT_THAT(Alidade("--help").out,
+              HasSubstr("\nDocumentation: " + kSource + "\n"));
+  EXPECT_THAT(Alidade("import --help").out,
+              HasSubstr("Pages that are named here are in " + kSource + "\n"));
+}
+
 TEST(CliTest, VersionIsPrinted) {
   const ProcessResult result = Alidade("--version");
   EXPECT_EQ(result.status, 0);

@@ -81,9 +81,46 @@ INSTANTIATE_TEST_SUITE_P(
         Slip{"NoHeader", "data.csv", "3.901,1,2\n3.2,1,2\n", kCheckData,
              "data.csv:1:1: found the number \"3.901\", expected a line of "
              "column names first"},
+        Slip{"NoBlankAfterAColon", "job.yaml",
+             "format: alidade-job-1\ntitle:Arm\nunits: {length: mm}\n", "check",
+             "Line 2 has no blank after the colon: write \"title: Arm\""},
+        Slip{"ColonInAText", "job.yaml",
+             "format: alidade-job-1\ntitle: UR10: lab\n", "check",
+             "quote that, \"title: 'UR10: lab'\""},
+        Slip{"Tab", "job.yaml", "format: alidade-job-1\ndata:\n\tfile: a\n",
+             "check", "Line 3 begins with a tab: YAML takes blanks"},
+        Slip{"Indentation", "job.yaml",
+             "format: alidade-job-1\ntitle: Arm\n  arm: a\n", "check",
+             "Line 3 begins 2 blanks from the left, line 2 0"},
+        Slip{"EndOfMap", "job.yaml",
+             "format: alidade-job-1\ndata:\n   file: a\n  point: b\n", "check",
+             "Line 4 begins 2 blanks from the left, line 3 3"},
+        Slip{"KeysThatBeginEarlier", "job.yaml",
+             "  format: alidade-job-1\ntitle: Arm\n", "check",
+             "or this key begins in another column than the first"},
+        Slip{"ColumnsBesideData", "job.yaml",
+             kJob + std::string("columns: {joints: [a, b, c, d, e]}\n"),
+             "check",
+             "It belongs in `data`: `data: {file: ..., columns: ...}`"},
+        Slip{"TableToCheck", "faro.csv", "J1,X\n1,2\n", "check",
+             "'alidade check robots/ur10e faro.csv'"},
         Slip{"Spaces", "data.csv", "q1_deg q2_deg x_mm\n1 2 3\n", kCheckData,
              "data set has 2 joints, arm"}),
     [](const auto& slip) { return slip.param.name; });
+
+TEST(FolderMessageTest, NamesTheFileInIt) {
+  const TemporaryDirectory directory;
+  WriteWhole(directory / "job.yaml", kJob);
+  const std::string program = std::string(ALIDADE_BINARY) + " ";
+  const ProcessResult job =
+      testing::RunIn(directory.path(), program + "calibrate .");
+  EXPECT_EQ(job.status, 2);
+  EXPECT_THAT(job.err, HasSubstr(". is a folder, expected a job, which is a "
+                                 "YAML file: ./job.yaml"));
+  EXPECT_THAT(testing::RunIn(directory.path(), program + "plan .").err,
+              HasSubstr(". is a folder, expected a plan, which is a YAML "
+                        "file;"));
+}
 
 }  // namespace
 }  // namespace alidade::internal::messages_test

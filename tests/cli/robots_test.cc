@@ -57,6 +57,20 @@ TEST_F(RobotsTest, ListsTheArmsThatComeWithTheProgram) {
   EXPECT_THAT(result.out, Not(HasSubstr("rv2aj_deviations")));
 }
 
+TEST_F(RobotsTest, ListsThoseOfAName) {
+  const ProcessResult result = Alidade("robots 'KR 6'");
+  EXPECT_EQ(result.status, 0);
+  EXPECT_THAT(result.out, HasSubstr("robots/kr6_r900_2 "));
+  EXPECT_THAT(result.out, Not(HasSubstr("ur10e")));
+  EXPECT_THAT(Alidade("robots irb120").out,
+              HasSubstr("ABB IRB 120, targets smr1, smr2, smr3"));
+  EXPECT_EQ(Alidade("robots robbie").status, 2);
+  const ProcessResult similar = Alidade("show kr6");
+  EXPECT_EQ(similar.status, 2);
+  EXPECT_THAT(similar.err, HasSubstr("\"kr6\" is no file, did you mean "
+                                     "robots/kr6_r900_2, "));
+}
+
 TEST_F(RobotsTest, CommandsTakeTheirNames) {
   const std::string path = kSource + "/configs/robots/ur10e.yaml";
   const ProcessResult of_path = Alidade("show " + path);

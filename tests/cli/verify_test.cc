@@ -111,6 +111,7 @@ TEST_F(VerifyTest, AnUncalibratedArmAndAChangedOneFail) {
   const auto nominal = Check(nominal_);
   EXPECT_EQ(nominal.status, 1) << nominal.err;
   EXPECT_THAT(nominal.out, HasSubstr("FAILED"));
+  EXPECT_THAT(nominal.out, HasSubstr("With --corrected it would pass"));
   Arm changed = real_;
   changed.joints[1].theta += 0.1 * kDegree;
   EXPECT_EQ(Check(changed).status, 1);
@@ -119,7 +120,9 @@ TEST_F(VerifyTest, AnUncalibratedArmAndAChangedOneFail) {
 TEST_F(VerifyTest, ACorrectedRobotStandsWhereTheNominalArmWould) {
   EXPECT_EQ(Check(nominal_, "--corrected").status, 0);
   // The correction was not loaded.
-  EXPECT_EQ(Check(real_, "--corrected").status, 1);
+  const auto uncorrected = Check(real_, "--corrected");
+  EXPECT_EQ(uncorrected.status, 1);
+  EXPECT_THAT(uncorrected.out, HasSubstr("Without --corrected it would pass"));
 }
 
 TEST_F(VerifyTest, AnInstrumentThatWasSetUpAnewIsNoFault) {
@@ -127,7 +130,9 @@ TEST_F(VerifyTest, AnInstrumentThatWasSetUpAnewIsNoFault) {
   moved.instrument_from_base =
       Eigen::Translation3d(0.4, -0.2, 0.1) *
       Eigen::AngleAxisd(2.0, Eigen::Vector3d(0.6, 0.0, 0.8));
-  EXPECT_EQ(Check(moved).status, 1);
+  const auto as_it_was = Check(moved);
+  EXPECT_EQ(as_it_was.status, 1);
+  EXPECT_THAT(as_it_was.out, HasSubstr("With --refit=base it would pass"));
   const auto refitted = Check(moved, "--refit=base");
   EXPECT_EQ(refitted.status, 0) << refitted.out << refitted.err;
   moved.joints[2].theta += 0.2 * kDegree;

@@ -173,8 +173,8 @@ class RandomFile {
     if (begins("qy")) return "0.0001";
     if (begins("qz")) return "-0";
     if (begins("std_")) return PositiveText(&random_);
-    if (begins("w") || begins("r")) {
-      return ShortestNumber(random_.Uniform(-200.0, 200.0));
+    if (begins("w") || begins("r")) {  // beyond 10 rad they are refused
+      return ShortestNumber(random_.Uniform(-9.9, 9.9));
     }
     return NumberText(&random_);
   }

@@ -169,8 +169,13 @@ using JobMatrixTest = ExtendsTest;
 
 TEST_F(JobMatrixTest, AFileWithoutOneIsOneJob) {
   const JobMatrix matrix(files_.job());
-  EXPECT_EQ(NamesOf(matrix), std::vector<std::string>{"job"});
+  EXPECT_EQ(matrix.size(), 1);
   EXPECT_EQ(matrix.Load(0, {}).title, "A test");
+  // A name that says nothing is that of its folder.
+  EXPECT_EQ(JobMatrix::NameOfFile("cells/left.yaml"), "left");
+  EXPECT_EQ(JobMatrix::NameOfFile("cells/left/job.yaml"), "left");
+  EXPECT_EQ(JobMatrix::NameOfFile("job.yaml"), "job");
+  EXPECT_EQ(JobMatrix::NameOfFile("../job.yaml"), "job");
 }
 
 TEST_F(JobMatrixTest, EveryCombinationIsAJobLastAxisFastest) {
