@@ -105,7 +105,10 @@ class ProgramCorrector {
       const ProgramTarget& target = program_.targets[i];
       const std::string name = target.name.empty() ? "" : ", " + target.name;
       result_.names.push_back(LineName(program_, target.line) + name);
-      if (!is_solved_[i]) failed.push_back({target.line, WhyNot(i)});
+      if (is_solved_[i]) continue;
+      // Other postures are sought for what is listed alone.
+      failed.push_back(
+          {target.line, failed.size() < kMostListed ? WhyNot(i) : ""});
     }
     if (!failed.empty()) {
       result_.refusal = MakeRefusal(program_, failed);
@@ -179,12 +182,14 @@ class ProgramCorrector {
 
   // The last motion to what is not stated, of lines from `from` to before `to`.
   const ProgramNote* UnknownBetween(int from, int to) const {
-    const ProgramNote* last = nullptr;
-    for (const ProgramNote& note : program_.left) {
-      if (note.line >= to) break;
-      if (note.line >= from && note.kind == Uncorrected::kMotion) last = &note;
+    const std::vector<ProgramNote>& left = program_.left;
+    auto note = std::lower_bound(
+        left.begin(), left.end(), to,
+        [](const ProgramNote& one, int line) { return one.line < line; });
+    while (note != left.begin() && (--note)->line >= from) {
+      if (note->kind == Uncorrected::kMotion) return &*note;
     }
-    return last;
+    return nullptr;
   }
 
   Eigen::Isometry3d Frame(const std::string& name) const {

@@ -13,7 +13,6 @@
 namespace alidade::internal {
 namespace {
 
-constexpr std::size_t kMostListed = 20;
 constexpr std::size_t kMostLines = 12;
 
 std::string UnstatedFrameNote(const RobotProgram& program,

@@ -33,6 +33,9 @@ std::vector<std::string> FrameAssumptions(const RobotProgram& program,
 /// That declarations are read without the motions to them; may be empty.
 std::vector<std::string> OrderAssumptions(const RobotProgram& program);
 
+/// Positions that a refusal explains; of more it says how many.
+inline constexpr std::size_t kMostListed = 20;
+
 /// Why a program's positions cannot be corrected.
 struct ProgramRefusal {
   std::string opening;             ///< "a.src:4: nothing is written, as ..."

@@ -82,7 +82,7 @@ class ResultPage(PageTest):
             for finding in found:
                 self.assertIn(typeset(finding["sentence"]), answers)
                 self.assertIn(typeset(finding["next"]), answers)
-        self.assertIn("2 of 31 validation observations were rejected", answers)
+        self.assertIn("2 of 31 validation observations (datasets/kr6/disturbed.csv:", answers)
         self.assertTrue(result["verdict"]["title"].startswith("Accepted"))
         self.assertIn(result["verdict"]["title"], self.text(".decision"))
 

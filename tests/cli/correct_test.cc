@@ -108,8 +108,10 @@ class CorrectTest : public ::testing::TestWithParam<const char*> {
         // Away from stretched elbows and wrists.
         const bool is_bent = j % 2 == 1 || nominal_.num_joints() == 6;
         const double bend = is_bent && j > 0 ? 35.0 : 0.0;
-        std::snprintf(cell.data(), cell.size(), ",%.4f",
-                      bend + random.Uniform(-25.0, 25.0));
+        double value = bend + random.Uniform(-25.0, 25.0);
+        // The Panda's elbow bends to one side alone.
+        if (value * kDegree > nominal_.joints[j].upper) value = -value;
+        std::snprintf(cell.data(), cell.size(), ",%.4f", value);
         text += cell.data();
       }
       text += "\r\n";
