@@ -90,8 +90,10 @@ std::vector<Eigen::VectorXd> FindPostures(const Arm& arm,
     Eigen::VectorXd joints = solutions.joint_values.col(k);
     for (int j = 0; j < arm.num_joints(); ++j) {
       const Joint& joint = arm.joints[static_cast<std::size_t>(j)];
-      if (joint.type != JointType::kRevolute || HasLimits(joint)) continue;
-      joints[j] = std::remainder(joints[j], 2.0 * kPi);
+      if (joint.type != JointType::kRevolute) continue;
+      const double turned =
+          near[j] + std::remainder(joints[j] - near[j], 2.0 * kPi);
+      if (turned >= joint.lower && turned <= joint.upper) joints[j] = turned;
     }
     const bool is_known =
         std::any_of(found.begin(), found.end(), [&](const auto& other) {

@@ -29,7 +29,8 @@ StraightWay FollowStraightWay(const Arm& arm, const Eigen::VectorXd& from,
                               const PoseSolverOptions& options);
 
 /// Different joint values within the limits that reach a pose, those nearest to
-/// `near` first. Joints without limits are within half a turn of zero.
+/// `near` first. Each joint is within half a turn of there where its limits
+/// allow it.
 std::vector<Eigen::VectorXd> FindPostures(const Arm& arm,
                                           const Eigen::Isometry3d& pose,
                                           const Eigen::VectorXd& near,

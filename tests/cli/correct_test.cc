@@ -109,8 +109,8 @@ class CorrectTest : public ::testing::TestWithParam<const char*> {
         const bool is_bent = j % 2 == 1 || nominal_.num_joints() == 6;
         const double bend = is_bent && j > 0 ? 35.0 : 0.0;
         double value = bend + random.Uniform(-25.0, 25.0);
-        // The Panda's elbow bends to one side alone.
-        if (value * kDegree > nominal_.joints[j].upper) value = -value;
+        // The Panda's elbow bends to one side alone, and is stretched at -26.
+        if (value * kDegree > nominal_.joints[j].upper) value = -value - 45.0;
         std::snprintf(cell.data(), cell.size(), ",%.4f", value);
         text += cell.data();
       }
