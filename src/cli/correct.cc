@@ -79,8 +79,14 @@ class CorrectCommand {
       inputs.push_back(beside);
       outputs_.insert(outputs_.begin(), DeclarationsOutput(out_, beside));
     }
+    if (!line.frames.empty()) inputs.push_back(line.frames);
     for (const std::string& path : outputs_) CheckOutputFile(path, inputs);
     CheckOutputFile(FigureBeside(out_), inputs);
+    if (FigureBeside(out_) == out_) {
+      throw InputError({}, "--out=" + out_ +
+                               ", expected another ending: the figure that is "
+                               "written beside it has this one");
+    }
     target_ = TargetFlag(line, source_.nominal);
     if (target_ >= source_.real.num_targets()) target_ = 0;
     arms_ = MakeCorrectionArms(
@@ -149,8 +155,12 @@ class CorrectCommand {
     if (corrected.refusal) return Refuse(program, corrected);
     CorrectionReport report = ReportOf(corrected.correction, corrected.names);
     report.uncorrected = UncorrectedMotions(program);
+    std::vector<std::string> written = {FigureBeside(out_)};
     for (std::size_t k = 0; k < outputs_.size(); ++k) {
+      const bool is_there = fs::exists(outputs_[k]);
       WriteFileWithFolder(outputs_[k], corrected.texts[k]);
+      written.push_back(outputs_[k] +
+                        (is_there ? " (in place of an earlier one)" : ""));
     }
     WriteFileWithFolder(FigureBeside(out_),
                         CorrectionFigure(report).render(FigureMedium::kFile));
@@ -162,9 +172,7 @@ class CorrectCommand {
       left.push_back(LineName(program, note.line) + ": " + note.text);
     }
     PrintList("Not touched", left);
-    std::vector<std::string> written = outputs_;
     std::reverse(written.begin(), written.end());
-    written.push_back(FigureBeside(out_));
     PrintResults(written);
     return kExitDone;
   }

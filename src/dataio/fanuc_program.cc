@@ -2,6 +2,7 @@
 // X = 1.000 mm, ... W = 0.000 deg, ... }; or J1 = 0.000 deg, ....
 
 #include <algorithm>
+#include <cctype>
 #include <cstring>
 #include <map>
 #include <string_view>
@@ -24,6 +25,7 @@ class FanucReader : ProgramReader {
   void Read() {
     const std::size_t positions = text_.text().find("/POS");
     ListComputed(std::min(positions, text_.size()));
+    ListChosen(std::min(positions, text_.size()));
     ListLineMotions(std::min(positions, text_.size()));
     if (positions == kNowhere) return;
     for (std::size_t at = positions;
@@ -66,6 +68,7 @@ class FanucReader : ProgramReader {
     for (const auto& [word, why] :
          {std::pair<const char*, const char*>{
               "OFFSET", "moves to a position plus an offset at run time"},
+          {"VOFFSET", "moves to a position plus an offset at run time"},
           {"TOOL_OFFSET", "moves to a position plus an offset at run time"},
           {"INC", "moves relative to where the robot is"},
           {"PR", "uses a position register"}}) {
@@ -75,6 +78,19 @@ class FanucReader : ProgramReader {
         if (line != last) Leave(at, why, KindOf(at, word));
         last = line;
       }
+    }
+  }
+
+  // "L P[R[5]] ...": which position, a register says.
+  void ListChosen(std::size_t end) {
+    for (std::size_t at = 0; (at = text_.text().find("P[", at)) < end; ++at) {
+      if (MotionOf(at) == ' ' || text_.NumberAt(at + 2) ||
+          std::isdigit(static_cast<unsigned char>(text_.at(at + 2))) != 0 ||
+          (at > 0 && IsWordCharacter(text_.at(at - 1)))) {
+        continue;
+      }
+      Leave(at, "moves to a position that a register chooses",
+            Uncorrected::kMotion);
     }
   }
 

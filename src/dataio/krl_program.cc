@@ -10,76 +10,41 @@
 #include <tuple>
 #include <utility>
 
+#include "src/dataio/krl_frames.h"
 #include "src/dataio/program_text.h"
 
 namespace alidade::internal {
 namespace {
 
 bool IsMotion(const std::string& word) {
-  static const std::set<std::string> kMotions = {"PTP",  "LIN",  "CIRC",
-                                                 "SPTP", "SLIN", "SCIRC"};
+  static const std::set<std::string> kMotions = {
+      "PTP", "LIN", "CIRC", "SPTP", "SLIN", "SCIRC", "SPL"};
   return kMotions.count(word) > 0;
 }
-
-// {NAME value, NAME value, ...} as far as it holds numbers.
-struct Aggregate {
-  std::size_t begin = 0;
-  std::map<std::string, NumberSpan> numbers;
-  bool only_numbers = true;
-
-  bool HasAll(const std::vector<std::string>& names) const {
-    return std::all_of(names.begin(), names.end(), [&](const auto& name) {
-      return numbers.count(name) > 0;
-    });
-  }
-  bool HasAny(const std::vector<std::string>& names) const {
-    return std::any_of(names.begin(), names.end(), [&](const auto& name) {
-      return numbers.count(name) > 0;
-    });
-  }
-  std::vector<NumberSpan> Of(const std::vector<std::string>& names) const {
-    std::vector<NumberSpan> spans;
-    for (const std::string& name : names) spans.push_back(numbers.at(name));
-    return spans;
-  }
-};
-
-// Tool and base that hold at a place of the text.
-struct Frames {
-  std::string tool = kUnstatedTool;
-  std::string base = kUnstatedBase;
-  bool operator<(const Frames& other) const {
-    return std::tie(tool, base) < std::tie(other.tool, other.base);
-  }
-};
 
 // A position that a variable holds.
 struct Variable {
   std::string name;
   std::string type;  // E6POS, POS, FRAME, E6AXIS, AXIS; empty: not declared
-  Aggregate value;
+  KrlAggregate value;
 };
 
 class KrlReader : ProgramReader {
  public:
   KrlReader(int num_joints, RobotProgram* program)
-      : ProgramReader(";", '"', false, program) {
+      : ProgramReader(";", '"', false, program), frames_(text_, program) {
     for (int j = 1; j <= num_joints; ++j) {
       axes_.push_back("A" + std::to_string(j));
     }
   }
 
   void Read() {
-    ReadNumberedFrames();
-    ReadFrameChanges();
     for (std::size_t at = 0; (at = text_.text().find('{', at)) != kNowhere;
          ++at) {
       ReadAggregate(at);
     }
     for (const Variable& variable : variables_) ReadVariable(variable);
-    ListOtherMoves(IsMotion, [this](const std::string& name) {
-      return uses_.count(name) > 0;
-    });
+    ListOtherMoves();
     ListStraight([](const std::string& word) {
       return IsMotion(word) && word.substr(word.size() - 3) != "PTP";
     });
@@ -87,136 +52,6 @@ class KrlReader : ProgramReader {
   }
 
  private:
-  Aggregate Parse(std::size_t at) const {
-    Aggregate aggregate;
-    aggregate.begin = at;
-    std::size_t next = text_.SkipSpaces(at + 1);
-    // {FRAME: X 1, ...}
-    const std::string type = text_.WordAt(next);
-    if (text_.at(text_.SkipSpaces(next + type.size())) == ':') {
-      next = text_.SkipSpaces(text_.SkipSpaces(next + type.size()) + 1);
-    }
-    while (text_.at(next) != '}') {
-      const std::string name = text_.WordAt(next);
-      const std::size_t value = text_.SkipSpaces(next + name.size());
-      const auto number = text_.NumberAt(value);
-      if (name.empty() || !number) {
-        aggregate.only_numbers = false;
-      } else {
-        aggregate.numbers[name] = *number;
-      }
-      const std::size_t end =
-          std::min(text_.text().find_first_of(",}\n", value), text_.size());
-      if (text_.at(end) != ',') break;
-      next = text_.SkipSpaces(end + 1);
-    }
-    return aggregate;
-  }
-
-  static std::vector<std::string> PoseNames() {
-    return {"X", "Y", "Z", "A", "B", "C"};
-  }
-
-  static Eigen::Isometry3d FrameOf(const Aggregate& aggregate) {
-    ProgramTarget frame;
-    frame.numbers = aggregate.Of(PoseNames());
-    return PoseOf(ProgramLanguage::kKrl, frame);
-  }
-
-  // "TOOL 1": the number in brackets or behind a comma at `at`.
-  std::optional<int> Index(std::size_t at) const {
-    const auto number = text_.NumberAt(text_.SkipSpaces(at));
-    if (!number || number->decimals > 0) return std::nullopt;
-    return number->Whole();
-  }
-
-  static std::string Numbered(const char* kind, int index) {
-    return index == 0 ? "" : std::string(kind) + " " + std::to_string(index);
-  }
-
-  // TOOL_DATA[1]={...} and BASE_DATA[2]={...}.
-  void ReadNumberedFrames() {
-    for (const auto& [word, kind] :
-         {std::pair<std::string, const char*>{"TOOL_DATA", "tool"},
-          {"BASE_DATA", "base"}}) {
-      for (std::size_t at = 0; (at = text_.FindWord(word, at)) != kNowhere;
-           at += word.size()) {
-        const auto index = Index(at + word.size() + 1);
-        const std::size_t close = text_.text().find(']', at);
-        if (!index || close == kNowhere) continue;
-        const std::size_t equals = text_.SkipSpaces(close + 1);
-        const std::size_t brace = text_.SkipSpaces(equals + 1);
-        if (text_.at(equals) != '=' || text_.at(brace) != '{') continue;
-        const Aggregate value = Parse(brace);
-        if (!value.HasAll(PoseNames())) continue;
-        program_->frames[Numbered(kind, *index)] = FrameOf(value);
-      }
-    }
-  }
-
-  // What $TOOL or $BASE is set to by the text from `at` on.
-  std::string AssignedFrame(std::size_t at, const std::string& word,
-                            const char* kind) {
-    const std::string value = text_.WordAt(at);
-    if (value == "$NULLFRAME" || value == "$WORLD" || value == "$ROBROOT") {
-      return "";
-    }
-    if (value == word + "_DATA") {
-      const auto index = Index(at + value.size() + 1);
-      return index ? Numbered(kind, *index) : "?";
-    }
-    if (text_.at(at) != '{') return "?";
-    const Aggregate aggregate = Parse(at);
-    if (!aggregate.HasAll(PoseNames()) || !aggregate.only_numbers) return "?";
-    std::string name = std::string("$") + word + " in line " +
-                       std::to_string(text_.LineOf(at));
-    program_->frames[name] = FrameOf(aggregate);
-    return name;
-  }
-
-  // $TOOL = ..., BAS(#TOOL, 1): of the motions that follow in the text.
-  void ReadFrameChanges() {
-    for (std::size_t start = 0; start < text_.size();
-         start = text_.LineEnd(start) + 1) {
-      const std::size_t at = text_.SkipSpaces(start);
-      const std::string word = text_.WordAt(at);
-      if (word == "$TOOL" || word == "$BASE") {
-        const std::size_t equals = text_.SkipSpaces(at + word.size());
-        if (text_.at(equals) != '=') continue;
-        const bool is_tool = word == "$TOOL";
-        Change(at, is_tool,
-               AssignedFrame(text_.SkipSpaces(equals + 1), word.substr(1),
-                             is_tool ? "tool" : "base"));
-      } else if (word == "BAS") {
-        const std::size_t hash = text_.text().find('#', at);
-        if (hash >= text_.LineEnd(at)) continue;
-        const std::string what = text_.WordAt(hash + 1);
-        if (what != "TOOL" && what != "BASE") continue;
-        const std::size_t comma = text_.text().find(',', hash);
-        const auto index =
-            comma < text_.LineEnd(at) ? Index(comma + 1) : std::optional<int>();
-        const bool is_tool = what == "TOOL";
-        Change(at, is_tool,
-               index ? Numbered(is_tool ? "tool" : "base", *index) : "?");
-      }
-    }
-  }
-
-  void Change(std::size_t at, bool is_tool, const std::string& name) {
-    Frames frames = changes_.empty() ? Frames() : changes_.back().second;
-    (is_tool ? frames.tool : frames.base) = name;
-    changes_.emplace_back(at, frames);
-  }
-
-  Frames FramesAt(std::size_t at) const {
-    const auto after =
-        std::lower_bound(changes_.begin(), changes_.end(), at,
-                         [](const auto& change, std::size_t place) {
-                           return change.first < place;
-                         });
-    return after == changes_.begin() ? Frames() : std::prev(after)->second;
-  }
-
   // The statement up to the brace, from the start of its line.
   std::string Before(std::size_t brace) const {
     const std::size_t start = text_.SkipSpaces(text_.LineStart(brace));
@@ -225,14 +60,14 @@ class KrlReader : ProgramReader {
   }
 
   void ReadAggregate(std::size_t at) {
-    const Aggregate aggregate = Parse(at);
+    const KrlAggregate aggregate = ParseKrlAggregate(text_, at);
     const std::string before = Before(at);
     if (aggregate.HasAll({"TOOL_NO", "BASE_NO"})) {
       KeepPointData(before, aggregate, at);
       return;
     }
     const bool is_axes = aggregate.HasAny(axes_) && !aggregate.HasAny({"X"});
-    const auto& names = is_axes ? axes_ : PoseNames();
+    const auto& names = is_axes ? axes_ : KrlPoseNames();
     if (!aggregate.HasAny(names)) return;
     const std::size_t word_begin = text_.SkipSpaces(text_.LineStart(at));
     const std::string first = text_.WordAt(word_begin);
@@ -247,12 +82,16 @@ class KrlReader : ProgramReader {
       ReadMotion(first, before, aggregate, is_axes);
       return;
     }
-    if (before.empty() || before.back() != '=') return;
+    if (before.empty() || before.back() != '=') {
+      const bool is_frame = first == "$TOOL" || first == "$BASE";
+      if (!is_frame) Leave(at, "a position in an expression");
+      return;
+    }
     KeepVariable(before.substr(0, before.size() - 1), aggregate);
   }
 
   void ReadMotion(const std::string& motion, const std::string& before,
-                  const Aggregate& aggregate, bool is_axes) {
+                  const KrlAggregate& aggregate, bool is_axes) {
     const bool is_arc = motion.back() == 'C';
     const char last = before.back();
     if (before != motion && !(is_arc && last == ',')) {
@@ -260,11 +99,11 @@ class KrlReader : ProgramReader {
             Uncorrected::kMotion);
       return;
     }
-    AddTarget(aggregate, is_axes, "", FramesAt(aggregate.begin));
+    AddTarget(aggregate, is_axes, "", frames_.At(aggregate.begin));
   }
 
   // DECL FDAT FP1={TOOL_NO 1,BASE_NO 2,IPO_FRAME #BASE,...} goes with XP1.
-  void KeepPointData(const std::string& before, const Aggregate& data,
+  void KeepPointData(const std::string& before, const KrlAggregate& data,
                      std::size_t at) {
     const std::size_t equals = before.find('=');
     std::string name = before.substr(0, equals);
@@ -277,12 +116,12 @@ class KrlReader : ProgramReader {
     const std::optional<int> tool = data.numbers.at("TOOL_NO").Whole();
     const std::optional<int> base = data.numbers.at("BASE_NO").Whole();
     point_frames_[name.substr(1)] =
-        is_at_tool || !tool || !base
-            ? Frames{"?", "?"}
-            : Frames{Numbered("tool", *tool), Numbered("base", *base)};
+        is_at_tool || !tool || !base ? KrlFrames{"?", "?"}
+                                     : KrlFrames{KrlFrameName("tool", *tool),
+                                                 KrlFrameName("base", *base)};
   }
 
-  void KeepVariable(std::string left, const Aggregate& value) {
+  void KeepVariable(std::string left, const KrlAggregate& value) {
     left.erase(left.find_last_not_of(" \t") + 1);
     const std::string name = left.substr(left.find_last_of(" \t") + 1);
     if (!MayBeName(name)) {
@@ -311,7 +150,7 @@ class KrlReader : ProgramReader {
 
   // Where a variable is moved to, and whether anything else is done with it.
   struct Uses {
-    std::set<Frames> frames;
+    std::set<KrlFrames> frames;
     bool is_computed_with = false;
   };
   // Found once of a name, which may be given many positions.
@@ -324,11 +163,13 @@ class KrlReader : ProgramReader {
       const std::size_t start = text_.SkipSpaces(text_.LineStart(at));
       const std::size_t after = text_.SkipSpaces(at + name.size());
       const std::string first = text_.WordAt(start);
-      if (text_.at(after) == '.' || text_.at(after) == ':' ||
+      const bool is_set = start == at && text_.at(after) == '=' &&
+                          text_.at(text_.SkipSpaces(after + 1)) != '{';
+      if (is_set || text_.at(after) == '.' || text_.at(after) == ':' ||
           (at > 0 && text_.at(text_.SkipSpacesBack(at) - 1) == ':')) {
         uses.is_computed_with = true;
       } else if (IsMotion(first)) {
-        uses.frames.insert(FramesAt(at));
+        uses.frames.insert(frames_.At(at));
       }
     }
     return uses;
@@ -337,14 +178,14 @@ class KrlReader : ProgramReader {
   void ReadVariable(const Variable& variable) {
     const std::string& name = variable.name;
     const Uses& uses = UsesOfVariable(name);
-    std::set<Frames> frames = uses.frames;
+    std::set<KrlFrames> frames = uses.frames;
     const std::size_t begin = variable.value.begin;
     const bool is_point = !variable.type.empty() && variable.type != "FRAME";
     const auto data = point_frames_.find(name.substr(1));
     if (data != point_frames_.end() && is_point) frames = {data->second};
     // Of declarations alone every position counts.
     const bool is_whole = program_->files.size() > 1;
-    if (frames.empty() && is_point && !is_whole) frames = {FramesAt(begin)};
+    if (frames.empty() && is_point && !is_whole) frames = {frames_.At(begin)};
     if (frames.empty()) {
       Leave(begin, name + " is not moved to in this " +
                        (is_whole ? "program" : "file"));
@@ -363,9 +204,53 @@ class KrlReader : ProgramReader {
     AddTarget(variable.value, is_axes, name, *frames.begin());
   }
 
-  void AddTarget(const Aggregate& value, bool is_axes, const std::string& name,
-                 const Frames& frames) {
-    const auto& names = is_axes ? axes_ : PoseNames();
+  // Motions to what is no variable of numbers: names of others, and what the
+  // geometric operator, an index or a function gives.
+  void ListOtherMoves() {
+    for (std::size_t start = 0; start < text_.size();
+         start = text_.LineEnd(start) + 1) {
+      const std::size_t at = text_.SkipSpaces(start);
+      const std::string motion = text_.WordAt(at);
+      if (!IsMotion(motion)) continue;
+      std::size_t next = at + motion.size();
+      for (int left = motion.back() == 'C' ? 2 : 1; left > 0; --left) {
+        next = text_.SkipSpaces(next);
+        CheckEnd(at, next);
+        while (text_.at(next) != '\n' && text_.at(next) != ',') {
+          next = text_.at(next) == '{' ? CloseOf(next) : next + 1;
+        }
+        if (text_.at(next) != ',') break;
+        ++next;
+      }
+    }
+  }
+
+  // Behind a brace, or at the end of its line.
+  std::size_t CloseOf(std::size_t brace) const {
+    const std::size_t close = text_.text().find('}', brace);
+    const std::size_t end = text_.LineEnd(brace);
+    return close < end ? close + 1 : end;
+  }
+
+  // Of a motion at `at`, whose end stands at `place`.
+  void CheckEnd(std::size_t at, std::size_t place) {
+    const bool is_literal = text_.at(place) == '{';
+    const std::string name = is_literal ? "" : text_.WordAt(place);
+    const std::size_t after = is_literal ? CloseOf(place) : place + name.size();
+    const char next = text_.at(text_.SkipSpaces(after));
+    if (next == ':' || next == '.' || next == '[' || next == '(') {
+      Leave(at, "moves to what is computed at run time", Uncorrected::kMotion);
+    } else if (!name.empty() && uses_.count(name) == 0) {
+      Leave(at,
+            "moves to " + name + ", which is not stated in this " +
+                (program_->files.size() > 1 ? "program" : "file"),
+            Uncorrected::kMotion);
+    }
+  }
+
+  void AddTarget(const KrlAggregate& value, bool is_axes,
+                 const std::string& name, const KrlFrames& frames) {
+    const auto& names = is_axes ? axes_ : KrlPoseNames();
     if (!value.HasAll(names)) {
       Refuse(value.begin, "states only some of " + names.front() + " to " +
                               names.back() +
@@ -401,9 +286,9 @@ class KrlReader : ProgramReader {
     program_->targets.push_back(target);
   }
 
+  const KrlFrameReader frames_;
   std::vector<std::string> axes_;
-  std::vector<std::pair<std::size_t, Frames>> changes_;
-  std::map<std::string, Frames> point_frames_;
+  std::map<std::string, KrlFrames> point_frames_;
   std::vector<Variable> variables_;
   std::map<std::string, Uses> uses_;
 };

@@ -188,23 +188,6 @@ std::string ProgramReader::FrameOrOwn(const std::string& name, std::size_t at) {
   return "";
 }
 
-void ProgramReader::ListOtherMoves(
-    const std::function<bool(const std::string&)>& is_motion,
-    const std::function<bool(const std::string&)>& is_known) {
-  for (std::size_t start = 0; start < text_.size();
-       start = text_.LineEnd(start) + 1) {
-    const std::size_t at = text_.SkipSpaces(start);
-    const std::string first = text_.WordAt(at);
-    if (!is_motion(first)) continue;
-    const std::string name = text_.WordAt(text_.SkipSpaces(at + first.size()));
-    if (name.empty() || is_known(name)) continue;
-    Leave(at,
-          "moves to " + name + ", which is not stated in this " +
-              (program_->files.size() > 1 ? "program" : "file"),
-          Uncorrected::kMotion);
-  }
-}
-
 void ProgramReader::ListStraight(
     const std::function<bool(const std::string&)>& is_straight) {
   for (std::size_t start = 0; start < text_.size();

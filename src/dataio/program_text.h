@@ -96,10 +96,6 @@ class ProgramReader {
   /// kUnstatedTool or kUnstatedBase and no table of frames has it.
   std::string FrameOrOwn(const std::string& name, std::size_t at);
 
-  /// Motions, each a line that begins with a word of which `is_motion`, to a
-  /// name that is not `is_known`: not stated in numbers in this file.
-  void ListOtherMoves(const std::function<bool(const std::string&)>& is_motion,
-                      const std::function<bool(const std::string&)>& is_known);
   /// Targets in the order of the text, with the lines that use them.
   void SortTargets();
 

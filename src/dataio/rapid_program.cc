@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <initializer_list>
+#include <map>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -48,16 +49,7 @@ class RapidReader : ProgramReader {
     for (const auto& [name, literals] : variables_) {
       ReadVariable(name, literals);
     }
-    const auto names_target = [](const std::string& word) {
-      return IsMove(word) && word.front() != 'S';
-    };
-    ListOtherMoves(names_target, [this](const std::string& name) {
-      return name == "OFFS" || name == "RELTOOL" || variables_.count(name) > 0;
-    });
-    ListStraight([](const std::string& word) {
-      return word.rfind("MOVEL", 0) == 0 || word.rfind("MOVEC", 0) == 0 ||
-             IsOneOf(word, {"TRIGGL", "TRIGGC", "SEARCHL", "SEARCHC"});
-    });
+    ListMoves();
     SortTargets();
   }
 
@@ -142,6 +134,76 @@ class RapidReader : ProgramReader {
     return SkipWhite(start);
   }
 
+  // The motion of the statement that has `at`: behind the condition of an IF in
+  // one line.
+  std::size_t MotionStart(std::size_t at) const {
+    const std::size_t start = StatementStart(at);
+    if (text_.WordAt(start) != "IF") return start;
+    for (std::size_t p = start; p < at; ++p) {
+      const std::string word = text_.WordAt(p);
+      if (IsMove(word)) return p;
+      p += word.size();
+    }
+    return start;
+  }
+
+  // Lines and arcs, and motions to what is not stated in numbers here.
+  void ListMoves() {
+    for (std::size_t at = 0; at < text_.size(); ++at) {
+      const std::string word = text_.WordAt(at);
+      if (word.empty()) continue;
+      if (IsMove(word) && MotionStart(at + word.size()) == at) {
+        ListMove(at, word);
+      }
+      at += word.size() - 1;
+    }
+  }
+
+  void ListMove(std::size_t at, const std::string& motion) {
+    const bool is_arc = motion.rfind("MOVEC", 0) == 0 || motion == "TRIGGC" ||
+                        motion == "SEARCHC";
+    if (is_arc || motion.rfind("MOVEL", 0) == 0 || motion == "TRIGGL" ||
+        motion == "SEARCHL") {
+      AddStraight(at);
+    }
+    const std::size_t end = StatementEnd(at);
+    std::size_t next = SkipWhite(at + motion.size());
+    // A search names its signal first; switches go before.
+    int skipped = motion.front() == 'S' ? 1 : 0;
+    for (int left = is_arc ? 2 : 1; left > 0 && next < end;) {
+      const bool is_switch = text_.at(next) == '\\';
+      if (!is_switch && skipped-- <= 0) {
+        CheckEnd(at, next);
+        --left;
+      }
+      next = SkipWhite(std::min(ArgumentEnd(next, end), end) + 1);
+    }
+  }
+
+  // The comma behind an argument.
+  std::size_t ArgumentEnd(std::size_t at, std::size_t end) const {
+    int depth = 0;
+    for (; at < end; ++at) {
+      const char c = text_.at(at);
+      if (c == '(' || c == '[') ++depth;
+      if (c == ')' || c == ']') --depth;
+      if (c == ',' && depth == 0) return at;
+    }
+    return end;
+  }
+
+  // Of a motion at `at`, whose end stands at `place`.
+  void CheckEnd(std::size_t at, std::size_t place) {
+    std::string name = text_.WordAt(place);
+    if (name == "OFFS" || name == "RELTOOL") {
+      const std::size_t open = SkipWhite(place + name.size());
+      name = text_.WordAt(SkipWhite(open + 1));
+    }
+    if (name.empty() || variables_.count(name) > 0) return;
+    Leave(at, "moves to " + name + ", which is not stated in this file",
+          Uncorrected::kMotion);
+  }
+
   // tooldata NAME:=[TRUE,[[x,y,z],[q]],...], and wobjdata with two frames, one
   // in the other; `holds` is what their first entry must be.
   void ReadFrames(const std::string& type, const std::string& holds,
@@ -152,7 +214,17 @@ class RapidReader : ProgramReader {
       const std::size_t end = StatementEnd(at);
       const std::size_t open = text_.text().find('[', at);
       if (name.empty() || open >= end) continue;
-      if (text_.WordAt(SkipWhite(open + 1)) != holds) continue;
+      if (text_.WordAt(SkipWhite(open + 1)) != holds) {
+        moving_[Key(name)] = type == "TOOLDATA"
+                                 ? "is a tool that the robot does not hold"
+                                 : "is held by the robot";
+        continue;
+      }
+      if (type == "WOBJDATA" && !IsFixed(open, end)) {
+        moving_[Key(name)] = "is moved by a mechanical unit";
+        continue;
+      }
+      RefuseChanges(name);
       Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
       std::size_t found = 0;
       for (std::size_t next = open + 1; found < count && next < end; ++next) {
@@ -168,6 +240,24 @@ class RapidReader : ProgramReader {
         next = after;
       }
       if (found == count) program_->frames[Key(name)] = frame;
+    }
+  }
+
+  // wobjdata: [robhold, ufprog, ...]; ufprog is FALSE where a mechanical unit
+  // moves the user frame.
+  bool IsFixed(std::size_t open, std::size_t end) const {
+    const std::size_t comma = text_.text().find(',', open);
+    return comma < end && text_.WordAt(SkipWhite(comma + 1)) != "FALSE";
+  }
+
+  // A tool or work object that is given other values, whole or in parts.
+  void RefuseChanges(const std::string& name) {
+    for (std::size_t at = 0; (at = text_.FindWord(name, at)) != kNowhere;
+         at += name.size()) {
+      if (StatementStart(at) != at) continue;
+      const std::size_t assigns = text_.text().find(":=", at);
+      if (assigns >= StatementEnd(at)) continue;
+      Refuse(at, LowerCase(name) + " is changed at run time");
     }
   }
 
@@ -199,7 +289,7 @@ class RapidReader : ProgramReader {
   // "..., tool1\WObj:=wobj1" of the motion that has a target at `at`.
   Frames FramesOf(std::size_t at) const {
     const std::size_t end = StatementEnd(at);
-    const std::string motion = text_.WordAt(StatementStart(at));
+    const std::string motion = text_.WordAt(MotionStart(at));
     std::size_t comma = end;
     for (int skipped = ArgumentsAfterTool(motion); skipped >= 0; --skipped) {
       comma = text_.text().rfind(',', comma - 1);
@@ -221,7 +311,7 @@ class RapidReader : ProgramReader {
   }
 
   void ReadLiteral(const Literal& literal) {
-    const std::size_t start = StatementStart(literal.begin);
+    const std::size_t start = MotionStart(literal.begin);
     const std::string first = text_.WordAt(start);
     const std::string before =
         text_.text().substr(start, literal.begin - start);
@@ -252,14 +342,23 @@ class RapidReader : ProgramReader {
     variables_[name].push_back(literal);
   }
 
+  // Whether ":= ..." follows that is no literal.
+  bool IsComputed(std::size_t at) const {
+    const std::size_t assigns = SkipWhite(at);
+    return text_.at(assigns) == ':' && text_.at(assigns + 1) == '=' &&
+           text_.at(SkipWhite(assigns + 2)) != '[';
+  }
+
   void ReadVariable(const std::string& name,
                     const std::vector<Literal>& literals) {
     std::set<Frames> frames;
+    std::size_t computed = kNowhere;
     const bool is_joints = literals.front().is_joints();
     for (std::size_t at = 0; (at = text_.FindWord(name, at)) != kNowhere;
          at += name.size()) {
-      const std::size_t start = StatementStart(at);
+      const std::size_t start = MotionStart(at);
       if (!IsMove(text_.WordAt(start))) {
+        if (start == at && IsComputed(at + name.size())) computed = at;
         if (text_.at(at + name.size()) == '.') {
           Refuse(at, name + " is changed or read in parts at run time");
           return;
@@ -275,6 +374,10 @@ class RapidReader : ProgramReader {
     const std::size_t begin = literals.front().begin;
     if (frames.empty()) {
       Leave(begin, name + " is not moved to in this file");
+      return;
+    }
+    if (computed != kNowhere) {
+      Refuse(computed, name + " is moved to and also set at run time");
       return;
     }
     if (frames.size() > 1 && !is_joints) {
@@ -316,6 +419,12 @@ class RapidReader : ProgramReader {
       }
       target.tool = frames.first;
       target.frame = frames.second;
+      for (const std::string& frame : {frames.first, frames.second}) {
+        const auto moving = moving_.find(frame);
+        if (moving == moving_.end()) continue;
+        Refuse(literal.begin, "its " + frame + " " + moving->second);
+        return;
+      }
       const bool knows_tool = KnowsFrame(target.tool, target.line, program_);
       const bool knows_base = KnowsFrame(target.frame, target.line, program_);
       if (!knows_tool || !knows_base) return;
@@ -331,6 +440,7 @@ class RapidReader : ProgramReader {
 
   const std::size_t num_joints_;
   std::map<std::string, std::vector<Literal>> variables_;
+  std::map<std::string, std::string> moving_;  // frames, and how
 };
 
 }  // namespace

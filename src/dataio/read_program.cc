@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "alidade/error.h"
+#include "src/common/characters.h"
 #include "src/common/files.h"
 #include "src/dataio/program_text.h"
 #include "src/dataio/robot_program.h"
@@ -73,14 +75,18 @@ void MergeNotes(std::vector<ProgramNote>* notes) {
 std::string DeclarationsBeside(const std::string& path) {
   std::filesystem::path beside = path;
   const std::string ending = beside.extension().string();
-  for (const auto& [motions, declarations] :
-       {std::pair<const char*, const char*>{".src", ".dat"},
-        {".SRC", ".DAT"},
-        {".SRC", ".dat"},
-        {".src", ".DAT"}}) {
-    if (ending != motions) continue;
+  if (LowerCase(ending) != ".src") return "";
+  const bool is_upper = ending == ".SRC";
+  for (const char* declarations :
+       {is_upper ? ".DAT" : ".dat", is_upper ? ".dat" : ".DAT", ".Dat"}) {
     beside.replace_extension(declarations);
-    if (std::filesystem::is_regular_file(beside)) return beside.string();
+    const auto status = std::filesystem::symlink_status(beside);
+    if (!std::filesystem::exists(status)) continue;
+    if (!std::filesystem::is_regular_file(beside)) {
+      throw InputError({beside.string(), 0, 0, ""},
+                       "expected a file, that of the declarations of " + path);
+    }
+    return beside.string();
   }
   return "";
 }

@@ -93,7 +93,8 @@ bool IsWordCharacter(char c);
 std::optional<ProgramLanguage> ProgramLanguageOf(const std::string& path);
 
 /// The file of declarations (.dat) that belongs to a file of KRL motions (.src)
-/// and lies beside it; empty where there is none.
+/// and lies beside it; empty where there is none. @throws InputError where what
+/// has that name is no file.
 std::string DeclarationsBeside(const std::string& path);
 
 /// What people call a line: "line 12" or, of a file that is not the program's

@@ -5,6 +5,7 @@
 
 #include "alidade/error.h"
 #include "alidade/rotation.h"
+#include "src/common/characters.h"
 #include "src/common/files.h"
 #include "src/common/names.h"
 #include "src/common/numbers.h"
@@ -370,6 +371,29 @@ std::vector<AddedColumn> MotorColumns(const std::string& prefix, const Arm& arm,
                      motors.row(j), FindUnit(unit)->InSi(), DecimalsOf(unit)));
   }
   return columns;
+}
+
+std::map<std::string, Eigen::Isometry3d> LoadFrames(
+    const std::string& path, const Arm& arm,
+    const std::optional<RotationConvention>& rotation) {
+  const TargetTable table = ReadFrameTable(path, arm, rotation);
+  if (table.names.empty() || !table.has_positions ||
+      table.format.form == OrientationForm::kNone) {
+    throw InputError({path, 0, 0, ""},
+                     "expected the columns name, x_mm, y_mm, z_mm and an "
+                     "orientation: wx_deg, wy_deg, wz_deg, or qw, qx, qy, qz, "
+                     "or rx_deg, ry_deg, rz_deg with --rotation, or KUKA's A, "
+                     "B, C as a_deg, b_deg, c_deg");
+  }
+  std::map<std::string, Eigen::Isometry3d> frames;
+  for (std::size_t i = 0; i < table.poses.size(); ++i) {
+    // RAPID makes no difference between small and capital letters.
+    const std::string name = LowerCase(table.names[i]);
+    if (frames.emplace(name, table.poses[i]).second) continue;
+    throw InputError({path, 0, 0, "name"},
+                     "\"" + table.names[i] + "\" stands twice, expected one");
+  }
+  return frames;
 }
 
 }  // namespace alidade::internal

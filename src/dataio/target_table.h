@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -79,6 +80,12 @@ std::vector<AddedColumn> MotorColumns(const std::string& prefix, const Arm& arm,
 /// One number for each row, `scale` = the unit's size in SI.
 AddedColumn NumberColumn(const std::string& name, const Eigen::VectorXd& values,
                          double scale, int decimals);
+
+/// Tools and bases of a table with the columns name, x_mm, y_mm, z_mm and an
+/// orientation. @throws InputError.
+std::map<std::string, Eigen::Isometry3d> LoadFrames(
+    const std::string& path, const Arm& arm,
+    const std::optional<RotationConvention>& rotation);
 
 }  // namespace alidade::internal
 

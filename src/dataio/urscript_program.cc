@@ -43,7 +43,7 @@ class UrScriptReader : ProgramReader {
       ReadVariable(name, literals);
     }
     ListComputedMoves();
-    for (const std::string word : {"movel", "movep", "movec"}) {
+    for (const std::string word : {"movel", "movep", "movec", "optimovel"}) {
       for (std::size_t at = 0; (at = text_.FindWord(word, at)) != kNowhere;
            at += word.size()) {
         AddStraight(at);
@@ -150,8 +150,10 @@ class UrScriptReader : ProgramReader {
                                  : use.keyword == keyword;
     };
     const std::string& f = use.function;
-    if (f == "movej") return is(0, is_pose ? "pose" : "q") || is(0, "q");
-    if (f == "movel" || f == "movep") return is(0, "pose") || is(0, "q");
+    if (f == "movej" || f == "optimovej")
+      return is(0, is_pose ? "pose" : "q") || is(0, "q");
+    if (f == "movel" || f == "movep" || f == "optimovel")
+      return is(0, "pose") || is(0, "q");
     if (f == "movec") return is(0, "pose_via") || is(1, "pose_to");
     if (f == "servoj") return !is_pose && is(0, "q");
     if (f == "servoc") return is(0, "pose");
@@ -235,25 +237,53 @@ class UrScriptReader : ProgramReader {
               Uncorrected::kMotion);
       }
     }
-    for (const char* name :
-         {"movej", "movel", "movep", "movec", "servoc", "servoj"}) {
+    for (const char* name : {"movej", "movel", "movep", "movec", "servoc",
+                             "servoj", "optimovej", "optimovel"}) {
       const std::string word = name;
       for (std::size_t at = 0; (at = text_.FindWord(word, at)) != kNowhere;
            at += word.size()) {
         const std::size_t open = text_.SkipSpaces(at + word.size());
         if (text_.at(open) != '(') continue;
-        std::size_t argument = text_.SkipSpaces(open + 1);
-        if (text_.WordAt(argument) == "get_inverse_kin") {
-          argument = text_.SkipSpaces(text_.text().find('(', argument) + 1);
+        std::size_t argument = open + 1;
+        bool is_stated = IsStated(argument);
+        if (word == "movec") {
+          argument = ArgumentEnd(argument) + 1;
+          is_stated = is_stated && IsStated(argument);
         }
-        const std::string first = text_.WordAt(argument);
-        const bool is_list = text_.at(argument) == '[' ||
-                             (first == "p" && text_.at(argument + 1) == '[');
-        if (is_list || variables_.count(first) > 0) continue;
+        if (is_stated) continue;
         Leave(at, "moves to what is computed at run time",
               Uncorrected::kMotion);
       }
     }
+  }
+
+  // Whether the argument at a place is a list, or a variable of numbers.
+  bool IsStated(std::size_t argument) const {
+    argument = text_.SkipSpaces(argument);
+    if (text_.WordAt(argument) == "get_inverse_kin") {
+      argument = text_.SkipSpaces(text_.text().find('(', argument) + 1);
+    }
+    std::string first = text_.WordAt(argument);
+    const std::size_t equals = text_.SkipSpaces(argument + first.size());
+    if (!first.empty() && text_.at(equals) == '=') {
+      argument = text_.SkipSpaces(equals + 1);
+      first = text_.WordAt(argument);
+    }
+    return text_.at(argument) == '[' ||
+           (first == "p" && text_.at(argument + 1) == '[') ||
+           variables_.count(first) > 0;
+  }
+
+  // The comma or bracket behind an argument, or its line's end.
+  std::size_t ArgumentEnd(std::size_t at) const {
+    int depth = 0;
+    for (; text_.at(at) != '\n'; ++at) {
+      const char c = text_.at(at);
+      if (c == '(' || c == '[') ++depth;
+      if ((c == ')' || c == ']') && --depth < 0) break;
+      if (c == ',' && depth == 0) break;
+    }
+    return at;
   }
 
   const std::size_t num_joints_;

@@ -466,23 +466,4 @@ ProgramCorrection CorrectProgram(const RobotProgram& program,
   return ProgramCorrector(program, arms, options).Run();
 }
 
-std::map<std::string, Eigen::Isometry3d> LoadFrames(
-    const std::string& path, const Arm& arm,
-    const std::optional<RotationConvention>& rotation) {
-  const TargetTable table = ReadFrameTable(path, arm, rotation);
-  if (table.names.empty() || !table.has_positions ||
-      table.format.form == OrientationForm::kNone) {
-    throw InputError({path, 0, 0, ""},
-                     "expected the columns name, x_mm, y_mm, z_mm and an "
-                     "orientation: wx_deg, wy_deg, wz_deg, or qw, qx, qy, qz, "
-                     "or rx_deg, ry_deg, rz_deg with --rotation, or KUKA's A, "
-                     "B, C as a_deg, b_deg, c_deg");
-  }
-  std::map<std::string, Eigen::Isometry3d> frames;
-  for (std::size_t i = 0; i < table.poses.size(); ++i) {
-    frames[table.names[i]] = table.poses[i];
-  }
-  return frames;
-}
-
 }  // namespace alidade::internal

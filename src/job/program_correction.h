@@ -1,15 +1,12 @@
 #ifndef ALIDADE_SRC_JOB_PROGRAM_CORRECTION_H_
 #define ALIDADE_SRC_JOB_PROGRAM_CORRECTION_H_
 
-#include <Eigen/Geometry>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "alidade/correction.h"
 #include "src/dataio/robot_program.h"
-#include "src/dataio/rotation_convention.h"
 #include "src/job/program_notes.h"
 
 namespace alidade::internal {
@@ -36,12 +33,6 @@ struct ProgramCorrection {
 ProgramCorrection CorrectProgram(const RobotProgram& program,
                                  const CorrectionArms& arms,
                                  const CorrectionOptions& options);
-
-/// Tools and bases of a table with the columns name, x_mm, y_mm, z_mm and an
-/// orientation. @throws InputError.
-std::map<std::string, Eigen::Isometry3d> LoadFrames(
-    const std::string& path, const Arm& arm,
-    const std::optional<RotationConvention>& rotation);
 
 }  // namespace alidade::internal
 

@@ -91,6 +91,104 @@ TEST(RobotProgramTest, MotionsThatAreNotCorrectedAreKnown) {
                   Pair(4, Kind::kNoMotion)));
 }
 
+// Whatever a language has to move with, and wherever in a statement it stands.
+TEST(RobotProgramTest, EveryMotionToWhatIsNotStatedIsCounted) {
+  const auto motions = [](const std::string& path, const std::string& text) {
+    std::vector<int> lines;
+    for (const ProgramNote& note : ParseProgram(text, path, 6, {}).left) {
+      if (note.kind == Uncorrected::kMotion) lines.push_back(note.line);
+    }
+    return lines;
+  };
+  EXPECT_THAT(motions("a.src",
+                      "XP1={X 1,Y 2,Z 3,A 0,B 0,C 0}\n"
+                      "LIN XP1\n"
+                      "SPL XP2\n"
+                      "CIRC {X 1,Y 2,Z 3,A 0,B 0,C 0},XP9\n"
+                      "LIN XP1:XOFF\n"
+                      "PTP XP[3] C_PTP\n"
+                      "CIRC XP1,{X 1,Y 2,Z 3,A 0,B 0,C 0},CA 90\n"),
+              ElementsAre(3, 4, 5, 6));
+  EXPECT_THAT(motions("a.mod",
+                      "p1:=[[1,2,3],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,"
+                      "9E9]];\n"
+                      "MoveL p1,v1,fine,tool0;\n"
+                      "MoveL Offs(pOther,0,0,1),v1,fine,tool0;\n"
+                      "MoveC p1,pOther,v1,fine,tool0;\n"
+                      "MoveL\\Conc,pOther,v1,fine,tool0;\n"
+                      "IF di1=1 MoveL pOther,v1,fine,tool0;\n"
+                      "IF di1=1 MoveL p1,v1,fine,tool0;\n"
+                      "SearchL di1,pHit,p1,v1,tool0;\n"
+                      "MoveHome;\n"),
+              ElementsAre(3, 4, 5, 6, 8));
+  EXPECT_THAT(motions("a.script",
+                      "a = p[0.4,0.2,0.5,0,3.1,0]\n"
+                      "movec(a, b, a=1.2)\n"
+                      "optimovel(c)\n"
+                      "optimovej(p[0.4,0.2,0.5,0,3.1,0])\n"
+                      "movel(pose=a)\n"),
+              ElementsAre(2, 3));
+  EXPECT_THAT(motions("a.ls",
+                      "/MN\n 1:L P[R[5]] 100mm/sec FINE ;\n 2:L P[2] "
+                      "100mm/sec FINE VOFFSET,VR[1] ;\n/POS\n/END\n"),
+              ElementsAre(2));
+}
+
+// Then no position that depends on them is known.
+TEST(RobotProgramTest, FramesAndPositionsThatChangeAreRefused) {
+  const auto refusals = [](const std::string& path, const std::string& text) {
+    const Eigen::Isometry3d none = Eigen::Isometry3d::Identity();
+    std::vector<std::string> texts;
+    for (const ProgramNote& note :
+         ParseProgram(text, path, 6,
+                      {{"base 1", none}, {"tool 1", none}, {"wr", none}})
+             .refused) {
+      texts.push_back(note.text);
+    }
+    return texts;
+  };
+  const std::string lin = "LIN {X 1,Y 2,Z 3,A 0,B 0,C 0}\n";
+  using ::testing::Contains;
+  using ::testing::HasSubstr;
+  using ::testing::IsEmpty;
+  EXPECT_THAT(refusals("a.src", "$BASE=BASE_DATA[1]\n" + lin), IsEmpty());
+  for (const char* frame :
+       {"$BASE=BASE_DATA[1]:{X 0,Y 0,Z 3,A 0,B 0,C 0}\n",
+        "$BASE=$NULLFRAME:XOFF\n", "$BASE=$WORLD\n$BASE.X=100\n"}) {
+    EXPECT_THAT(refusals("a.src", frame + lin),
+                Contains(HasSubstr("set at run time")))
+        << frame;
+  }
+  const std::string data = "BASE_DATA[1]={X 0,Y 0,Z 3,A 0,B 0,C 0}\n";
+  EXPECT_THAT(refusals("a.src", data + data), IsEmpty());
+  EXPECT_THAT(
+      refusals("a.src", data + "BASE_DATA[1]={X 0,Y 0,Z 0,A 0,B 0,C 0}\n"),
+      Contains(HasSubstr("base 1 is stated once more")));
+  EXPECT_THAT(refusals("a.src", data + "BASE_DATA[1].Z=9\n"),
+              Contains("base 1 is changed in parts"));
+  EXPECT_THAT(refusals("a.src",
+                       "XP4={X 1,Y 2,Z 3,A 0,B 0,C 0}\nXP4=$POS_ACT\n"
+                       "LIN XP4\n"),
+              Contains(HasSubstr("XP4 is moved to and also computed with")));
+  const std::string point =
+      "p1:=[[1,2,3],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n";
+  const std::string move = "MoveL p1,v1,fine,tool0\\WObj:=wR;\n";
+  const std::string frames = "[[0,0,3],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];\n";
+  const auto object = [&](const char* head) {
+    return "wobjdata wR:=[" + std::string(head) + "," + frames + point + move;
+  };
+  EXPECT_THAT(refusals("a.mod", object("FALSE,TRUE,\"\"")), IsEmpty());
+  EXPECT_THAT(refusals("a.mod", object("TRUE,TRUE,\"\"")),
+              Contains("its wr is held by the robot"));
+  EXPECT_THAT(refusals("a.mod", object("FALSE,FALSE,\"STN1\"")),
+              Contains("its wr is moved by a mechanical unit"));
+  EXPECT_THAT(refusals("a.mod", object("FALSE,TRUE,\"\"") +
+                                    "wR.oframe.trans:=[1,2,3];\n"),
+              Contains("wr is changed at run time"));
+  EXPECT_THAT(refusals("a.mod", point + "p1:=CRobT();\n" + move),
+              Contains("P1 is moved to and also set at run time"));
+}
+
 TEST(RobotProgramTest, StraightMotionsAreKnown) {
   const auto straight = [](const std::string& path, const std::string& text) {
     return ParseProgram(text, path, 6, {}).straight;
