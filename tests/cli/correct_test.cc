@@ -281,6 +281,37 @@ TEST(CorrectErrorsTest, AreNamed) {
   EXPECT_THAT(swapped.err, HasSubstr("expected the result first"));
 }
 
+TEST(CorrectErrorsTest, NoFileTakesThePlaceOfAnother) {
+  const TemporaryDirectory directory;
+  const std::string arm = kRobots + "irb120.yaml";
+  const std::string table = directory / "t.csv";
+  // The figure beside it has that ending, and would take its place.
+  WriteWhole(table,
+             "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n1,2,3,4,50,6\n");
+  const auto figure =
+      Alidade("correct " + arm + " " + table + " --nominal=" + arm +
+              " --out=" + (directory / "o.svg"));
+  EXPECT_EQ(figure.status, 2);
+  EXPECT_THAT(figure.err, HasSubstr("expected another ending"));
+  const std::string frames = directory / "f.csv";
+  WriteWhole(frames,
+             "name,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\ntool,0,0,9,0,0,0\n");
+  const std::string program = directory / "p.src";
+  WriteWhole(program, "PTP {A1 0,A2 -90,A3 90,A4 0,A5 40,A6 0}\n");
+  const auto with_frames =
+      Alidade("correct " + arm + " " + program + " --nominal=" + arm +
+              " --frames=" + frames + " --out=" + frames);
+  EXPECT_EQ(with_frames.status, 2);
+  EXPECT_THAT(with_frames.err, HasSubstr("f.csv: is read by this run"));
+  WriteWhole(frames,
+             "name,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\ntool,0,0,9,0,0,0\n"
+             "Tool,0,0,8,0,0,0\n");
+  EXPECT_THAT(Alidade("correct " + arm + " " + program + " --nominal=" + arm +
+                      " --frames=" + frames + " --out=" + (directory / "o.src"))
+                  .err,
+              HasSubstr("stands twice"));
+}
+
 // A file keeps its name, which controllers want to be the program's.
 TEST(CorrectOutputTest, IsAFolderOfItsOwn) {
   const TemporaryDirectory directory;
