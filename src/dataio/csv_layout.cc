@@ -221,9 +221,13 @@ class LayoutFinder {
            (width >= best_->width && width <= best_->num_cells && width > 0);
   }
 
+  // A row in which nothing was measured has no numbers either, and a name at
+  // most.
   bool IsHeader(const Cells& cells) const {
-    return !cells.empty() && FitsRows(cells) &&
-           CountCells(cells, separator()).numbers == 0;
+    if (cells.empty() || !FitsRows(cells)) return false;
+    const CellCounts counts = CountCells(cells, separator());
+    return counts.numbers == 0 &&
+           (2 * counts.texts >= best_->width || AreUnits(cells));
   }
 
   // The last line before `end` that may be a header and satisfies
