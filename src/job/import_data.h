@@ -3,7 +3,6 @@
 
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "alidade/arm.h"
@@ -22,8 +21,9 @@ struct ImportRequest {
   /// Of three angles of an orientation; null: `angle_unit`, or found.
   const Unit* rotation_unit = nullptr;
   std::optional<RotationConvention> rotation = {};  ///< of three angles
-  /// What is left out: lines, and rows by what is in them.
-  std::vector<std::pair<int, int>> excluded_lines = {};
+  /// How it is written, as far as that is known, and lines that are left out.
+  StatedDialect dialect = {};
+  /// Rows that are left out by what is in them.
   std::vector<RowCondition> exclude = {};
 };
 
@@ -32,6 +32,9 @@ struct ImportedData {
   std::vector<ImportedColumn> columns;
   std::vector<std::string> notes;  ///< how it is written, what was left out
   LoadedData loaded;
+  /// Of the file: those that are read, and those of which a note says why they
+  /// are not.
+  int num_rows = 0;
   /// Where each pose stands in the file: "Point 17 (line 21)" by the first
   /// column, where that is passed over, or "line 21".
   std::vector<std::string> places;
