@@ -377,7 +377,11 @@ class LayoutFinder {
     for (std::size_t i = units.value_or(best_->first_row); i-- > 0;) {
       const std::string_view comment = CommentOf(lines_[i].text);
       if (comment.data() == nullptr) continue;
+      // A column may be called "#".
+      const bool is_column = separator() != ' ' && !comment.empty() &&
+                             comment.front() == separator();
       for (const std::string_view text : {comment, lines_[i].text}) {
+        if (is_column && text.data() == comment.data()) continue;
         Cells cells = Split(text);
         // Names may have commas between them where numbers have blanks.
         Cells by_commas;
