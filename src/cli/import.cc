@@ -7,6 +7,7 @@
 #include "alidade/arm_file.h"
 #include "alidade/error.h"
 #include "src/cli/command.h"
+#include "src/cli/shell_word.h"
 #include "src/cli/targets.h"
 #include "src/common/files.h"
 #include "src/common/names.h"
@@ -211,7 +212,9 @@ ExitStatus RunImport(const CommandLine& line) {
   const std::string file =
       are_two ? (directory / "joined.csv").string() : line.files.front();
   ImportRequest request{file, arm};
+  request.directory = directory.string();
   request.rotation = RotationFlag(line);
+  request.rotation_name = line.rotation;
   ReadUnits(line.units, &request);
   std::vector<TableToJoin> tables;
   for (const std::string& path : line.files) tables.push_back({path});
@@ -248,8 +251,9 @@ ExitStatus RunImport(const CommandLine& line) {
   std::vector<std::string> written = {data, job};
   if (are_two) written.insert(written.begin(), file);
   PrintResults(written);
-  std::cout << "\nNext: alidade calibrate " << job
-            << " --report --out=" << (directory / "result").string() << "\n";
+  std::cout << "\nNext: alidade calibrate " << ShellWord(job)
+            << " --report --out=" << ShellWord((directory / "result").string())
+            << "\n";
   return kExitDone;
 }
 

@@ -10,6 +10,7 @@
 #include "src/common/characters.h"
 #include "src/common/names.h"
 #include "src/common/numbers.h"
+#include "src/common/yaml_text.h"
 #include "src/dataio/csv_columns.h"
 
 namespace alidade::internal {
@@ -182,20 +183,12 @@ struct OwnedPosition {
   }
 };
 
-// As YAML reads it in a list.
-std::string YamlName(const std::string& name) {
-  const bool is_plain =
-      !name.empty() &&
-      name.find_first_of(",[]{}:#&*!|>'\"%@`?-") == std::string::npos;
-  return is_plain ? name : "\"" + name + "\"";
-}
-
 std::string YamlList(const std::vector<int>& columns,
                      const std::vector<std::string>& names) {
   std::string text;
   for (const int column : columns) {
     text += (text.empty() ? "[" : ", ") +
-            YamlName(names[static_cast<std::size_t>(column) - 1]);
+            YamlText(names[static_cast<std::size_t>(column) - 1]);
   }
   return text + "]";
 }
@@ -457,11 +450,17 @@ std::string DescribeMapping(const ColumnRoles& roles,
                             const std::vector<std::string>& names) {
   std::string text = "joints: " + YamlList(roles.joints, names);
   if (roles.targets.empty()) {
-    return text + ", position: " + YamlList(roles.position, names);
+    text += ", position: " + YamlList(roles.position, names);
+    for (const auto* const columns :
+         {&roles.quaternion, &roles.matrix, &roles.angles}) {
+      if (columns->empty()) continue;
+      text += ", orientation: " + YamlList(*columns, names);
+    }
+    return text;
   }
   std::string targets;
   for (const auto& [name, columns] : roles.targets) {
-    targets += (targets.empty() ? "" : ", ") + YamlName(name) + ": " +
+    targets += (targets.empty() ? "" : ", ") + YamlText(name) + ": " +
                YamlList(columns, names);
   }
   return text + ", targets: {" + targets + "}";

@@ -29,11 +29,13 @@ class LineRanges {
   void Add(int first, int last);
   void Add(const std::pair<int, int>& lines) { Add(lines.first, lines.second); }
   bool empty() const { return ranges_.empty(); }
+  /// Ascending, and apart.
+  const std::vector<std::pair<int, int>>& ranges() const { return ranges_; }
   /// O(log parts): it is asked of every row.
   bool Contains(int line) const;
 
  private:
-  std::vector<std::pair<int, int>> ranges_;  // ascending, apart
+  std::vector<std::pair<int, int>> ranges_;
 };
 
 /// What a job says of a text file, in place of what is found in it.

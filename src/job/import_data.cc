@@ -80,10 +80,7 @@ class Importer {
     Describe(loaded);
     DescribeOwn();
     NoteRotation(loaded.data);
-    for (const std::string& note :
-         NotesOnUnused(result_.columns, {request_.path, roles_, text_})) {
-      result_.notes.push_back(note);
-    }
+    NoteUnused();
     FindPlaces(loaded.data);
     result_.num_rows =
         static_cast<int>(loaded.data.num_poses() +
@@ -101,6 +98,16 @@ class Importer {
         "the last rows have no positions (lines " + LinesText(lines) +
         "): if columns have slipped, pasted a few rows higher than the "
         "others, all rows are wrong");
+  }
+
+  void NoteUnused() {
+    LineRanges excluded = format_.dialect.excluded_lines;
+    // A job leaves rows out, no single positions.
+    for (const auto& [line, target] : lost_positions_) excluded.Add(line, line);
+    for (const std::string& note :
+         NotesOnUnused(result_.columns, {request_, roles_, text_, excluded})) {
+      result_.notes.push_back(note);
+    }
   }
 
   void DescribeText() {

@@ -1,31 +1,14 @@
 #ifndef ALIDADE_SRC_JOB_IMPORT_DATA_H_
 #define ALIDADE_SRC_JOB_IMPORT_DATA_H_
 
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "alidade/arm.h"
 #include "src/dataio/data_format.h"
+#include "src/job/import_request.h"
 #include "src/job/imported_column.h"
 
 namespace alidade::internal {
-
-/// What is known of a file of measurements that another program wrote.
-struct ImportRequest {
-  std::string path;
-  const Arm& arm;
-  /// Of columns whose names state none: "mm", "deg"; empty: found.
-  const Unit* length_unit = nullptr;
-  const Unit* angle_unit = nullptr;
-  /// Of three angles of an orientation; null: `angle_unit`, or found.
-  const Unit* rotation_unit = nullptr;
-  std::optional<RotationConvention> rotation = {};  ///< of three angles
-  /// How it is written, as far as that is known, and lines that are left out.
-  StatedDialect dialect = {};
-  /// Rows that are left out by what is in them.
-  std::vector<RowCondition> exclude = {};
-};
 
 /// A file of measurements as it was understood.
 struct ImportedData {

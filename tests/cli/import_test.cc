@@ -95,8 +95,12 @@ TEST_F(ImportTest, OrientationsHaveUnitsOfTheirOwn) {
   EXPECT_THAT(found.out, ::testing::ContainsRegex("RotX +rx +deg"));
   EXPECT_THAT(found.out, HasSubstr("orientation are in degrees"));
   EXPECT_THAT(found.out, HasSubstr("numbers that are passed over: temp;"));
-  EXPECT_THAT(found.out, HasSubstr("position: [TX, TY, TZ], unit: [mm, rad], "
-                                   "covariates: [temp]}}"));
+  EXPECT_THAT(found.out,
+              HasSubstr("`data: {file: ../ur.csv, columns: {joints: ["));
+  EXPECT_THAT(found.out,
+              HasSubstr("position: [TX, TY, TZ], orientation: [RotX, RotY, "
+                        "RotZ], unit: [mm, rad, deg], covariates: [temp]}, "
+                        "rotation: extrinsic_xyz}`"));
   const std::string data = Read("ur/data.csv");
   const ProcessResult stated = Alidade(import + " --units=mm,rad,deg");
   ASSERT_EQ(stated.status, 0) << stated.err;
@@ -168,6 +172,31 @@ TEST_F(ImportTest, SeveralTargetsInARowAreThoseOfTheArm) {
                         "{smr1: [SMR1 X, SMR1 Y, SMR1 Z], smr2: [SMR2 X, "
                         "SMR2 Y, SMR2 Z]}}"));
   EXPECT_THAT(refused.err, HasSubstr("robots/irb120_reflectors"));
+}
+
+TEST_F(ImportTest, JobsTakeTheLineForACovariate) {
+  std::vector<Row> rows = PositionsOf(Poses(30));
+  for (Row& row : rows) row.push_back(20.0);
+  rows[3][6] = rows[3][7] = rows[3][8] = 0.0;
+  Write("its cell.csv", Table("J1,J2,J3,J4,J5,J6,X,Y,Z,T's mean [C]", rows));
+  const ProcessResult read = Alidade(
+      "import 'its cell.csv' --units=mm,deg --arm=robots/irb120 "
+      "--exclude=7-8,'J1 > 75' '--out=my dir'");
+  ASSERT_EQ(read.status, 0) << read.err;
+  const std::size_t begin = read.out.find("`data: ") + 1;
+  const std::string section =
+      read.out.substr(begin, read.out.find('`', begin) - begin);
+  EXPECT_THAT(section, HasSubstr("covariates: ['T''s mean [C]']}, exclude: "
+                                 "[5, 7-8, 'J1 > 75']}"));
+  std::string job = Read("my dir/job.yaml");
+  const std::string data = "data: 'data.csv'";
+  job.replace(job.find(data), data.size(), section);
+  Write("my dir/job.yaml", job);
+  const ProcessResult checked = Alidade("check 'my dir/job.yaml'");
+  EXPECT_EQ(checked.status, 0) << checked.err;
+  EXPECT_THAT(read.out,
+              HasSubstr("Next: alidade calibrate 'my dir/job.yaml' --report "
+                        "--out='my dir/result'\n"));
 }
 
 TEST_F(ImportTest, ATargetIsLostWithoutTheOthersOfItsRow) {
