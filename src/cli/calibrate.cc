@@ -11,6 +11,7 @@
 #include "src/cli/command.h"
 #include "src/cli/launch.h"
 #include "src/cli/progress.h"
+#include "src/cli/shell_word.h"
 #include "src/common/text.h"
 #include "src/job/report_page.h"
 #include "src/job/result_directory.h"
@@ -45,9 +46,10 @@ void WarnOfIdle(const JobConfig& config, const Communicator& communicator) {
 
 // What a result that may be used is for.
 void PrintNext(const std::string& directory) {
-  std::cout << "\nNext: alidade correct " << directory
+  std::cout << "\nNext: alidade correct " << ShellWord(directory)
             << " PROGRAM  (or targets; docs/robot.md)\n      alidade plan "
-            << "--check " << directory << "  (poses that show at the robot "
+            << "--check " << ShellWord(directory)
+            << "  (poses that show at the robot "
             << "whether it works)\n";
 }
 

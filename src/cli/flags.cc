@@ -30,9 +30,11 @@ DEFINE_bool(corrected, false,
             "with --check: the joint values are those asked for, and the robot "
             "was given what `correct` makes of them");
 DEFINE_bool(dry_run, false, "print what would run, a line a job");
-DEFINE_string(exclude, "",
-              "ROWS left out, with commas between: lines of the file (12, "
-              "40-45, 130-) and conditions ('status = lost')");
+DEFINE_string(
+    exclude, "",
+    "ROWS left out, with commas between: lines of the file (12, "
+    "40-45, 130-; of two files points.txt:12) and conditions ('status = "
+    "lost')");
 DEFINE_bool(fail_fast, false, "start no more jobs once one is not done");
 DEFINE_string(
     frames, "",
@@ -51,8 +53,9 @@ DEFINE_bool(keep_going, false,
 DEFINE_string(list, "",
               "FILE jobs and folders, one a line, from the list's folder");
 DEFINE_string(match, "",
-              "COLUMN of two files that names the points: rows of the same "
-              "point are put together; A::P1 is P1");
+              "COLUMN of two files that names the points, or one of each, "
+              "Point,Name: rows of the same point are put together; A::P1 is "
+              "P1");
 DEFINE_string(nominal, "",
               "ARM.yaml the arm that the controller believes in; of a result, "
               "the one that it was calibrated from by default");

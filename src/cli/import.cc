@@ -7,6 +7,7 @@
 #include "alidade/arm_file.h"
 #include "alidade/error.h"
 #include "src/cli/command.h"
+#include "src/cli/shell_word.h"
 #include "src/cli/targets.h"
 #include "src/common/files.h"
 #include "src/common/names.h"
@@ -53,18 +54,54 @@ void ReadUnits(const std::string& text, ImportRequest* request) {
   }
 }
 
-// "130-,12,status = lost": as a job's `exclude`, with commas between.
-void ReadExclusions(const std::string& text, ImportRequest* request) {
+// The file whose lines are named, "points.txt" of "points.txt:32"; null: none.
+TableToJoin* TableOf(const std::string& name,
+                     std::vector<TableToJoin>* tables) {
+  for (TableToJoin& table : *tables) {
+    if (table.path == name) return &table;
+  }
+  for (TableToJoin& table : *tables) {
+    if (fs::path(table.path).filename() == name) return &table;
+  }
+  return nullptr;
+}
+
+[[noreturn]] void FailExclusion(const std::string& text,
+                                const std::string& entry,
+                                const std::vector<TableToJoin>& tables) {
+  const std::string begin =
+      "import: --exclude=" + text + ": " + Quote(entry) + " ";
+  if (tables.size() > 1 && ParseLines(entry)) {
+    throw InputError({}, begin +
+                             "are lines of one of two files, expected which: "
+                             "--exclude=" +
+                             fs::path(tables[1].path).filename().string() +
+                             ":" + entry);
+  }
+  throw InputError({}, begin +
+                           "is neither lines of the file (12, 40-45, 130-; of "
+                           "two files points.txt:12) nor a condition ('status "
+                           "= lost')");
+}
+
+// "130-,12,status = lost": as a job's `exclude`, with commas between. Lines of
+// two files stand behind their names.
+void ReadExclusions(const std::string& text, std::vector<TableToJoin>* tables) {
   std::istringstream entries(text);
   for (std::string entry; std::getline(entries, entry, ',');) {
-    if (const auto lines = ParseLines(entry)) {
-      request->excluded_lines.push_back(*lines);
-    } else if (auto condition = ParseRowCondition(entry)) {
-      request->exclude.push_back(*std::move(condition));
+    const std::size_t colon = entry.rfind(':');
+    TableToJoin* const table = colon == std::string::npos
+                                   ? nullptr
+                                   : TableOf(entry.substr(0, colon), tables);
+    const auto lines = table == nullptr ? ParseLines(entry)
+                                        : ParseLines(entry.substr(colon + 1));
+    const auto condition = ParseRowCondition(entry);
+    if (lines && (table != nullptr || tables->size() == 1)) {
+      (table == nullptr ? tables->front() : *table).excluded_lines.Add(*lines);
+    } else if (condition && !lines) {
+      for (TableToJoin& each : *tables) each.exclude.push_back(*condition);
     } else {
-      throw InputError({}, "import: --exclude=" + text + ": " + Quote(entry) +
-                               " is neither lines of the file (12, 40-45, "
-                               "130-) nor a condition ('status = lost')");
+      FailExclusion(text, entry, *tables);
     }
   }
 }
@@ -91,47 +128,66 @@ std::string ArmIn(const fs::path& directory, const std::string& path) {
   return fs::proximate(fs::absolute(path), fs::absolute(directory)).string();
 }
 
-// A job that is there may have been edited: it is kept, under another name.
-// Empty: there was none, or it says the same.
-std::string KeepEarlierJob(const std::string& job, const std::string& text) {
-  if (!fs::exists(job) || ReadFile(job) == text) return "";
-  std::string kept = job + ".old";
-  for (int number = 2; fs::exists(kept); ++number) {
-    if (ReadFile(kept) == ReadFile(job)) return kept;
-    kept = job + ".old" + std::to_string(number);
+// Where a file goes that may have been edited, before `text` takes its place.
+// Empty: there is none, or it says the same.
+std::string PlaceToKeep(const std::string& path, const std::string& text) {
+  if (!fs::is_regular_file(path)) return "";
+  const std::string earlier = ReadFile(path);
+  if (earlier == text) return "";
+  std::string kept = path + ".old";
+  for (int number = 2; fs::exists(fs::symlink_status(kept)); ++number) {
+    if (fs::is_regular_file(kept) && ReadFile(kept) == earlier) break;
+    kept = path + ".old" + std::to_string(number);
   }
-  fs::rename(job, kept);
   return kept;
 }
 
-// The two files as one, which is kept for people to look at.
-std::string Joined(const CommandLine& line, const fs::path& directory) {
-  const std::string& first = line.files[0];
-  const std::string& second = line.files[1];
-  if (line.match.empty()) {
+void WriteAndKeep(const std::string& path, const std::string& text,
+                  const std::string& kept) {
+  if (!kept.empty()) fs::rename(path, kept);
+  WriteFileAtomically(path, text);
+  if (kept.empty()) return;
+  std::cout << "- " << path << " was there and said something else: it is "
+            << "kept as " << kept << "\n";
+}
+
+// The two files as one. It is written before all else is certain: messages and
+// people's eyes need its lines.
+JoinedTables Join(const CommandLine& line, const std::string& path,
+                  const std::vector<TableToJoin>& tables) {
+  CheckOutputFile(path, line.files);
+  JoinedTables joined = JoinTables(tables[0], tables[1], line.match);
+  MakeDirectories(fs::path(path).parent_path().string());
+  WriteAndKeep(path, joined.text, PlaceToKeep(path, joined.text));
+  std::cout << path << "\n";
+  for (const std::string& note : joined.notes) {
+    std::cout << "- " << note << "\n";
+  }
+  return joined;
+}
+
+// Alidade's own form, and nothing is to be found.
+StatedDialect JoinedDialect() {
+  StatedDialect dialect;
+  dialect.separator = ',';
+  dialect.decimal = '.';
+  dialect.thousands = '\0';
+  dialect.header = 1;
+  return dialect;
+}
+
+void CheckFiles(const CommandLine& line) {
+  const bool are_two = line.files.size() > 1;
+  if (!line.match.empty() && !are_two) {
+    throw InputError({}, "import: --match=" + line.match +
+                             " puts two files together, and one is named");
+  }
+  if (line.match.empty() && are_two) {
     throw InputError(
         {},
         "import: two files, expected one, or --match=COLUMN: the column "
         "that names the points, by which rows of " +
-            first + " and " + second + " are put together");
-  }
-  std::string path = (directory / "joined.csv").string();
-  CheckOutputFile(path, {first, second});
-  const JoinedTables joined = JoinTables(first, second, line.match);
-  MakeDirectories(directory.string());
-  WriteFileAtomically(path, joined.text);
-  std::cout << path << "\n";
-  for (const std::string& note : joined.notes)
-    std::cout << "- " << note << "\n";
-  return path;
-}
-
-}  // namespace
-
-ExitStatus RunImport(const CommandLine& line) {
-  if (!line.match.empty() && line.files.size() == 1) {
-    throw InputError({}, "import: --match=" + line.match +
-                             " puts two files together, and one is named");
+            line.files[0] + " and " + line.files[1] + " are put together");
   }
   if (line.arm.empty()) {
     throw InputError(
@@ -139,43 +195,65 @@ ExitStatus RunImport(const CommandLine& line) {
         "import: --arm=ARM.yaml is missing: how many joints there are, and "
         "which slide, is the arm's; 'alidade import --help' says more");
   }
+}
+
+}  // namespace
+
+ExitStatus RunImport(const CommandLine& line) {
+  CheckFiles(line);
   std::vector<std::string> inputs = line.files;
   inputs.push_back(line.arm);
   const Arm arm = LoadArm(line.arm, &inputs);
   const fs::path directory = OutputDirectory(line);
-  const bool are_two = line.files.size() > 1;
-  const std::string file =
-      are_two ? Joined(line, directory) : line.files.front();
-  ImportRequest request{file, arm};
-  request.rotation = RotationFlag(line);
-  ReadUnits(line.units, &request);
-  ReadExclusions(line.exclude, &request);
   const std::string data = (directory / "data.csv").string();
   const std::string job = (directory / "job.yaml").string();
   for (const std::string& output : {data, job}) CheckOutputFile(output, inputs);
+  const bool are_two = line.files.size() > 1;
+  const std::string file =
+      are_two ? (directory / "joined.csv").string() : line.files.front();
+  ImportRequest request{file, arm};
+  request.directory = directory.string();
+  request.rotation = RotationFlag(line);
+  request.rotation_name = line.rotation;
+  ReadUnits(line.units, &request);
+  std::vector<TableToJoin> tables;
+  for (const std::string& path : line.files) tables.push_back({path});
+  ReadExclusions(line.exclude, &tables);
+  int num_joined = 0;
+  if (are_two) {
+    num_joined = Join(line, file, tables).num_rows;
+    request.dialect = JoinedDialect();
+  } else {
+    request.dialect.excluded_lines = tables.front().excluded_lines;
+    request.exclude = tables.front().exclude;
+  }
   const ImportedData imported = ImportData(request);
+  if (are_two && imported.num_rows != num_joined) {
+    throw InputError({file, 0, 0, ""},
+                     std::to_string(num_joined) + " rows were joined and " +
+                         std::to_string(imported.num_rows) +
+                         " are read or said to be left out: expected cells "
+                         "that do not look as the marks of comments");
+  }
   std::cout << file << ", read for " << arm.name << "\n";
   Show(imported);
   const Dataset& poses = imported.loaded.data;
-  MakeDirectories(directory.string());
-  WriteFileAtomically(
-      data, DataText(imported, arm,
-                     "imported from " + fs::path(file).filename().string()));
+  const std::string rows = DataText(
+      imported, arm, "imported from " + fs::path(file).filename().string());
   const std::string text =
       JobText(fs::path(line.files.front()).stem().string(),
               ArmIn(directory, line.arm), "data.csv", poses.num_poses());
-  const std::string kept = KeepEarlierJob(job, text);
-  WriteFileAtomically(job, text);
+  const std::string kept = PlaceToKeep(job, text);
+  MakeDirectories(directory.string());
+  WriteFileAtomically(data, rows);
   std::cout << poses.num_poses() << " poses\n";
-  if (!kept.empty()) {
-    std::cout << "- " << job << " was there and said something else: it is "
-              << "kept as " << kept << "\n";
-  }
+  WriteAndKeep(job, text, kept);
   std::vector<std::string> written = {data, job};
   if (are_two) written.insert(written.begin(), file);
   PrintResults(written);
-  std::cout << "\nNext: alidade calibrate " << job
-            << " --report --out=" << (directory / "result").string() << "\n";
+  std::cout << "\nNext: alidade calibrate " << ShellWord(job)
+            << " --report --out=" << ShellWord((directory / "result").string())
+            << "\n";
   return kExitDone;
 }
 

@@ -10,6 +10,7 @@
 #include "src/common/characters.h"
 #include "src/common/names.h"
 #include "src/common/numbers.h"
+#include "src/common/yaml_text.h"
 #include "src/dataio/csv_columns.h"
 
 namespace alidade::internal {
@@ -178,24 +179,16 @@ struct OwnedPosition {
   std::vector<int> columns = std::vector<int>(3, 0);  // 0 = none
 
   bool IsWhole() const {
-    return !owner.empty() && std::count(columns.begin(), columns.end(), 0) == 0;
+    return std::count(columns.begin(), columns.end(), 0) == 0;
   }
 };
-
-// As YAML reads it in a list.
-std::string YamlName(const std::string& name) {
-  const bool is_plain =
-      !name.empty() &&
-      name.find_first_of(",[]{}:#&*!|>'\"%@`?-") == std::string::npos;
-  return is_plain ? name : "\"" + name + "\"";
-}
 
 std::string YamlList(const std::vector<int>& columns,
                      const std::vector<std::string>& names) {
   std::string text;
   for (const int column : columns) {
     text += (text.empty() ? "[" : ", ") +
-            YamlName(names[static_cast<std::size_t>(column) - 1]);
+            YamlText(names[static_cast<std::size_t>(column) - 1]);
   }
   return text + "]";
 }
@@ -218,7 +211,10 @@ class RoleFinder {
     roles.joints = Joints();
     if (targets_.size() > 1) roles.targets = Targets();
     // Orientations are of one target in a row.
-    if (!roles.targets.empty()) return roles;
+    if (!roles.targets.empty()) {
+      RefuseOtherTargets();
+      return roles;
+    }
     RefuseSeveralPositions(roles);
     roles.position = Group(PositionAxisOf, 3);
     const std::vector<int> quaternion = Group(QuaternionPartOf, 4);
@@ -291,6 +287,27 @@ class RoleFinder {
     return all;
   }
 
+  // Beside those of the arm's targets.
+  void RefuseOtherTargets() const {
+    for (const OwnedPosition& one : OwnedPositions()) {
+      const bool is_known = std::any_of(
+          targets_.begin(), targets_.end(), [&](const std::string& target) {
+            return Joined(WordsOf(target)) == one.owner;
+          });
+      if (is_known) continue;
+      const int first = one.columns.front();
+      throw InputError(
+          {path_, 0, 0, ""},
+          "column " + std::to_string(first) + " (" +
+              Quote(names_[static_cast<std::size_t>(first) - 1]) +
+              ") seems to hold a position of none of the arm's targets " +
+              JoinNames(targets_) + ": rename it and those beside it (" +
+              targets_.front() +
+              " X ...), name the target in the arm file, or take the columns "
+              "out");
+    }
+  }
+
   std::vector<std::pair<std::string, std::vector<int>>> Targets() const {
     std::vector<std::pair<std::string, std::vector<int>>> found;
     for (const OwnedPosition& one : OwnedPositions()) {
@@ -304,7 +321,11 @@ class RoleFinder {
 
   // Of targets that the arm does not have.
   void RefuseSeveralPositions(const ColumnRoles& roles) const {
-    const std::vector<OwnedPosition> all = OwnedPositions();
+    std::vector<OwnedPosition> all = OwnedPositions();
+    all.erase(std::remove_if(
+                  all.begin(), all.end(),
+                  [](const OwnedPosition& one) { return one.owner.empty(); }),
+              all.end());
     if (all.size() < 2) return;
     ColumnRoles as_targets;
     as_targets.joints = roles.joints;
@@ -327,7 +348,7 @@ class RoleFinder {
   std::vector<int> Group(Role role, int count) const {
     std::vector<int> columns(static_cast<std::size_t>(count), 0);
     for (int i = 0; i < size(); ++i) {
-      const int part = role(WordsOf(names_[static_cast<std::size_t>(i)]));
+      const int part = role(WordsAt(i));
       if (part < 0) continue;
       int& column = columns[static_cast<std::size_t>(part)];
       if (column != 0) FailTwice(column, i + 1, Remedy());
@@ -352,7 +373,7 @@ class RoleFinder {
   std::vector<int> Joints() const {
     std::map<int, int> found;  // column by number of the joint
     for (int i = 0; i < size(); ++i) {
-      const int joint = JointOf(WordsOf(names_[static_cast<std::size_t>(i)]));
+      const int joint = JointOf(WordsAt(i));
       if (joint < 0) continue;
       const auto [at, is_new] = found.emplace(joint, i + 1);
       if (!is_new) FailTwice(at->second, i + 1, Remedy());
@@ -429,11 +450,17 @@ std::string DescribeMapping(const ColumnRoles& roles,
                             const std::vector<std::string>& names) {
   std::string text = "joints: " + YamlList(roles.joints, names);
   if (roles.targets.empty()) {
-    return text + ", position: " + YamlList(roles.position, names);
+    text += ", position: " + YamlList(roles.position, names);
+    for (const auto* const columns :
+         {&roles.quaternion, &roles.matrix, &roles.angles}) {
+      if (columns->empty()) continue;
+      text += ", orientation: " + YamlList(*columns, names);
+    }
+    return text;
   }
   std::string targets;
   for (const auto& [name, columns] : roles.targets) {
-    targets += (targets.empty() ? "" : ", ") + YamlName(name) + ": " +
+    targets += (targets.empty() ? "" : ", ") + YamlText(name) + ": " +
                YamlList(columns, names);
   }
   return text + ", targets: {" + targets + "}";

@@ -119,6 +119,27 @@ NumberMarks MarkAlone(std::string_view cell, const Groups& groups) {
 
 }  // namespace
 
+void LineRanges::Add(int first, int last) {
+  // All that touch it become one with it.
+  auto begin = std::lower_bound(
+      ranges_.begin(), ranges_.end(), first,
+      [](const auto& range, int line) { return range.second < line; });
+  auto end = begin;
+  for (; end != ranges_.end() && end->first <= last; ++end) {
+    first = std::min(first, end->first);
+    last = std::max(last, end->second);
+  }
+  begin = ranges_.erase(begin, end);
+  ranges_.insert(begin, {first, last});
+}
+
+bool LineRanges::Contains(int line) const {
+  const auto range = std::lower_bound(
+      ranges_.begin(), ranges_.end(), line,
+      [](const auto& each, int value) { return each.second < value; });
+  return range != ranges_.end() && range->first <= line;
+}
+
 NumberMarks MarksOf(std::string_view cell) {
   const Groups groups = GroupsOf(cell);
   if (!groups.is_number) return {};

@@ -23,6 +23,21 @@ struct CsvDialect {
   bool has_plain_numbers() const { return decimal == '.' && thousands == '\0'; }
 };
 
+/// Lines of a file, as parts from a first to a last one.
+class LineRanges {
+ public:
+  void Add(int first, int last);
+  void Add(const std::pair<int, int>& lines) { Add(lines.first, lines.second); }
+  bool empty() const { return ranges_.empty(); }
+  /// Ascending, and apart.
+  const std::vector<std::pair<int, int>>& ranges() const { return ranges_; }
+  /// O(log parts): it is asked of every row.
+  bool Contains(int line) const;
+
+ private:
+  std::vector<std::pair<int, int>> ranges_;
+};
+
 /// What a job says of a text file, in place of what is found in it.
 struct StatedDialect {
   std::optional<char> separator;
@@ -30,15 +45,9 @@ struct StatedDialect {
   std::optional<char> thousands;  ///< '\0' = none
   std::optional<int> header;      ///< its line, from 1; 0 = none
   std::vector<std::string> missing;
-  /// First and last lines of parts that are left out.
-  std::vector<std::pair<int, int>> excluded_lines;
+  LineRanges excluded_lines;  ///< what is left out
 
-  bool IsExcluded(int line) const {
-    for (const auto& [first, last] : excluded_lines) {
-      if (line >= first && line <= last) return true;
-    }
-    return false;
-  }
+  bool IsExcluded(int line) const { return excluded_lines.Contains(line); }
 };
 
 /// What the marks in a text say of how numbers are written.

@@ -221,9 +221,13 @@ class LayoutFinder {
            (width >= best_->width && width <= best_->num_cells && width > 0);
   }
 
+  // A row in which nothing was measured has no numbers either, and a name at
+  // most.
   bool IsHeader(const Cells& cells) const {
-    return !cells.empty() && FitsRows(cells) &&
-           CountCells(cells, separator()).numbers == 0;
+    if (cells.empty() || !FitsRows(cells)) return false;
+    const CellCounts counts = CountCells(cells, separator());
+    return counts.numbers == 0 &&
+           (2 * counts.texts >= best_->width || AreUnits(cells));
   }
 
   // The last line before `end` that may be a header and satisfies
@@ -373,7 +377,11 @@ class LayoutFinder {
     for (std::size_t i = units.value_or(best_->first_row); i-- > 0;) {
       const std::string_view comment = CommentOf(lines_[i].text);
       if (comment.data() == nullptr) continue;
+      // A column may be called "#".
+      const bool is_column = separator() != ' ' && !comment.empty() &&
+                             comment.front() == separator();
       for (const std::string_view text : {comment, lines_[i].text}) {
+        if (is_column && text.data() == comment.data()) continue;
         Cells cells = Split(text);
         // Names may have commas between them where numbers have blanks.
         Cells by_commas;

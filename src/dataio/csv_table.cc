@@ -207,8 +207,7 @@ void CsvTable::Cut(std::string_view rows, const ReadOptions& options) {
 
 void CsvTable::VisitChunk(std::int64_t chunk, const Visit& visit) const {
   CsvRow row(path(), *header_, layout_.dialect);
-  const std::vector<std::pair<int, int>>& excluded =
-      content_.dialect.excluded_lines;
+  const LineRanges& excluded = content_.dialect.excluded_lines;
   std::string_view rest = chunks_[chunk].text;
   int line = chunks_[chunk].lines_before;
   for (std::int64_t index = chunks_[chunk].first_row; !rest.empty();) {
@@ -216,7 +215,7 @@ void CsvTable::VisitChunk(std::int64_t chunk, const Visit& visit) const {
     ++line;
     if (IsPassedOver(text, layout_.dialect.separator)) continue;
     const std::int64_t number = index++;
-    if (!excluded.empty() && content_.dialect.IsExcluded(line)) continue;
+    if (excluded.Contains(line)) continue;
     if (row.Read(text, line, number)) visit(row);
   }
 }

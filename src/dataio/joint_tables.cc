@@ -6,6 +6,7 @@
 #include "alidade/units.h"
 #include "src/common/number_text.h"
 #include "src/common/text.h"
+#include "src/common/yaml_text.h"
 
 namespace alidade::internal {
 namespace {
@@ -28,15 +29,6 @@ bool IsLength(const JointTable& table, std::size_t row,
 
 const char* TypeOf(const JointTable& table, std::size_t row) {
   return table.is_prismatic[row] ? "prismatic" : "revolute";
-}
-
-std::string QuotedText(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : CleanUtf8(text)) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c;
-  }
-  return quoted + "\"";
 }
 
 std::string Frame(const char* name, const Eigen::Isometry3d& frame) {
@@ -135,7 +127,7 @@ std::string FormatYaml(const JointTable& table, const Arm& arm) {
   const bool is_arm = !table.convention.empty();
   std::string text;
   if (is_arm) {
-    text = "format: alidade-arm-1\nname: " + QuotedText(table.name) +
+    text = "format: alidade-arm-1\nname: " + QuotedYaml(table.name) +
            "\nconvention: " + table.convention + "\n";
   }
   text += "units: {length: mm, angle: deg}\njoints:\n";

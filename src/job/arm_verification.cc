@@ -162,7 +162,10 @@ bool WouldPass(const ArmSource& source, const Dataset& data,
     const bool refits = options.refit_base || options.refit_tool;
     const ArmCheckResult check = Check(
         source, refits ? Refitted(arm, taken, options) : arm, taken, options);
-    return check.passes && check.degrees_of_freedom >= 1.0;
+    // A base fits few measurements whatever is wrong with them.
+    constexpr double kFewest = 10.0;
+    return check.passes &&
+           check.degrees_of_freedom >= (options.refit_base ? kFewest : 1.0);
   } catch (const InputError&) {
     return false;
   }
@@ -195,7 +198,8 @@ std::string OptionHint(const ArmSource& source, const Dataset& data,
             : corrected                    ? " and --corrected"
                                            : " and without --corrected") +
            " it would pass: was the instrument, or the robot's base, moved "
-           "since the calibration?";
+           "since the calibration, or joint 1's zero, which no base sets "
+           "apart?";
   }
   return "";
 }

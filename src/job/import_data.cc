@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -37,14 +38,12 @@ std::vector<std::string> Numbers(const std::vector<int>& columns) {
   return numbers;
 }
 
-StatedDialect DialectOf(const ImportRequest& request) {
+const StatedDialect& DialectOf(const ImportRequest& request) {
   if (IsNpy(request.path)) {
     throw InputError({request.path, 0, 0, ""},
                      "an array states its columns: jobs read it as it is");
   }
-  StatedDialect dialect;
-  dialect.excluded_lines = request.excluded_lines;
-  return dialect;
+  return request.dialect;
 }
 
 std::vector<std::string> TargetNames(const Arm& arm) {
@@ -59,7 +58,7 @@ class Importer {
       : request_(request),
         text_(request.path, DialectOf(request), request.exclude),
         names_(text_.names()) {
-    format_.dialect.excluded_lines = request.excluded_lines;
+    format_.dialect = request.dialect;
     format_.exclude = request.exclude;
   }
 
@@ -72,19 +71,21 @@ class Importer {
     NoteEmptyAtEnd();
     SetFormat();
     FindUnits();
+    const ColumnMapping& columns = format_.columns;
+    // First: what was written in place of angles says nothing of their unit.
+    LeaveOutLost(LoadWith(columns.length_unit, columns.angle_unit).data,
+                 ArmReach(request_.arm));
     FindRotationUnit();
     LoadedData loaded = Load(format_);
-    if (LeaveOutLost(loaded.data, ArmReach(request_.arm))) {
-      loaded = Load(format_);
-    }
     Describe(loaded);
     DescribeOwn();
     NoteRotation(loaded.data);
-    for (const std::string& note :
-         NotesOnUnused(result_.columns, {request_.path, roles_, text_})) {
-      result_.notes.push_back(note);
-    }
+    NoteUnused();
     FindPlaces(loaded.data);
+    result_.num_rows =
+        static_cast<int>(loaded.data.num_poses() +
+                         static_cast<Eigen::Index>(loaded.rejected.size())) +
+        num_lost_;
     result_.loaded = std::move(loaded);
     return std::move(result_);
   }
@@ -97,6 +98,16 @@ class Importer {
         "the last rows have no positions (lines " + LinesText(lines) +
         "): if columns have slipped, pasted a few rows higher than the "
         "others, all rows are wrong");
+  }
+
+  void NoteUnused() {
+    LineRanges excluded = format_.dialect.excluded_lines;
+    // A job leaves rows out, no single positions.
+    for (const auto& [line, target] : lost_positions_) excluded.Add(line, line);
+    for (const std::string& note :
+         NotesOnUnused(result_.columns, {request_, roles_, text_, excluded})) {
+      result_.notes.push_back(note);
+    }
   }
 
   void DescribeText() {
@@ -182,7 +193,10 @@ class Importer {
 
   LoadedData Load(const DataFormat& format) const {
     References references;
-    return LoadData(request_.path, request_.arm, format, &references);
+    LoadedData loaded =
+        LoadData(request_.path, request_.arm, format, &references);
+    DropPositions(lost_positions_, &loaded.data);
+    return loaded;
   }
 
   // Those that a table may have without saying so.
@@ -280,7 +294,7 @@ class Importer {
     if (columns.orientation.size() != 3 || !NeedsUnit(roles_.angles)) return;
     columns.rotation_unit = StatedRotationUnit();
     if (columns.rotation_unit != nullptr) return;
-    const double largest = text_.LargestOf(roles_.angles);
+    const double largest = text_.LargestOf(roles_.angles, format_.dialect);
     if (largest > kTurn) {
       columns.rotation_unit = FindHeaderUnit("deg");
       result_.notes.push_back(
@@ -348,8 +362,9 @@ class Importer {
     const Unit*& unit = format.columns.rotation_unit;
     if (unit == nullptr) unit = StatedRotationUnit();
     if (unit == nullptr) {
-      unit = FindHeaderUnit(text_.LargestOf(roles_.angles) > kTurn ? "deg"
-                                                                   : "rad");
+      unit = FindHeaderUnit(
+          text_.LargestOf(roles_.angles, format_.dialect) > kTurn ? "deg"
+                                                                  : "rad");
     }
     try {
       return FindFittingRotation(request_.arm,
@@ -368,14 +383,19 @@ class Importer {
     return OrientationMisfit(request_.arm, Load(format).data);
   }
 
-  // Whether there were any.
-  bool LeaveOutLost(const Dataset& data, double reach) {
+  void LeaveOutLost(const Dataset& data, double reach) {
     const LostTargets lost = FindLostTargets(data, reach);
     for (const int line : lost.lines) {
-      format_.dialect.excluded_lines.emplace_back(line, line);
+      format_.dialect.excluded_lines.Add(line, line);
     }
-    if (!lost.lines.empty()) result_.notes.push_back(lost.Describe());
-    return !lost.lines.empty();
+    num_lost_ += static_cast<int>(lost.lines.size());
+    lost_positions_.insert(lost.positions.begin(), lost.positions.end());
+    std::vector<std::string>& notes = result_.notes;
+    for (const std::string& note : lost.Describe(request_.arm)) {
+      if (std::find(notes.begin(), notes.end(), note) == notes.end()) {
+        notes.push_back(note);
+      }
+    }
   }
 
   void SetUse(const std::vector<int>& columns,
@@ -449,6 +469,8 @@ class Importer {
   const std::vector<std::string>& names_;
   ColumnRoles roles_;
   DataFormat format_;
+  int num_lost_ = 0;                              // rows
+  std::set<std::pair<int, int>> lost_positions_;  // of other rows
   ImportedData result_;
 };
 

@@ -1,37 +1,23 @@
 #ifndef ALIDADE_SRC_JOB_IMPORT_DATA_H_
 #define ALIDADE_SRC_JOB_IMPORT_DATA_H_
 
-#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "alidade/arm.h"
 #include "src/dataio/data_format.h"
+#include "src/job/import_request.h"
 #include "src/job/imported_column.h"
 
 namespace alidade::internal {
-
-/// What is known of a file of measurements that another program wrote.
-struct ImportRequest {
-  std::string path;
-  const Arm& arm;
-  /// Of columns whose names state none: "mm", "deg"; empty: found.
-  const Unit* length_unit = nullptr;
-  const Unit* angle_unit = nullptr;
-  /// Of three angles of an orientation; null: `angle_unit`, or found.
-  const Unit* rotation_unit = nullptr;
-  std::optional<RotationConvention> rotation = {};  ///< of three angles
-  /// What is left out: lines, and rows by what is in them.
-  std::vector<std::pair<int, int>> excluded_lines = {};
-  std::vector<RowCondition> exclude = {};
-};
 
 /// A file of measurements as it was understood.
 struct ImportedData {
   std::vector<ImportedColumn> columns;
   std::vector<std::string> notes;  ///< how it is written, what was left out
   LoadedData loaded;
+  /// Of the file: those that are read, and those of which a note says why they
+  /// are not.
+  int num_rows = 0;
   /// Where each pose stands in the file: "Point 17 (line 21)" by the first
   /// column, where that is passed over, or "line 21".
   std::vector<std::string> places;

@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "src/common/names.h"
 #include "src/common/number_text.h"
+#include "src/common/yaml_text.h"
 #include "src/dataio/csv_lines.h"
 #include "src/dataio/dataset_csv.h"
 #include "src/dataio/observation_order.h"
@@ -14,15 +14,6 @@ namespace alidade::internal {
 namespace {
 
 constexpr Eigen::Index kPosesToHoldOut = 20;
-
-// As YAML reads it.
-std::string Quoted(const std::string& text) {
-  std::string quoted = "'";
-  for (const char c : OneLine(text)) {
-    quoted += c == '\'' ? "''" : std::string(1, c);
-  }
-  return quoted + "'";
-}
 
 }  // namespace
 
@@ -54,14 +45,14 @@ std::string JobText(const std::string& title, const std::string& arm,
   std::string text =
       "format: alidade-job-2\n"
       "title: " +
-      Quoted(title) +
+      QuotedYaml(title) +
       "\n"
       "units: {length: mm, angle: deg}\n"
       "arm: " +
-      Quoted(arm) +
+      QuotedYaml(arm) +
       "\n"
       "data: " +
-      Quoted(data) +
+      QuotedYaml(data) +
       "\n"
       "# The instrument's standard deviation of a coordinate, or as here: from "
       "the fit.\n"

@@ -29,18 +29,24 @@ std::vector<std::string> ImportText::Notes() const {
   return notes;
 }
 
-void ImportText::VisitRows(const Visit& visit) const {
+template <typename Use>
+void ImportText::VisitLines(const Use& use) const {
   std::string_view rest = text().substr(layout_.rows);
   int number = layout_.lines_before_rows;
-  Cells cells;
   while (!rest.empty()) {
     const std::string_view line = TakeLine(&rest);
     ++number;
     if (IsPassedOver(line, dialect().separator)) continue;
-    if (stated_.IsExcluded(number)) continue;
-    if (SplitCells(line, dialect().separator, &cells) != nullptr) continue;
-    if (!IsExcluded(cells)) visit(cells, number);
+    if (!stated_.IsExcluded(number)) use(line, number);
   }
+}
+
+void ImportText::VisitRows(const Visit& visit) const {
+  Cells cells;
+  VisitLines([&](std::string_view line, int number) {
+    if (SplitCells(line, dialect().separator, &cells) != nullptr) return;
+    if (!IsExcluded(cells)) visit(cells, number);
+  });
 }
 
 // Conditions on columns that are not there are refused where the table is read.
@@ -60,11 +66,16 @@ bool ImportText::IsExcluded(const Cells& cells) const {
 }
 
 void ImportText::FailSlipped(const std::string& what,
-                             const std::vector<int>& lines,
-                             bool are_last) const {
-  std::string excluded = LinesText(lines);
-  excluded.erase(std::remove(excluded.begin(), excluded.end(), ' '),
-                 excluded.end());
+                             const std::vector<int>& lines, bool are_last,
+                             const std::string& file) const {
+  std::string excluded = file;
+  for (const char c : LinesText(lines)) {
+    if (c == ' ') {
+      excluded += file;
+    } else {
+      excluded += c;
+    }
+  }
   throw InputError(
       {path_, lines.front(), 0, ""},
       what + " in lines " + LinesText(lines) +
@@ -77,7 +88,7 @@ void ImportText::FailSlipped(const std::string& what,
           excluded + " leaves them out");
 }
 
-void ImportText::RefuseShortRows() const {
+void ImportText::RefuseShortRows(const std::string& file) const {
   std::vector<int> lines;
   int last = 0;
   std::size_t fewest = names().size();
@@ -93,7 +104,25 @@ void ImportText::RefuseShortRows() const {
   FailSlipped("expected " + std::to_string(names().size()) +
                   " cells as in the header, found " + std::to_string(fewest) +
                   (most > fewest ? " to " + std::to_string(most) : ""),
-              lines, last - lines.front() < static_cast<int>(lines.size()));
+              lines, last - lines.front() < static_cast<int>(lines.size()),
+              file);
+}
+
+void ImportText::RefuseBadRows(const std::string& file) const {
+  RefuseShortRows(file);
+  Cells cells;
+  VisitLines([&](std::string_view text, int number) {
+    const CsvLine line{path_, text, number, dialect().separator};
+    line.Split(&cells);
+    if (IsExcluded(cells)) return;
+    std::size_t width = cells.size();
+    while (width > names().size() && cells[width - 1].empty()) --width;
+    if (width == names().size()) return;
+    line.Fail("expected " + std::to_string(names().size()) +
+              " cells as in the header, found " + std::to_string(width) +
+              "; --exclude=" + file + std::to_string(number) +
+              " leaves the row out");
+  });
 }
 
 std::vector<int> ImportText::EmptyAtEnd(const std::vector<int>& columns) const {
@@ -120,9 +149,11 @@ std::string ImportText::PlainCell(std::string_view cell) const {
   return number.text().empty() ? TextOf(cell) : std::string(number.text());
 }
 
-double ImportText::LargestOf(const std::vector<int>& columns) const {
+double ImportText::LargestOf(const std::vector<int>& columns,
+                             const StatedDialect& stated) const {
   double largest = 0.0;
-  VisitRows([&](const Cells& cells, int /*line*/) {
+  VisitRows([&](const Cells& cells, int line) {
+    if (stated.IsExcluded(line)) return;
     for (const int column : columns) {
       const auto i = static_cast<std::size_t>(column) - 1;
       if (i >= cells.size() || IsStatedMissing(cells[i], dialect())) continue;

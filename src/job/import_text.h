@@ -33,8 +33,13 @@ class ImportText {
   void VisitRows(const Visit& visit) const;
 
   /// Refuses a table in which several rows have fewer cells than the header,
-  /// and names all of them. @throws InputError.
-  void RefuseShortRows() const;
+  /// and names all of them. `file`: what stands before lines in --exclude.
+  /// @throws InputError.
+  void RefuseShortRows(const std::string& file = "") const;
+
+  /// Refuses whatever rows have other cells than the header, or a quote that is
+  /// not closed. @throws InputError.
+  void RefuseBadRows(const std::string& file) const;
 
   /// Lines of the last rows, as far as all these columns (from 1) are empty
   /// there.
@@ -47,8 +52,10 @@ class ImportText {
   /// A cell with its numbers as Alidade writes them: "1234.5" of "1.234,5".
   std::string PlainCell(std::string_view cell) const;
 
-  /// The largest number of the columns (from 1) without its sign.
-  double LargestOf(const std::vector<int>& columns) const;
+  /// The largest number of the columns (from 1) without its sign, in lines that
+  /// `stated` does not exclude.
+  double LargestOf(const std::vector<int>& columns,
+                   const StatedDialect& stated) const;
 
  private:
   std::string_view text() const {
@@ -56,9 +63,12 @@ class ImportText {
   }
 
   [[noreturn]] void FailSlipped(const std::string& what,
-                                const std::vector<int>& lines,
-                                bool are_last) const;
+                                const std::vector<int>& lines, bool are_last,
+                                const std::string& file = "") const;
 
+  // Whatever their quotes.
+  template <typename Use>
+  void VisitLines(const Use& use) const;
   bool IsExcluded(const Cells& cells) const;
 
   const std::string path_;

@@ -1,9 +1,14 @@
 #include "src/job/unused_columns.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <limits>
+#include <map>
 
 #include "src/common/characters.h"
 #include "src/common/names.h"
+#include "src/common/text.h"
+#include "src/common/yaml_text.h"
 #include "src/dataio/csv_columns.h"
 #include "src/dataio/csv_dialect.h"
 
@@ -33,17 +38,67 @@ std::vector<std::string> UnusedNumbers(
 
 // ", unit: [mm, rad]" of columns that do not state theirs.
 std::string UnitsText(const std::vector<ImportedColumn>& columns,
-                      const ColumnRoles& roles) {
+                      const ColumnRoles& roles, bool has_angles) {
   const std::vector<int>& position =
       roles.targets.empty() ? roles.position : roles.targets.front().second;
   std::vector<std::string> units;
-  for (const std::vector<int>& group : {position, roles.joints}) {
+  for (const std::vector<int>& group :
+       {position, roles.joints,
+        has_angles ? roles.angles : std::vector<int>()}) {
     if (group.empty()) continue;
     const ImportedColumn& column =
         columns[static_cast<std::size_t>(group.front()) - 1];
     if (!StatesUnit(column.name)) units.push_back(column.unit);
   }
   return units.empty() ? "" : ", unit: [" + JoinNames(units) + "]";
+}
+
+std::string ConditionText(const RowCondition& condition) {
+  using Comparison = RowCondition::Comparison;
+  static const std::map<Comparison, const char*> kMarks = {
+      {Comparison::kEqual, " = "},        {Comparison::kUnequal, " != "},
+      {Comparison::kLess, " < "},         {Comparison::kMore, " > "},
+      {Comparison::kLessOrEqual, " <= "}, {Comparison::kMoreOrEqual, " >= "}};
+  return condition.column + kMarks.at(condition.comparison) + condition.text;
+}
+
+std::string ExcludeText(const ImportedTable& table) {
+  std::vector<std::string> entries;
+  for (const auto& [first, last] : table.excluded.ranges()) {
+    std::string entry = std::to_string(first);
+    if (last > first) entry += "-";
+    if (last > first && last < std::numeric_limits<int>::max()) {
+      entry += std::to_string(last);
+    }
+    entries.push_back(entry);
+  }
+  for (const RowCondition& condition : table.request.exclude) {
+    entries.push_back(QuotedYaml(ConditionText(condition)));
+  }
+  return entries.empty() ? "" : ", exclude: [" + Join(entries, ", ") + "]";
+}
+
+// What a job says of the file to read it as it is read here, and a covariate
+// too.
+std::string DataSection(const std::vector<ImportedColumn>& columns,
+                        const ImportedTable& table,
+                        const std::string& covariate) {
+  namespace fs = std::filesystem;
+  const ImportRequest& request = table.request;
+  const std::string path = request.directory.empty()
+                               ? request.path
+                               : fs::proximate(fs::absolute(request.path),
+                                               fs::absolute(request.directory))
+                                     .string();
+  ColumnRoles roles = table.roles;
+  if (!request.rotation) roles.angles.clear();
+  const bool has_angles = !roles.angles.empty();
+  return "data: {file: " + YamlText(path) + ", columns: {" +
+         DescribeMapping(roles, table.text.names()) +
+         UnitsText(columns, roles, has_angles) + ", covariates: [" +
+         YamlText(covariate) + "]}" +
+         (has_angles ? ", rotation: " + request.rotation_name : "") +
+         ExcludeText(table) + "}";
 }
 
 }  // namespace
@@ -74,11 +129,8 @@ std::vector<std::string> NotesOnUnused(
   notes.push_back(
       "numbers that are passed over: " + JoinNames(numbers) +
       "; where errors may depend on one (temperature, time, tilt), a job reads "
-      "it from the file itself: `data: {file: " +
-      table.path + ", columns: {" +
-      DescribeMapping(table.roles, table.text.names()) +
-      UnitsText(columns, table.roles) + ", covariates: [" + numbers.front() +
-      "]}}`");
+      "it from the file itself: `" +
+      DataSection(columns, table, numbers.front()) + "`");
   return notes;
 }
 

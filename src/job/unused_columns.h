@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "src/dataio/column_roles.h"
+#include "src/job/import_request.h"
 #include "src/job/import_text.h"
 #include "src/job/imported_column.h"
 
@@ -12,9 +13,10 @@ namespace alidade::internal {
 
 /// A file that is imported, as far as it is understood.
 struct ImportedTable {
-  const std::string& path;
+  const ImportRequest& request;
   const ColumnRoles& roles;
   const ImportText& text;
+  const LineRanges& excluded;  ///< also what was found to be lost
 };
 
 /// What is said of columns that are passed over and look as if they were of

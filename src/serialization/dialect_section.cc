@@ -73,7 +73,7 @@ void ReadExclude(const YamlValue& value, DataFormat* format) {
     const std::string text = entry.Text();
     const std::optional<std::pair<int, int>> lines = ParseLines(text);
     if (lines) {
-      format->dialect.excluded_lines.push_back(*lines);
+      format->dialect.excluded_lines.Add(*lines);
       continue;
     }
     std::optional<RowCondition> condition = ParseRowCondition(text);

@@ -133,6 +133,11 @@ void RefuseBareName(const std::string& text, const std::string& path,
       fs::exists(path, error)) {
     return;
   }
+  constexpr std::size_t kFewest = 3;  // characters that say something
+  constexpr std::size_t kMost = 5;    // names that are read
+  // Files of arms of one's own are called "arm.yaml".
+  const bool is_file = fs::path(text).extension() == kEnding;
+  const std::string part = Condensed(text);
   std::vector<std::string> similar;
   for (const RobotFile& robot : ListRobots()) {
     if (robot.name == kPrefix + StemOf(name)) {
@@ -140,7 +145,9 @@ void RefuseBareName(const std::string& text, const std::string& path,
                                      robot.name +
                                      "\"? 'alidade robots' lists them");
     }
-    if (HasRobotName(robot.name, StemOf(name))) similar.push_back(robot.name);
+    if (is_file || part.size() < kFewest || similar.size() == kMost) continue;
+    const std::string own = robot.name.substr(sizeof(kPrefix) - 1);
+    if (HasRobotName(own, part)) similar.push_back(robot.name);
   }
   if (similar.empty()) return;
   throw InputError(location, Quote(text) + " is no file, did you mean " +

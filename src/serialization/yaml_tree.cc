@@ -259,9 +259,10 @@ std::string_view KeyOf(std::string_view line) {
   return is_key && line[end] == ':' ? line.substr(0, end) : std::string_view();
 }
 
-// What follows the key and its colon.
+// What follows the key and its colon, without a comment.
 std::string_view RestOf(std::string_view line) {
   line = line.substr(line.find(':') + 1);
+  line = line.substr(0, line.find(" #"));
   while (!line.empty() && (line.back() == ' ' || line.back() == '\r')) {
     line.remove_suffix(1);
   }
@@ -286,24 +287,63 @@ class SlipFinder {
   }
 
   std::string Describe() const {
+    if (places_.size() > 1 && !IsInBlock(places_[0]) && HasOddIndent()) {
+      return DescribeIndents();
+    }
     for (const int k : places_) {
+      if (IsInBlock(k)) continue;
       const std::string slip = SlipIn(lines_[k]);
       if (!slip.empty()) return ". Line " + std::to_string(k + 1) + slip;
     }
-    if (places_.size() < 2) return "";
+    const bool has_indents =
+        places_.size() > 1 && !IsInBlock(places_[0]) && AreKeys() &&
+        IndentOf(lines_[places_[0]]) != IndentOf(lines_[places_[1]]);
+    return has_indents ? DescribeIndents() : "";
+  }
+
+ private:
+  void Add(int number) { places_.push_back(number); }
+
+  bool AreKeys() const {
+    return !KeyOf(lines_[places_[0]]).empty() &&
+           !KeyOf(lines_[places_[1]]).empty();
+  }
+
+  // A key below one that has a value, and farther to the right.
+  bool HasOddIndent() const {
     const std::string_view line = lines_[places_[0]];
     const std::string_view above = lines_[places_[1]];
-    const bool are_keys = !KeyOf(line).empty() && !KeyOf(above).empty();
-    if (!are_keys || IndentOf(line) == IndentOf(above)) return "";
+    return AreKeys() && !RestOf(above).empty() &&
+           IndentOf(line) > IndentOf(above);
+  }
+
+  // Whether it is a line of a text below "key: |", where nothing is a key.
+  bool IsInBlock(int number) const {
+    std::size_t indent = IndentOf(lines_[number]);
+    for (int k = number - 1; k >= 0 && indent > 0; --k) {
+      const std::string_view line = lines_[k];
+      if (line.find_first_not_of(" \t\r") == std::string_view::npos) continue;
+      if (IndentOf(line) >= indent) continue;
+      indent = IndentOf(line);
+      if (KeyOf(line).empty()) continue;
+      std::string_view rest = RestOf(line);
+      while (!rest.empty() && rest.front() == ' ') rest.remove_prefix(1);
+      if (!rest.empty() && (rest.front() == '|' || rest.front() == '>')) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  std::string DescribeIndents() const {
+    const std::string_view line = lines_[places_[0]];
+    const std::string_view above = lines_[places_[1]];
     return ". Line " + std::to_string(places_[0] + 1) + " begins " +
            std::to_string(IndentOf(line)) + " blanks from the left, line " +
            std::to_string(places_[1] + 1) + " " +
            std::to_string(IndentOf(above)) +
            ": keys of one map stand below each other";
   }
-
- private:
-  void Add(int number) { places_.push_back(number); }
 
   static std::string SlipIn(std::string_view line) {
     const std::size_t text = line.find_first_not_of(" \t");

@@ -1,110 +1,23 @@
-// What `alidade import` makes of tables that people have: columns, units, two
-// files, rows that have slipped, and what it leaves of earlier work.
+// What `alidade import` makes of tables that people have: columns, units, rows
+// that have slipped, and what it leaves of earlier work.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <functional>
-#include <sstream>
 #include <string>
 #include <vector>
 
-#include "tests/support/process.h"
+#include "tests/cli/import_tables.h"
 
 namespace alidade::internal::import_test {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
-using testing::ProcessResult;
-using testing::ReadWhole;
-using testing::TemporaryDirectory;
-using testing::WriteWhole;
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
-
-// An arm whose base is nowhere near its origin.
-constexpr char kPlaces[] =
-    "base: {x: 1650, y: -840, z: 410, rx: 1, ry: -2, rz: 143}\n";
-
-using Row = std::vector<double>;
-
-class ImportTest : public ::testing::Test {
- protected:
-  ProcessResult Alidade(const std::string& arguments) const {
-    return testing::RunIn(directory_.path(),
-                          std::string(ALIDADE_BINARY) + " " + arguments);
-  }
-  void Write(const std::string& name, const std::string& text) const {
-    WriteWhole(directory_ / name, text);
-  }
-  std::string Read(const std::string& name) const {
-    return ReadWhole(directory_ / name);
-  }
-
-  // Joint values (deg) and the pose at them: x, y, z (mm), rx, ry, rz (deg).
-  std::vector<Row> Poses(int count) const {
-    std::string joints = "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n";
-    for (int i = 0; i < count; ++i) {
-      for (int j = 0; j < 6; ++j) {
-        const int value = (i * (17 + 10 * j) + 31 * j) % 160 - 80;
-        joints += std::to_string(value) + (j < 5 ? "," : "\n");
-      }
-    }
-    Write("joints.csv", joints);
-    Write("placed.yaml", ReadWhole(std::string(ALIDADE_SOURCE_DIR) +
-                                   "/configs/robots/irb120.yaml") +
-                             kPlaces);
-    const ProcessResult poses =
-        Alidade("fk placed.yaml joints.csv --rotation=extrinsic_xyz");
-    EXPECT_EQ(poses.status, 0) << poses.err;
-    std::vector<Row> rows;
-    std::istringstream lines(poses.out);
-    for (std::string line; std::getline(lines, line);) {
-      if (line.empty() || line[0] == '#' || line[0] == 'q') continue;
-      std::istringstream cells(line);
-      Row row;
-      for (std::string cell; std::getline(cells, cell, ',');) {
-        row.push_back(std::stod(cell));
-      }
-      rows.push_back(row);
-    }
-    EXPECT_EQ(rows.size(), static_cast<std::size_t>(count));
-    return rows;
-  }
-
-  // `header` and a line of each row's cells.
-  static std::string Table(const std::string& header,
-                           const std::vector<Row>& rows) {
-    std::ostringstream text;
-    text.precision(10);
-    text << header << "\n";
-    for (const Row& row : rows) {
-      for (std::size_t i = 0; i < row.size(); ++i) {
-        text << row[i] << (i + 1 < row.size() ? "," : "\n");
-      }
-    }
-    return text.str();
-  }
-
-  const TemporaryDirectory directory_;
-};
-
-std::vector<Row> Times(std::vector<Row> rows, std::size_t first,
-                       std::size_t last, double factor) {
-  for (Row& row : rows) {
-    for (std::size_t i = first; i < last; ++i) row[i] *= factor;
-  }
-  return rows;
-}
-
-constexpr char kPosition[] = "J1,J2,J3,J4,J5,J6,X,Y,Z";
-
-std::vector<Row> PositionsOf(std::vector<Row> rows) {
-  for (Row& row : rows) row.resize(9);
-  return rows;
-}
 
 TEST_F(ImportTest, EachCalibrationHasAFolderOfItsOwn) {
   Write("cell.csv", Table(kPosition, PositionsOf(Poses(40))));
@@ -182,8 +95,12 @@ TEST_F(ImportTest, OrientationsHaveUnitsOfTheirOwn) {
   EXPECT_THAT(found.out, ::testing::ContainsRegex("RotX +rx +deg"));
   EXPECT_THAT(found.out, HasSubstr("orientation are in degrees"));
   EXPECT_THAT(found.out, HasSubstr("numbers that are passed over: temp;"));
-  EXPECT_THAT(found.out, HasSubstr("position: [TX, TY, TZ], unit: [mm, rad], "
-                                   "covariates: [temp]}}"));
+  EXPECT_THAT(found.out,
+              HasSubstr("`data: {file: ../ur.csv, columns: {joints: ["));
+  EXPECT_THAT(found.out,
+              HasSubstr("position: [TX, TY, TZ], orientation: [RotX, RotY, "
+                        "RotZ], unit: [mm, rad, deg], covariates: [temp]}, "
+                        "rotation: extrinsic_xyz}`"));
   const std::string data = Read("ur/data.csv");
   const ProcessResult stated = Alidade(import + " --units=mm,rad,deg");
   ASSERT_EQ(stated.status, 0) << stated.err;
@@ -257,6 +174,91 @@ TEST_F(ImportTest, SeveralTargetsInARowAreThoseOfTheArm) {
   EXPECT_THAT(refused.err, HasSubstr("robots/irb120_reflectors"));
 }
 
+TEST_F(ImportTest, JobsTakeTheLineForACovariate) {
+  std::vector<Row> rows = PositionsOf(Poses(30));
+  for (Row& row : rows) row.push_back(20.0);
+  rows[3][6] = rows[3][7] = rows[3][8] = 0.0;
+  Write("its cell.csv", Table("J1,J2,J3,J4,J5,J6,X,Y,Z,T's mean [C]", rows));
+  const ProcessResult read = Alidade(
+      "import 'its cell.csv' --units=mm,deg --arm=robots/irb120 "
+      "--exclude=7-8,'J1 > 75' '--out=my dir'");
+  ASSERT_EQ(read.status, 0) << read.err;
+  const std::size_t begin = read.out.find("`data: ") + 1;
+  const std::string section =
+      read.out.substr(begin, read.out.find('`', begin) - begin);
+  EXPECT_THAT(section, HasSubstr("covariates: ['T''s mean [C]']}, exclude: "
+                                 "[5, 7-8, 'J1 > 75']}"));
+  std::string job = Read("my dir/job.yaml");
+  const std::string data = "data: 'data.csv'";
+  job.replace(job.find(data), data.size(), section);
+  Write("my dir/job.yaml", job);
+  const ProcessResult checked = Alidade("check 'my dir/job.yaml'");
+  EXPECT_EQ(checked.status, 0) << checked.err;
+  EXPECT_THAT(read.out,
+              HasSubstr("Next: alidade calibrate 'my dir/job.yaml' --report "
+                        "--out='my dir/result'\n"));
+}
+
+TEST_F(ImportTest, ATargetIsLostWithoutTheOthersOfItsRow) {
+  std::vector<Row> rows = PositionsOf(Poses(30));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (int k = 0; k < 6; ++k) rows[i].push_back(rows[i][6 + k % 3] + 20.0);
+    for (std::size_t k = 6; i % 3 == 0 && k < 9; ++k) rows[i][k] = 0.0;
+    for (std::size_t k = 9; i % 3 == 1 && k < 12; ++k) rows[i][k] = 0.0;
+    for (std::size_t k = 6; i == 29 && k < 15; ++k) rows[i][k] = -9999.0;
+  }
+  const std::string header =
+      "J1,J2,J3,J4,J5,J6,SMR1 X,SMR1 Y,SMR1 Z,SMR2 X,SMR2 Y,SMR2 Z,SMR3 X,"
+      "SMR3 Y,SMR3 Z";
+  Write("cell.csv", Table(header, rows));
+  const std::string import =
+      "import cell.csv --units=mm,deg --arm=robots/irb120_reflectors --out=a";
+  const ProcessResult read = Alidade(import);
+  ASSERT_EQ(read.status, 0) << read.err;
+  const std::string how =
+      " was lost (-9999 mm, 0 mm in place of a position, or out of reach) and ";
+  EXPECT_THAT(read.out,
+              HasSubstr("the target" + how + "the row is left out: line 31\n"));
+  EXPECT_THAT(read.out, HasSubstr("target smr1" + how +
+                                  "its position is left out: line 2, 5, 8"));
+  EXPECT_THAT(read.out, HasSubstr("target smr2" + how +
+                                  "its position is left out: line 3, 6, 9"));
+  EXPECT_THAT(read.out, HasSubstr("29 poses"));
+  EXPECT_THAT(Read("a/data.csv"), Not(HasSubstr(",0,0,0,")));
+  // Positions of a target that the arm does not have are not passed over.
+  for (const char* other : {"SMR4 X,SMR4 Y,SMR4 Z", "X,Y,Z"}) {
+    Write("cell.csv",
+          Table(header.substr(0, header.find("SMR3")) + other, rows));
+    EXPECT_THAT(Alidade(import).err,
+                HasSubstr("seems to hold a position of none of the arm's "
+                          "targets smr1, smr2, smr3"));
+  }
+}
+
+TEST_F(ImportTest, ManyLostPositionsAreSaid) {
+  std::vector<Row> rows = PositionsOf(Poses(30));
+  for (std::size_t i = 0; i < 20; ++i) rows[i][6] = rows[i][7] = rows[i][8] = 0;
+  Write("cell.csv", Table(kPosition, rows));
+  const ProcessResult read =
+      Alidade("import cell.csv --units=mm,deg --arm=robots/irb120 --out=a");
+  EXPECT_EQ(read.status, 0) << read.err;
+  EXPECT_THAT(read.out, HasSubstr("more than half of the positions look as "
+                                  "where the target was lost (0 mm"));
+}
+
+TEST_F(ImportTest, LostRowsSayNothingOfTheUnitOfOrientations) {
+  std::vector<Row> rows = Times(Poses(30), 9, 12, kDegree);
+  rows.push_back(
+      {10, 20, 30, 40, 50, 60, -9999, -9999, -9999, -9999, -9999, -9999});
+  Write("cell.csv", Table("J1,J2,J3,J4,J5,J6,X,Y,Z,Rx,Ry,Rz", rows));
+  const ProcessResult read = Alidade(
+      "import cell.csv --arm=robots/irb120 --rotation=extrinsic_xyz "
+      "--out=a");
+  ASSERT_EQ(read.status, 0) << read.err;
+  EXPECT_THAT(read.out, HasSubstr("angles of the orientation are in radians"));
+  EXPECT_THAT(read.out, HasSubstr("30 poses"));
+}
+
 TEST_F(ImportTest, ColumnsOfAlidadesOwnNamesAreSaidToBeUsed) {
   std::string text = "point,J1,J2,J3,J4,J5,J6,X,Y,Z,target\n";
   for (const Row& row : PositionsOf(Poses(30))) {
@@ -303,77 +305,6 @@ TEST_F(ImportTest, AllShortRowsAreNamed) {
   const ProcessResult few = Alidade("import short.csv --arm=robots/irb120");
   EXPECT_THAT(few.err, HasSubstr("--exclude=2-3 leaves them out"));
   EXPECT_THAT(few.err, Not(HasSubstr("slipped")));
-}
-
-// Joint values of a controller, points of an instrument.
-class MatchTest : public ImportTest {
- protected:
-  void SetUp() override {
-    int number = 0;
-    for (const Row& row : Poses(30)) {
-      const std::string name = "P" + std::to_string(++number);
-      joints_ += name;
-      for (int k = 0; k < 6; ++k) {
-        std::string cell = std::to_string(row[k]);
-        cell[cell.find('.')] = ',';
-        joints_ += ";" + cell;
-      }
-      joints_ += "\n";
-      if (number == 4) continue;
-      points_ = "A::Cell7::" + name + ", " + std::to_string(row[6]) + ", " +
-                std::to_string(row[7]) + ", " + std::to_string(row[8]) + "\n" +
-                points_;
-    }
-    Write("joints.csv", "Point;A1;A2;A3;A4;A5;A6\n" + joints_);
-    Write("points.txt", Points());
-  }
-  std::string Points() const {
-    return "// Units: Millimeters\n// Target Name, X, Y, Z\n" + points_ +
-           "A::Cell7::Home, 1, 2, 3\n";
-  }
-
-  std::string joints_;
-  std::string points_;
-};
-
-TEST_F(MatchTest, TwoFilesArePutTogetherByThePointsNames) {
-  const ProcessResult read = Alidade(
-      "import joints.csv points.txt --match=Point --arm=robots/irb120 --out=a");
-  ASSERT_EQ(read.status, 0) << read.err;
-  EXPECT_THAT(read.out, HasSubstr("29 points are in both files, by \"Point\" "
-                                  "and \"Target Name\""));
-  EXPECT_THAT(read.out, HasSubstr("in joints.csv alone, and left out: P4\n"));
-  EXPECT_THAT(read.out, HasSubstr("in points.txt alone, and left out: Home\n"));
-  EXPECT_THAT(read.out, HasSubstr("29 poses"));
-  EXPECT_THAT(Read("a/data.csv"), HasSubstr(",Point P5 (line 5)\n"));
-  // In either order, by the other's column.
-  const std::string data = Read("a/data.csv");
-  EXPECT_EQ(Alidade("import points.txt joints.csv '--match=Target Name' "
-                    "--arm=robots/irb120 --out=b")
-                .status,
-            0);
-}
-
-TEST_F(MatchTest, WhatIsNotCertainIsRefused) {
-  const std::string import =
-      "import joints.csv points.txt --arm=robots/irb120 --out=a";
-  EXPECT_THAT(Alidade(import).err, HasSubstr("two files, expected one, or "
-                                             "--match=COLUMN"));
-  EXPECT_THAT(Alidade(import + " --match=Poimt").err,
-              HasSubstr("did you mean \"Point\"?"));
-  Write("points.txt", Points() + "B::P7, 1, 2, 3\n");
-  EXPECT_THAT(Alidade(import + " --match=Point").err,
-              HasSubstr("point \"P7\" is in line "));
-  Write("points.txt", "Name,X,Y,Z\nQ1,1,2,3.5\nQ2,1,2,4.5\n");
-  EXPECT_THAT(Alidade(import + " --match=Point").err,
-              HasSubstr("none of its points (Q1 ...) is in joints.csv"));
-  EXPECT_THAT(Alidade("import joints.csv --arm=robots/irb120").err,
-              HasSubstr("--match=COLUMN"));
-  EXPECT_THAT(Alidade("import points.txt --arm=robots/irb120").err,
-              HasSubstr("--match=COLUMN"));
-  EXPECT_THAT(
-      Alidade("import joints.csv --match=Point --arm=robots/irb120").err,
-      HasSubstr("puts two files together"));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@ namespace alidade::internal::messages_test {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::ProcessResult;
 using testing::TemporaryDirectory;
 using testing::WriteWhole;
@@ -92,6 +93,9 @@ INSTANTIATE_TEST_SUITE_P(
         Slip{"Indentation", "job.yaml",
              "format: alidade-job-1\ntitle: Arm\n  arm: a\n", "check",
              "Line 3 begins 2 blanks from the left, line 2 0"},
+        Slip{"IndentationBelowAComment", "job.yaml",
+             "format: alidade-job-1\ntitle: Arm # see: a\n  arm: a\n", "check",
+             "Line 3 begins 2 blanks from the left, line 2 0"},
         Slip{"EndOfMap", "job.yaml",
              "format: alidade-job-1\ndata:\n   file: a\n  point: b\n", "check",
              "Line 4 begins 2 blanks from the left, line 3 3"},
@@ -107,6 +111,17 @@ INSTANTIATE_TEST_SUITE_P(
         Slip{"Spaces", "data.csv", "q1_deg q2_deg x_mm\n1 2 3\n", kCheckData,
              "data set has 2 joints, arm"}),
     [](const auto& slip) { return slip.param.name; });
+
+TEST(YamlMessageTest, TextsOfManyLinesAreNotBlamed) {
+  const TemporaryDirectory directory;
+  WriteWhole(directory / "job.yaml",
+             "format: alidade-job-1\ntitle: |\n  see: UR10: lab\n arm: a\n");
+  const ProcessResult result = testing::RunIn(
+      directory.path(), std::string(ALIDADE_BINARY) + " check job.yaml");
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("not valid YAML"));
+  EXPECT_THAT(result.err, Not(HasSubstr("has a colon in its text")));
+}
 
 TEST(FolderMessageTest, NamesTheFileInIt) {
   const TemporaryDirectory directory;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 
@@ -69,6 +70,14 @@ TEST_F(RobotsTest, ListsThoseOfAName) {
   EXPECT_EQ(similar.status, 2);
   EXPECT_THAT(similar.err, HasSubstr("\"kr6\" is no file, did you mean "
                                      "robots/kr6_r900_2, "));
+  // Files of one's own, and what says nothing, are no names of arms.
+  for (const char* missing : {"arm.yaml", "a.yaml", "r", "'***'", "robots"}) {
+    const ProcessResult result = Alidade(std::string("show ") + missing);
+    EXPECT_EQ(result.status, 2);
+    EXPECT_THAT(result.err, Not(HasSubstr("did you mean"))) << missing;
+  }
+  const std::string many = Alidade("show irb").err;
+  EXPECT_EQ(std::count(many.begin(), many.end(), ','), 5) << many;
 }
 
 TEST_F(RobotsTest, CommandsTakeTheirNames) {

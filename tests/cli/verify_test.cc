@@ -133,6 +133,8 @@ TEST_F(VerifyTest, AnInstrumentThatWasSetUpAnewIsNoFault) {
   const auto as_it_was = Check(moved);
   EXPECT_EQ(as_it_was.status, 1);
   EXPECT_THAT(as_it_was.out, HasSubstr("With --refit=base it would pass"));
+  EXPECT_THAT(as_it_was.out,
+              HasSubstr("or joint 1's zero, which no base sets"));
   const auto refitted = Check(moved, "--refit=base");
   EXPECT_EQ(refitted.status, 0) << refitted.out << refitted.err;
   moved.joints[2].theta += 0.2 * kDegree;
