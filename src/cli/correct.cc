@@ -132,7 +132,7 @@ class CorrectCommand {
   static void PrintList(const char* title,
                         const std::vector<std::string>& lines) {
     if (!lines.empty()) std::cout << title << "\n";
-    for (const std::string& line : lines) {
+    for (const std::string& line : FirstOf(lines)) {
       std::cout << "  " << OnOneLine(line) << "\n";
     }
   }
@@ -161,6 +161,7 @@ class CorrectCommand {
     for (const ProgramNote& note : program.left) {
       left.push_back(LineName(program, note.line) + ": " + note.text);
     }
+    left.insert(left.end(), corrected.left.begin(), corrected.left.end());
     PrintList("Not touched", left);
     std::vector<std::string> written = outputs_;
     std::reverse(written.begin(), written.end());
@@ -181,7 +182,7 @@ class CorrectCommand {
     PrintErrorList(corrected.refusal->lines);
     const std::vector<std::string> assumed = Assumed(program, corrected);
     if (!assumed.empty()) std::cerr << "Assumed\n";
-    PrintErrorList(assumed);
+    PrintErrorList(FirstOf(assumed));
     return kExitBadInput;
   }
 

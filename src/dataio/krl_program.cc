@@ -7,9 +7,11 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <string_view>
 #include <tuple>
 #include <utility>
 
+#include "src/dataio/program_routines.h"
 #include "src/dataio/program_text.h"
 
 namespace alidade::internal {
@@ -19,6 +21,14 @@ bool IsMotion(const std::string& word) {
   static const std::set<std::string> kMotions = {"PTP",  "LIN",  "CIRC",
                                                  "SPTP", "SLIN", "SCIRC"};
   return kMotions.count(word) > 0;
+}
+
+// PTP_REL, LIN_REL and their like.
+bool IsRelative(const std::string& word) {
+  constexpr std::string_view kEnding = "_REL";
+  return word.size() > kEnding.size() &&
+         word.substr(word.size() - kEnding.size()) == kEnding &&
+         IsMotion(word.substr(0, word.size() - kEnding.size()));
 }
 
 // {NAME value, NAME value, ...} as far as it holds numbers.
@@ -80,10 +90,15 @@ class KrlReader : ProgramReader {
     ListOtherMoves(IsMotion, [this](const std::string& name) {
       return uses_.count(name) > 0;
     });
+    ListRelativeMoves();
     ListStraight([](const std::string& word) {
       return IsMotion(word) && word.substr(word.size() - 3) != "PTP";
     });
     SortTargets();
+    ListRoutines(text_, program_);
+    std::set<std::string> own;
+    for (const auto& [name, frames] : point_frames_) own.insert("X" + name);
+    ListBorrowedFrames(Settings(), own, program_);
   }
 
  private:
@@ -208,6 +223,20 @@ class KrlReader : ProgramReader {
     changes_.emplace_back(at, frames);
   }
 
+  std::vector<FrameSetting> Settings() const {
+    std::vector<FrameSetting> settings;
+    for (const auto& [at, frames] : changes_) {
+      const std::string statement =
+          text_.text().substr(at, text_.LineEnd(at) - at);
+      const bool is_tool = statement.rfind("$TOOL", 0) == 0 ||
+                           statement.find("#TOOL") != kNowhere;
+      settings.push_back({text_.LineOf(at),
+                          is_tool ? kUnstatedTool : kUnstatedBase,
+                          is_tool ? frames.tool : frames.base});
+    }
+    return settings;
+  }
+
   Frames FramesAt(std::size_t at) const {
     const auto after =
         std::lower_bound(changes_.begin(), changes_.end(), at,
@@ -236,19 +265,25 @@ class KrlReader : ProgramReader {
     if (!aggregate.HasAny(names)) return;
     const std::size_t word_begin = text_.SkipSpaces(text_.LineStart(at));
     const std::string first = text_.WordAt(word_begin);
-    const bool is_relative =
-        first.size() > 4 && first.substr(first.size() - 4) == "_REL";
-    if (is_relative) {
-      Leave(at, first + " moves relative to where the robot is",
-            Uncorrected::kRelativeMotion);
-      return;
-    }
+    if (IsRelative(first)) return;
     if (IsMotion(first)) {
       ReadMotion(first, before, aggregate, is_axes);
       return;
     }
     if (before.empty() || before.back() != '=') return;
     KeepVariable(before.substr(0, before.size() - 1), aggregate);
+  }
+
+  // By numbers or by a variable.
+  void ListRelativeMoves() {
+    for (std::size_t start = 0; start < text_.size();
+         start = text_.LineEnd(start) + 1) {
+      const std::size_t at = text_.SkipSpaces(start);
+      const std::string word = text_.WordAt(at);
+      if (!IsRelative(word)) continue;
+      Leave(at, word + " moves relative to where the robot is",
+            Uncorrected::kRelativeMotion);
+    }
   }
 
   void ReadMotion(const std::string& motion, const std::string& before,

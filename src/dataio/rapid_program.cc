@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "src/common/characters.h"
+#include "src/dataio/program_routines.h"
 #include "src/dataio/program_text.h"
 
 namespace alidade::internal {
@@ -59,6 +60,7 @@ class RapidReader : ProgramReader {
              IsOneOf(word, {"TRIGGL", "TRIGGC", "SEARCHL", "SEARCHC"});
     });
     SortTargets();
+    ListRoutines(text_, program_);
   }
 
  private:
