@@ -113,10 +113,15 @@ class CorrectCommand {
  private:
   // Of poses without joint values.
   std::string AssumedPosture(const Correction& correction) const {
+    const auto& status = correction.asked_status;
+    const auto reached =
+        std::find(status.begin(), status.end(), PoseStatus::kReached);
+    const auto first = reached == status.end() ? 0 : reached - status.begin();
     return "no joint values beside the poses say in which posture they are: "
-           "row 1 is taken in " +
+           "row " +
+           std::to_string(first + 1) + " is taken in " +
            JointText(ProgramLanguage::kUrScript, arms_.nominal,
-                     correction.asked_motors.col(0)) +
+                     correction.asked_motors.col(first)) +
            ", the others near the row before. Where the robot is in another "
            "posture, the correction is wrong: state q1_deg ... beside the "
            "poses";

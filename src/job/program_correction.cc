@@ -254,7 +254,11 @@ class ProgramCorrector {
   Eigen::VectorXd InBranch(const ProgramTarget& target, const Arm& narrow,
                            const Eigen::Isometry3d& pose,
                            const Eigen::VectorXd& found) {
-    if (!target.branch || *target.branch < 0 || *target.branch > 7) {
+    if (!target.branch) return found;
+    if (*target.branch < 0 || *target.branch > 7) {
+      Assume(LineName(program_, target.line) + ": cfx " +
+             std::to_string(*target.branch) +
+             " is not used: of six joints it is 0 to 7");
       return found;
     }
     const std::optional<int> branch = ArmBranch(narrow, found);
