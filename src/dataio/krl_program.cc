@@ -369,6 +369,25 @@ class KrlReader : ProgramReader {
     return uses;
   }
 
+  // Whether $TOOL or $BASE are set before a motion, and not to `stated`.
+  static bool IsSetOtherwise(const std::set<Frames>& at_motions,
+                             const Frames& stated) {
+    return std::any_of(
+        at_motions.begin(), at_motions.end(), [&](const Frames& set) {
+          return (set.tool != kUnstatedTool && set.tool != stated.tool) ||
+                 (set.base != kUnstatedBase && set.base != stated.base);
+        });
+  }
+
+  // Whether the data of a point are used: FDAT_ACT=FP1, $TOOL=STOOL2(FP1).
+  bool IsActivated(const std::string& point) const {
+    for (std::size_t at = 0; (at = text_.FindWord(point, at)) != kNowhere;
+         at += point.size()) {
+      if (text_.at(text_.SkipSpaces(at + point.size())) != '=') return true;
+    }
+    return false;
+  }
+
   void ReadVariable(const Variable& variable) {
     const std::string& name = variable.name;
     const Uses& uses = UsesOfVariable(name);
@@ -376,7 +395,19 @@ class KrlReader : ProgramReader {
     const std::size_t begin = variable.value.begin;
     const bool is_point = !variable.type.empty() && variable.type != "FRAME";
     const auto data = point_frames_.find(name.substr(1));
-    if (data != point_frames_.end() && is_point) frames = {data->second};
+    const bool is_axes =
+        variable.value.HasAny(axes_) && !variable.value.HasAny({"X"});
+    if (data != point_frames_.end() && is_point) {
+      const std::string point = "F" + name.substr(1);
+      if (!is_axes && IsSetOtherwise(frames, data->second) &&
+          !IsActivated(point)) {
+        Refuse(begin, name + ": a motion to it has another tool or base than " +
+                          point + " states, which no FDAT_ACT=" + point +
+                          " activates: state the same in both");
+        return;
+      }
+      frames = {data->second};
+    }
     // Of declarations alone every position counts.
     const bool is_whole = program_->files.size() > 1;
     if (frames.empty() && is_point && !is_whole) frames = {FramesAt(begin)};
@@ -389,8 +420,6 @@ class KrlReader : ProgramReader {
       Refuse(begin, name + " is moved to and also computed with");
       return;
     }
-    const bool is_axes =
-        variable.value.HasAny(axes_) && !variable.value.HasAny({"X"});
     if (frames.size() > 1 && !is_axes) {
       Refuse(begin, name + " is moved to with several tools or bases");
       return;

@@ -206,6 +206,9 @@ TEST_F(ProgramPostureTest, CfxChoosesAmongPostures) {
                         "behind the lower arm, axis 5 negative, and there is "
                         "no solution so in the quadrants of cf1, cf4, cf6; "
                         "taken: cfx 0, wrist centre in front of axis 1"));
+  EXPECT_THAT(correct("[0,-1,0,9]"),
+              HasSubstr("line 2: cfx 9 is not used: of six joints it is 0 to "
+                        "7"));
 }
 
 TEST_F(ProgramPostureTest, MotionsAndDeclarationsAreOneProgram) {
@@ -323,6 +326,21 @@ TEST_F(ProgramPostureTest, WhatNothingMovesToSetsNoPosture) {
                                     "(nothing that is stated is moved to"));
 }
 
+TEST_F(ProgramPostureTest, PointDataThatNothingActivatesMustAgree) {
+  const std::string pose = Pose(Joints(10, -60, 90, 20, 40, 10), ",S 2,T 2");
+  WriteWhole(directory_ / "a.dat",
+             "DEFDAT a\nDECL E6POS XP1=" + pose +
+                 "\nDECL FDAT FP1={TOOL_NO 0,BASE_NO 0,IPO_FRAME #BASE}\n"
+                 "ENDDAT\n");
+  const std::string tool = "DEF a()\n$TOOL={X 0,Y 0,Z 10,A 0,B 0,C 0}\n";
+  EXPECT_THAT(Correct("a.src", tool + "LIN XP1\nEND\n").err,
+              HasSubstr("a.dat line 2: XP1: a motion to it has another tool or "
+                        "base than FP1 states"));
+  EXPECT_EQ(Correct("a.src", tool + "FDAT_ACT=FP1\nLIN XP1\nEND\n").status, 0);
+  EXPECT_EQ(
+      Correct("a.src", "DEF a()\n$TOOL=$NULLFRAME\nLIN XP1\nEND\n").status, 0);
+}
+
 // The text of a program is not the order of its motions.
 TEST_F(ProgramPostureTest, ARoutineBeginsInNoPostureThatIsKnown) {
   const Eigen::VectorXd end = Joints(12, -62, 91, 20, 40, 10);
@@ -360,7 +378,11 @@ TEST_F(ProgramPostureTest, AHomeAtASingularPoseStaysAsItIs) {
   EXPECT_THAT(result.out,
               HasSubstr("Not touched\n  line 2: a joint position at a singular "
                         "pose, left as it is\n"));
-  EXPECT_EQ(ReadWhole(directory_ / "out/a.src"),
+  const std::string written = ReadWhole(directory_ / "out/a.src");
+  EXPECT_THAT(Correct("b.src", "DEF b()\n" + home + "END\n").out,
+              AllOf(HasSubstr("Nothing is corrected: no position"),
+                    Not(HasSubstr("What to expect"))));
+  EXPECT_EQ(written,
             "DEF a()\n" + home +
                 "PTP {A1 10.0000,A2 -60.0000,A3 90.0000,A4 20.0000,A5 40.0000,"
                 "A6 10.0000}\nEND\n");
