@@ -165,6 +165,9 @@ std::vector<int> PostureOf(ProgramLanguage language,
                            const ProgramTarget& target,
                            const Eigen::VectorXd& motors);
 
+/// The integers of a target's posture as they are written.
+std::vector<int> StatedPosture(const ProgramTarget& target);
+
 /// What the posture of a target says, with integers for its spans as PostureOf
 /// gives them: "T 10", "[0,-1,0]", and in words.
 std::string PostureText(ProgramLanguage language,

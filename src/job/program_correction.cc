@@ -339,10 +339,7 @@ class ProgramCorrector {
       const std::vector<Eigen::VectorXd>& postures) const {
     constexpr std::size_t kMostPostures = 3;
     const ProgramLanguage language = program_.language;
-    std::vector<int> stated;
-    for (const NumberSpan& span : target.posture) {
-      stated.push_back(span.Whole().value_or(0));
-    }
+    const std::vector<int> stated = StatedPosture(target);
     std::string text =
         (language == ProgramLanguage::kRapid ? "cf1, cf4, cf6 = " : "") +
         PostureText(language, stated) + " states " +
