@@ -119,10 +119,15 @@ class CorrectCommand {
  private:
   // Of poses without joint values.
   std::string AssumedPosture(const Correction& correction) const {
+    const auto& status = correction.asked_status;
+    const auto reached =
+        std::find(status.begin(), status.end(), PoseStatus::kReached);
+    const auto first = reached == status.end() ? 0 : reached - status.begin();
     return "no joint values beside the poses say in which posture they are: "
-           "row 1 is taken in " +
+           "row " +
+           std::to_string(first + 1) + " is taken in " +
            JointText(ProgramLanguage::kUrScript, arms_.nominal,
-                     correction.asked_motors.col(0)) +
+                     correction.asked_motors.col(first)) +
            ", the others near the row before. Where the robot is in another "
            "posture, the correction is wrong: state q1_deg ... beside the "
            "poses";
@@ -138,7 +143,7 @@ class CorrectCommand {
   static void PrintList(const char* title,
                         const std::vector<std::string>& lines) {
     if (!lines.empty()) std::cout << title << "\n";
-    for (const std::string& line : lines) {
+    for (const std::string& line : FirstOf(lines)) {
       std::cout << "  " << OnOneLine(line) << "\n";
     }
   }
@@ -171,6 +176,7 @@ class CorrectCommand {
     for (const ProgramNote& note : program.left) {
       left.push_back(LineName(program, note.line) + ": " + note.text);
     }
+    left.insert(left.end(), corrected.left.begin(), corrected.left.end());
     PrintList("Not touched", left);
     std::reverse(written.begin(), written.end());
     PrintResults(written);
@@ -189,7 +195,7 @@ class CorrectCommand {
     PrintErrorList(corrected.refusal->lines);
     const std::vector<std::string> assumed = Assumed(program, corrected);
     if (!assumed.empty()) std::cerr << "Assumed\n";
-    PrintErrorList(assumed);
+    PrintErrorList(FirstOf(assumed));
     return kExitBadInput;
   }
 

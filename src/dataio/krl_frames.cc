@@ -191,6 +191,8 @@ void KrlFrameReader::Change(std::size_t at, bool is_tool,
   KrlFrames frames = changes_.empty() ? KrlFrames() : changes_.back().second;
   (is_tool ? frames.tool : frames.base) = name;
   changes_.emplace_back(at, frames);
+  settings_.push_back(
+      {text_.LineOf(at), is_tool ? kUnstatedTool : kUnstatedBase, name});
 }
 
 KrlFrames KrlFrameReader::At(std::size_t at) const {

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "src/dataio/program_routines.h"
 #include "src/dataio/program_text.h"
 
 namespace alidade::internal {
@@ -53,6 +54,8 @@ class KrlFrameReader {
 
   /// What holds at a place of the text.
   KrlFrames At(std::size_t at) const;
+  /// The statements that set a tool or a base.
+  std::vector<FrameSetting> settings() const { return settings_; }
 
  private:
   void Refuse(std::size_t at, const std::string& why);
@@ -71,6 +74,7 @@ class KrlFrameReader {
   RobotProgram* const program_;
   std::map<std::string, Eigen::Isometry3d> stated_frames_;
   std::vector<std::pair<std::size_t, KrlFrames>> changes_;
+  std::vector<FrameSetting> settings_;
 };
 
 }  // namespace alidade::internal

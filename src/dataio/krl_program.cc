@@ -7,10 +7,12 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <string_view>
 #include <tuple>
 #include <utility>
 
 #include "src/dataio/krl_frames.h"
+#include "src/dataio/program_routines.h"
 #include "src/dataio/program_text.h"
 
 namespace alidade::internal {
@@ -20,6 +22,14 @@ bool IsMotion(const std::string& word) {
   static const std::set<std::string> kMotions = {
       "PTP", "LIN", "CIRC", "SPTP", "SLIN", "SCIRC", "SPL"};
   return kMotions.count(word) > 0;
+}
+
+// PTP_REL, LIN_REL and their like.
+bool IsRelative(const std::string& word) {
+  constexpr std::string_view kEnding = "_REL";
+  return word.size() > kEnding.size() &&
+         word.substr(word.size() - kEnding.size()) == kEnding &&
+         IsMotion(word.substr(0, word.size() - kEnding.size()));
 }
 
 // A position that a variable holds.
@@ -45,10 +55,15 @@ class KrlReader : ProgramReader {
     }
     for (const Variable& variable : variables_) ReadVariable(variable);
     ListOtherMoves();
+    ListRelativeMoves();
     ListStraight([](const std::string& word) {
       return IsMotion(word) && word.substr(word.size() - 3) != "PTP";
     });
     SortTargets();
+    ListRoutines(text_, program_);
+    std::set<std::string> own;
+    for (const auto& [name, frames] : point_frames_) own.insert("X" + name);
+    ListBorrowedFrames(frames_.settings(), own, program_);
   }
 
  private:
@@ -71,13 +86,7 @@ class KrlReader : ProgramReader {
     if (!aggregate.HasAny(names)) return;
     const std::size_t word_begin = text_.SkipSpaces(text_.LineStart(at));
     const std::string first = text_.WordAt(word_begin);
-    const bool is_relative =
-        first.size() > 4 && first.substr(first.size() - 4) == "_REL";
-    if (is_relative) {
-      Leave(at, first + " moves relative to where the robot is",
-            Uncorrected::kRelativeMotion);
-      return;
-    }
+    if (IsRelative(first)) return;
     if (IsMotion(first)) {
       ReadMotion(first, before, aggregate, is_axes);
       return;
@@ -88,6 +97,18 @@ class KrlReader : ProgramReader {
       return;
     }
     KeepVariable(before.substr(0, before.size() - 1), aggregate);
+  }
+
+  // By numbers or by a variable.
+  void ListRelativeMoves() {
+    for (std::size_t start = 0; start < text_.size();
+         start = text_.LineEnd(start) + 1) {
+      const std::size_t at = text_.SkipSpaces(start);
+      const std::string word = text_.WordAt(at);
+      if (!IsRelative(word)) continue;
+      Leave(at, word + " moves relative to where the robot is",
+            Uncorrected::kRelativeMotion);
+    }
   }
 
   void ReadMotion(const std::string& motion, const std::string& before,
@@ -175,6 +196,25 @@ class KrlReader : ProgramReader {
     return uses;
   }
 
+  // Whether $TOOL or $BASE are set before a motion, and not to `stated`.
+  static bool IsSetOtherwise(const std::set<KrlFrames>& at_motions,
+                             const KrlFrames& stated) {
+    return std::any_of(
+        at_motions.begin(), at_motions.end(), [&](const KrlFrames& set) {
+          return (set.tool != kUnstatedTool && set.tool != stated.tool) ||
+                 (set.base != kUnstatedBase && set.base != stated.base);
+        });
+  }
+
+  // Whether the data of a point are used: FDAT_ACT=FP1, $TOOL=STOOL2(FP1).
+  bool IsActivated(const std::string& point) const {
+    for (std::size_t at = 0; (at = text_.FindWord(point, at)) != kNowhere;
+         at += point.size()) {
+      if (text_.at(text_.SkipSpaces(at + point.size())) != '=') return true;
+    }
+    return false;
+  }
+
   void ReadVariable(const Variable& variable) {
     const std::string& name = variable.name;
     const Uses& uses = UsesOfVariable(name);
@@ -182,7 +222,19 @@ class KrlReader : ProgramReader {
     const std::size_t begin = variable.value.begin;
     const bool is_point = !variable.type.empty() && variable.type != "FRAME";
     const auto data = point_frames_.find(name.substr(1));
-    if (data != point_frames_.end() && is_point) frames = {data->second};
+    const bool is_axes =
+        variable.value.HasAny(axes_) && !variable.value.HasAny({"X"});
+    if (data != point_frames_.end() && is_point) {
+      const std::string point = "F" + name.substr(1);
+      if (!is_axes && IsSetOtherwise(frames, data->second) &&
+          !IsActivated(point)) {
+        Refuse(begin, name + ": a motion to it has another tool or base than " +
+                          point + " states, which no FDAT_ACT=" + point +
+                          " activates: state the same in both");
+        return;
+      }
+      frames = {data->second};
+    }
     // Of declarations alone every position counts.
     const bool is_whole = program_->files.size() > 1;
     if (frames.empty() && is_point && !is_whole) frames = {frames_.At(begin)};
@@ -195,8 +247,6 @@ class KrlReader : ProgramReader {
       Refuse(begin, name + " is moved to and also computed with");
       return;
     }
-    const bool is_axes =
-        variable.value.HasAny(axes_) && !variable.value.HasAny({"X"});
     if (frames.size() > 1 && !is_axes) {
       Refuse(begin, name + " is moved to with several tools or bases");
       return;

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "src/common/characters.h"
+#include "src/dataio/program_routines.h"
 #include "src/dataio/program_text.h"
 
 namespace alidade::internal {
@@ -51,6 +52,7 @@ class RapidReader : ProgramReader {
     }
     ListMoves();
     SortTargets();
+    ListRoutines(text_, program_);
   }
 
  private:

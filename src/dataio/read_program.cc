@@ -106,6 +106,15 @@ std::string LineName(const RobotProgram& program, int line) {
   return std::filesystem::path(path).filename().string() + " " + name;
 }
 
+const ProgramRoutine* RoutineAt(const RobotProgram& program, int line) {
+  const ProgramRoutine* innermost = nullptr;
+  for (const ProgramRoutine& routine : program.routines) {
+    if (routine.first_line > line) break;
+    if (routine.last_line >= line) innermost = &routine;
+  }
+  return innermost;
+}
+
 RobotProgram ReadProgram(
     const std::string& path, int num_joints,
     const std::map<std::string, Eigen::Isometry3d>& frames) {

@@ -204,16 +204,21 @@ Eigen::MatrixXd PostureBounds(ProgramLanguage language,
   return bounds;
 }
 
+std::vector<int> StatedPosture(const ProgramTarget& target) {
+  std::vector<int> posture;
+  for (const NumberSpan& span : target.posture) {
+    posture.push_back(span.Whole().value_or(0));
+  }
+  return posture;
+}
+
 std::vector<int> PostureOf(ProgramLanguage language,
                            const ProgramTarget& target,
                            const Eigen::VectorXd& motors) {
   // Joint values that are zero, or a quarter of a turn, but for rounding leave
   // what is written.
   constexpr double kSlack = 1e-4 * kDegree;
-  std::vector<int> posture;
-  for (const NumberSpan& span : target.posture) {
-    posture.push_back(span.Whole().value_or(0));
-  }
+  std::vector<int> posture = StatedPosture(target);
   if (posture.empty()) return posture;
   if (language == ProgramLanguage::kKrl) {
     auto turn = static_cast<unsigned>(posture[0]);

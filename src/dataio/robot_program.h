@@ -57,6 +57,21 @@ struct ProgramNote {
   Uncorrected kind = Uncorrected::kNoMotion;
 };
 
+/// A DEF, PROC or def: its lines, its own name and what people call it.
+struct ProgramRoutine {
+  std::string name;
+  std::string title;  ///< "DEF weld"
+  int first_line = 0;
+  int last_line = 0;
+};
+
+/// A position that a tool or base holds for which another routine sets.
+struct BorrowedFrame {
+  std::string kind;  ///< "tool", "base"
+  int line = 0;      ///< of the motion
+  int set_line = 0;
+};
+
 /// One file of a program: where its text begins, and in which line.
 struct ProgramFile {
   std::string path;
@@ -81,7 +96,12 @@ struct RobotProgram {
   std::map<std::string, std::vector<int>> missing;
   /// Lines that move along a straight line or an arc.
   std::set<int> straight;
-  std::vector<ProgramNote> left;     ///< computed at run time: not touched
+  std::vector<ProgramRoutine> routines;  ///< by their first lines
+  /// Lines before which the text is not in the order of the motions: a routine
+  /// that moves begins, ends or is called there. Ascending.
+  std::vector<ProgramNote> breaks;
+  std::vector<BorrowedFrame> borrowed;  ///< the first of each routine
+  std::vector<ProgramNote> left;        ///< computed at run time: not touched
   std::vector<ProgramNote> refused;  ///< not understood: nothing may be written
 };
 
@@ -101,6 +121,9 @@ std::string DeclarationsBeside(const std::string& path);
 /// path, "seam.dat line 4"; and its file and number there.
 std::string LineName(const RobotProgram& program, int line);
 std::pair<std::string, int> PlaceOf(const RobotProgram& program, int line);
+
+/// The innermost routine that a line is in; null of none.
+const ProgramRoutine* RoutineAt(const RobotProgram& program, int line);
 
 /// Reads a program for an arm of so many joints, KRL motions (.src) together
 /// with the declarations beside them. `frames`: tools and bases
@@ -142,6 +165,9 @@ Eigen::MatrixXd PostureBounds(ProgramLanguage language,
 std::vector<int> PostureOf(ProgramLanguage language,
                            const ProgramTarget& target,
                            const Eigen::VectorXd& motors);
+
+/// The integers of a target's posture as they are written.
+std::vector<int> StatedPosture(const ProgramTarget& target);
 
 /// What the posture of a target says, with integers for its spans as PostureOf
 /// gives them: "T 10", "[0,-1,0]", and in words.

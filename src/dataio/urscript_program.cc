@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "src/dataio/program_routines.h"
 #include "src/dataio/program_text.h"
 
 namespace alidade::internal {
@@ -50,6 +51,12 @@ class UrScriptReader : ProgramReader {
       }
     }
     SortTargets();
+    ListRoutines(text_, program_);
+    std::vector<FrameSetting> settings;
+    for (const auto& [at, name] : tools_) {
+      settings.push_back({text_.LineOf(at), kUnstatedTool, name});
+    }
+    ListBorrowedFrames(settings, {}, program_);
   }
 
  private:

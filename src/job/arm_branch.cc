@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "src/model/chain_axes.h"
+
 namespace alidade::internal {
 namespace {
 
@@ -15,17 +17,12 @@ struct Axis {
 using Axes = std::array<Axis, 6>;
 
 Axes AxesOf(const Arm& arm, const Eigen::VectorXd& joints) {
+  ChainAxes chain;
+  ComputeChainAxes(arm, joints.data(), &chain);
   Axes axes;
-  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
   for (std::size_t j = 0; j < axes.size(); ++j) {
-    const Joint& joint = arm.joints[j];
-    frame = frame * Eigen::AngleAxisd(joint.beta, Eigen::Vector3d::UnitY()) *
-            Eigen::AngleAxisd(joint.alpha, Eigen::Vector3d::UnitX()) *
-            Eigen::Translation3d(joint.d, 0.0, 0.0) *
-            Eigen::AngleAxisd(joint.theta + joints[static_cast<int>(j)],
-                              Eigen::Vector3d::UnitZ()) *
-            Eigen::Translation3d(0.0, 0.0, joint.r);
-    axes[j] = {frame.translation(), frame.linear().col(2)};
+    const auto column = static_cast<Eigen::Index>(j);
+    axes[j] = {chain.origin_on_axis.col(column), chain.joint_axis.col(column)};
   }
   return axes;
 }

@@ -31,37 +31,85 @@ double LargestChange(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return (a - b).cwiseAbs().maxCoeff();
 }
 
+// A straight line with an even turn.
+struct Line {
+  Eigen::Isometry3d from;
+  Eigen::Isometry3d to;
+
+  Eigen::Isometry3d At(double fraction) const {
+    const Eigen::Quaterniond turn_from(from.linear());
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.translation() =
+        from.translation() + fraction * (to.translation() - from.translation());
+    pose.linear() = turn_from.slerp(fraction, Eigen::Quaterniond(to.linear()))
+                        .toRotationMatrix();
+    return pose;
+  }
+
+  double Steps() const {
+    const Eigen::Quaterniond turn_from(from.linear());
+    const Eigen::Quaterniond turn_to(to.linear());
+    return std::clamp(
+        std::ceil(std::max(
+            (to.translation() - from.translation()).norm() / kLongestStep,
+            turn_from.angularDistance(turn_to) / kLargestTurn)),
+        kFewestSteps, kMostSteps);
+  }
+};
+
+struct PlaceOnLine {
+  double fraction;
+  Eigen::VectorXd joints;
+};
+
+// Whether joints stay where they are as the step shrinks within which the
+// branch changes: a singular pose is crossed then. Beside one, the way keeps
+// its branch by turning joints fast, and the other branch is another posture.
+bool Crosses(const Arm& arm, const Line& line, PlaceOnLine before,
+             PlaceOnLine after, const PoseSolverOptions& options) {
+  constexpr int kNumCuts = 6;
+  constexpr double kPart = 0.45;  // not at a singular pose half way
+  constexpr double kSame = 3.0 * kDegree;
+  for (int k = 0; k < kNumCuts; ++k) {
+    const double fraction =
+        before.fraction + kPart * (after.fraction - before.fraction);
+    const PoseSolutions cut =
+        SolvePoses(arm, {line.At(fraction)}, before.joints, options);
+    const PlaceOnLine place{fraction, cut.joint_values.col(0)};
+    if (cut.status[0] == PoseStatus::kReached) {
+      before = place;
+    } else if (cut.status[0] == PoseStatus::kBranchChange) {
+      after = place;
+    } else {
+      break;
+    }
+  }
+  return LargestChange(before.joints, after.joints) < kSame;
+}
+
 }  // namespace
 
 StraightWay FollowStraightWay(const Arm& arm, const Eigen::VectorXd& from,
                               const Eigen::Isometry3d& to,
                               const PoseSolverOptions& options) {
   const PoseSolverOptions coarse = Coarse(options);
-  const Eigen::Isometry3d start = TargetPose(arm, from);
-  const Eigen::Quaterniond turn_from(start.linear());
-  const Eigen::Quaterniond turn_to(to.linear());
-  const double steps = std::clamp(
-      std::ceil(std::max(
-          (to.translation() - start.translation()).norm() / kLongestStep,
-          turn_from.angularDistance(turn_to) / kLargestTurn)),
-      kFewestSteps, kMostSteps);
+  const Line line{TargetPose(arm, from), to};
+  const double steps = line.Steps();
   StraightWay way;
   way.joint_values = from;
   way.fraction = 0.0;
   for (double step = 1.0; step <= steps; step += 1.0) {
     const double fraction = step / steps;
-    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    pose.translation() = start.translation() +
-                         fraction * (to.translation() - start.translation());
-    pose.linear() = turn_from.slerp(fraction, turn_to).toRotationMatrix();
     const PoseSolutions next =
-        SolvePoses(arm, {pose}, way.joint_values, coarse);
+        SolvePoses(arm, {line.At(fraction)}, way.joint_values, coarse);
     way.status = next.status[0];
     const bool is_near =
         LargestChange(next.joint_values.col(0), way.joint_values) <=
         coarse.max_joint_change;
     // Singular poses may be crossed where no joint turns fast.
-    if (way.status == PoseStatus::kBranchChange && is_near) {
+    if (way.status == PoseStatus::kBranchChange && is_near &&
+        Crosses(arm, line, {way.fraction, way.joint_values},
+                {fraction, next.joint_values.col(0)}, coarse)) {
       way.status = PoseStatus::kReached;
     }
     if (way.status != PoseStatus::kReached) return way;

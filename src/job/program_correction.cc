@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <set>
 #include <utility>
@@ -14,69 +15,15 @@
 #include "src/common/number_text.h"
 #include "src/dataio/target_table.h"
 #include "src/job/arm_branch.h"
+#include "src/job/correction_columns.h"
 #include "src/job/posture_search.h"
+#include "src/job/program_arms.h"
 
 namespace alidade::internal {
 namespace {
 
 // Axis 5 near zero is of either sign.
-constexpr double kStraight = 0.1 * kDegree;
-
-// The arms with a program's tool behind the flange.
-CorrectionArms WithTool(const CorrectionArms& arms,
-                        const Eigen::Isometry3d& flange_from_tool) {
-  CorrectionArms with = arms;
-  for (Arm* arm : {&with.nominal, &with.real}) {
-    const Eigen::Vector3d load = MeanTargetOf(*arm);
-    arm->last_from_target() = arm->last_from_target() * flange_from_tool;
-    if (arm->errors.load_geometry.size() > 0) continue;
-    arm->errors.payload.centre += load - MeanTargetOf(*arm);
-  }
-  return with;
-}
-
-// Limits narrowed to what the posture allows, where each motor turns a joint
-// of its own.
-Arm WithBounds(const Arm& arm, const Eigen::MatrixXd& bounds) {
-  Arm narrow = arm;
-  const Eigen::MatrixXd& map = arm.joints_from_motors;
-  for (int j = 0; j < arm.num_joints(); ++j) {
-    double scale = 1.0;
-    if (map.size() > 0) {
-      scale = map(j, j);
-      if (std::abs(map.row(j).cwiseAbs().sum() - std::abs(scale)) > 0.0 ||
-          scale == 0.0) {
-        continue;
-      }
-    }
-    const double offset =
-        arm.motor_offsets.size() > 0 ? arm.motor_offsets[j] : 0.0;
-    double lower = scale * bounds(j, 0) + offset;
-    double upper = scale * bounds(j, 1) + offset;
-    if (lower > upper) std::swap(lower, upper);
-    Joint& joint = narrow.joints[j];
-    const bool has_limits = HasLimits(joint);
-    joint.lower = has_limits ? std::max(joint.lower, lower) : lower;
-    joint.upper = has_limits ? std::min(joint.upper, upper) : upper;
-  }
-  return narrow;
-}
-
-void Put(const Correction& one, Eigen::Index i, Correction* all) {
-  all->targets[i] = one.targets[0];
-  all->asked_motors.col(i) = one.asked_motors;
-  all->asked_status[i] = one.asked_status[0];
-  all->motors.col(i) = one.motors;
-  all->poses[i] = one.poses[0];
-  PoseSolutions& solutions = all->solutions;
-  solutions.joint_values.col(i) = one.solutions.joint_values;
-  solutions.status[i] = one.solutions.status[0];
-  solutions.position_error[i] = one.solutions.position_error[0];
-  solutions.rotation_error[i] = one.solutions.rotation_error[0];
-  solutions.iterations[i] = one.solutions.iterations[0];
-  all->shift[i] = one.shift[0];
-  all->turn[i] = one.turn[0];
-}
+constexpr double kStraightWrist = 0.1 * kDegree;
 
 class ProgramCorrector {
  public:
@@ -94,17 +41,23 @@ class ProgramCorrector {
       return std::move(result_);
     }
     const auto count = static_cast<Eigen::Index>(program_.targets.size());
-    Resize(count, &result_.correction);
+    result_.correction = EmptyCorrection(count, arms_.nominal.num_joints());
     std::vector<ProgramValues> values(static_cast<std::size_t>(count));
     for (const Eigen::Index i : InOrderOfMotion()) {
       values[i] = CorrectOne(program_.targets[i], i);
-      is_solved_[i] = result_.correction.IsReached(i);
+      is_solved_[i] = is_left_[i] || result_.correction.IsReached(i);
     }
     std::vector<ProgramNote> failed;
     for (Eigen::Index i = 0; i < count; ++i) {
       const ProgramTarget& target = program_.targets[i];
       const std::string name = target.name.empty() ? "" : ", " + target.name;
-      result_.names.push_back(LineName(program_, target.line) + name);
+      const std::string place = LineName(program_, target.line) + name;
+      if (is_left_[i]) {
+        result_.left.push_back(
+            place + ": a joint position at a singular pose, left as it is");
+        continue;
+      }
+      result_.names.push_back(place);
       if (is_solved_[i]) continue;
       // Other postures are sought for what is listed alone.
       failed.push_back(
@@ -116,6 +69,8 @@ class ProgramCorrector {
     }
     CheckWays();
     result_.texts = RewriteProgram(program_, values);
+    is_left_.flip();
+    result_.correction = KeptCorrections(result_.correction, is_left_);
     return std::move(result_);
   }
 
@@ -130,45 +85,43 @@ class ProgramCorrector {
     bool IsKnown() const { return target && unknown == nullptr; }
   };
 
-  void Resize(Eigen::Index count, Correction* all) const {
-    const int n = arms_.nominal.num_joints();
-    const auto size = static_cast<std::size_t>(count);
-    all->asked_motors.resize(n, count);
-    all->motors.resize(n, count);
-    all->solutions.joint_values.resize(n, count);
-    all->solutions.position_error.resize(count);
-    all->solutions.rotation_error.resize(count);
-    all->shift.resize(count);
-    all->turn.resize(count);
-    all->targets.resize(size);
-    all->poses.resize(size);
-    all->asked_status.resize(size);
-    all->solutions.status.resize(size);
-    all->solutions.iterations.resize(size);
-  }
-
-  // By the first lines that move to them.
+  // By the first lines that move to them; those that nothing moves to, which
+  // the program need not state, come last.
   std::vector<Eigen::Index> InOrderOfMotion() {
     const auto count = static_cast<Eigen::Index>(program_.targets.size());
     std::vector<Motion> first;
+    std::vector<Eigen::Index> unused;
     for (Eigen::Index i = 0; i < count; ++i) {
       const std::vector<int>& lines = program_.targets[i].uses;
+      if (!IsMovedTo(program_.targets[i])) {
+        unused.push_back(i);
+        continue;
+      }
       first.emplace_back(lines.front(), i);
       for (const int line : lines) motions_.emplace_back(line, i);
     }
     std::sort(first.begin(), first.end());
     std::sort(motions_.begin(), motions_.end());
     is_solved_.assign(program_.targets.size(), false);
+    is_left_.assign(program_.targets.size(), false);
     starts_.resize(program_.targets.size());
     std::vector<Eigen::Index> order;
     for (const Motion& motion : first) order.push_back(motion.second);
+    order.insert(order.end(), unused.begin(), unused.end());
     return order;
+  }
+
+  // Declarations that are read with their program and that it does not use are
+  // not of its motions.
+  bool IsMovedTo(const ProgramTarget& target) const {
+    return target.uses.front() >= program_.files.back().first_line;
   }
 
   // Before the program first moves to target i: the position that the nearest
   // line above moves to, or the one before in the same line. Called in the
   // order of motion.
   Place PlaceBefore(Eigen::Index i) {
+    if (!IsMovedTo(program_.targets[i])) return {};
     const Motion first(program_.targets[i].uses.front(), i);
     for (; motions_[num_passed_] < first; ++num_passed_) {
       const auto& [line, target] = motions_[num_passed_];
@@ -180,16 +133,33 @@ class ProgramCorrector {
     return place;
   }
 
-  // The last motion to what is not stated, of lines from `from` to before `to`.
-  const ProgramNote* UnknownBetween(int from, int to) const {
-    const std::vector<ProgramNote>& left = program_.left;
+  static const ProgramNote* LastBefore(
+      const std::vector<ProgramNote>& notes, int from, int to,
+      const std::function<bool(Uncorrected)>& counts) {
     auto note = std::lower_bound(
-        left.begin(), left.end(), to,
+        notes.begin(), notes.end(), to,
         [](const ProgramNote& one, int line) { return one.line < line; });
-    while (note != left.begin() && (--note)->line >= from) {
-      if (note->kind == Uncorrected::kMotion) return &*note;
+    while (note != notes.begin() && (--note)->line >= from) {
+      if (counts(note->kind)) return &*note;
     }
     return nullptr;
+  }
+
+  // The last motion to what is not stated, of lines from `from` to before `to`,
+  // or the last place where the text is not in the order of the motions.
+  const ProgramNote* UnknownBetween(int from, int to) const {
+    const ProgramNote* motion =
+        LastBefore(program_.left, from, to, [this](Uncorrected kind) {
+          return kind == Uncorrected::kMotion ||
+                 (kind == Uncorrected::kRelativeMotion &&
+                  program_.language == ProgramLanguage::kKrl);
+        });
+    // Before the first motion there is no order.
+    if (from == 0 && motion == nullptr) return nullptr;
+    const ProgramNote* other =
+        LastBefore(program_.breaks, motion != nullptr ? motion->line : from, to,
+                   [](Uncorrected /*kind*/) { return true; });
+    return other != nullptr ? other : motion;
   }
 
   Eigen::Isometry3d Frame(const std::string& name) const {
@@ -231,7 +201,9 @@ class ProgramCorrector {
     if (target.is_joints) {
       const Eigen::VectorXd motors = MotorsOf(language, target, arms.nominal);
       const Correction one = CorrectJoints(arms, motors, options_);
-      Put(one, i, &result_.correction);
+      PutCorrection(one, i, &result_.correction);
+      is_left_[static_cast<std::size_t>(i)] = IsLeftAsItIs(arms.nominal, one);
+      if (is_left_[static_cast<std::size_t>(i)]) return values;
       values.numbers =
           NumbersOfMotors(language, arms.nominal, one.motors.col(0));
       return values;
@@ -256,7 +228,7 @@ class ProgramCorrector {
     if (start.status[0] != PoseStatus::kReached) {
       one.asked_status[0] = start.status[0];
     }
-    Put(one, i, &result_.correction);
+    PutCorrection(one, i, &result_.correction);
     if (target.posture.empty() && !before.IsKnown() &&
         one.asked_status[0] == PoseStatus::kReached) {
       AssumePosture(target, before, one.asked_motors);
@@ -267,12 +239,26 @@ class ProgramCorrector {
     return values;
   }
 
+  // Joints at a singular pose are those of a home: no small change of them
+  // moves the arm where the nominal one would be.
+  static bool IsLeftAsItIs(const Arm& nominal, const Correction& one) {
+    const PoseStatus status = one.solutions.status[0];
+    return status == PoseStatus::kOutOfReach ||
+           status == PoseStatus::kBranchChange ||
+           IsSingular(nominal,
+                      JointsFromMotors(nominal, one.asked_motors.col(0)));
+  }
+
   // The posture that cfx states, where the quadrants leave more than one; the
   // one that was found where they leave none of it.
   Eigen::VectorXd InBranch(const ProgramTarget& target, const Arm& narrow,
                            const Eigen::Isometry3d& pose,
                            const Eigen::VectorXd& found) {
-    if (!target.branch || *target.branch < 0 || *target.branch > 7) {
+    if (!target.branch) return found;
+    if (*target.branch < 0 || *target.branch > 7) {
+      Assume(LineName(program_, target.line) + ": cfx " +
+             std::to_string(*target.branch) +
+             " is not used: of six joints it is 0 to 7");
       return found;
     }
     const std::optional<int> branch = ArmBranch(narrow, found);
@@ -285,7 +271,8 @@ class ProgramCorrector {
     const auto is_stated = [&](const Eigen::VectorXd& joints) {
       const int differs =
           ArmBranch(narrow, joints).value_or(-1) ^ *target.branch;
-      return differs == 0 || (differs == 1 && std::abs(joints[4]) < kStraight);
+      return differs == 0 ||
+             (differs == 1 && std::abs(joints[4]) < kStraightWrist);
     };
     if (is_stated(found)) return found;
     for (const Eigen::VectorXd& other :
@@ -305,15 +292,13 @@ class ProgramCorrector {
   }
 
   void Assume(const std::string& note) {
-    const auto& notes = result_.assumed;
-    if (std::find(notes.begin(), notes.end(), note) == notes.end()) {
-      result_.assumed.push_back(note);
-    }
+    if (assumed_.insert(note).second) result_.assumed.push_back(note);
   }
 
   void AssumePosture(const ProgramTarget& target, const Place& before,
                      const Eigen::VectorXd& motors) {
-    const std::string why = before.unknown == nullptr
+    const std::string why = !IsMovedTo(target) ? "nothing moves to it"
+                            : before.unknown == nullptr
                                 ? "nothing that is stated is moved to before it"
                                 : LineName(program_, before.unknown->line) +
                                       " " + before.unknown->text;
@@ -331,21 +316,22 @@ class ProgramCorrector {
     const Correction& all = result_.correction;
     const std::string name =
         target.name.empty() ? "" : ", " + target.name + ": ";
+    const Arm nominal = ArmsFor(target).nominal;
+    const std::string singular =
+        IsSingular(nominal, JointsAt(nominal, i)) ? ", at a singular pose" : "";
     if (all.asked_status[i] == PoseStatus::kReached) {
       return name + "the calibrated arm does not reach it: " +
-             ToString(all.solutions.status[i]);
+             ToString(all.solutions.status[i]) + singular;
     }
-    const Arm nominal = ArmsFor(target).nominal;
-    const std::string status = ToString(all.asked_status[i]);
-    const std::string arm = " of the nominal arm";
+    const std::string status =
+        ToString(all.asked_status[i]) + (" of the nominal arm" + singular);
+    if (target.posture.empty()) return name + status;
     const auto postures = FindPostures(nominal, all.targets[i],
                                        starts_[static_cast<std::size_t>(i)],
                                        options_.seed, options_.solver);
-    if (target.posture.empty() || postures.empty()) {
-      return name + status + arm +
-             (target.posture.empty() ? "" : ", in any posture");
-    }
-    return name + PostureConflict(target, nominal, postures);
+    return name + (postures.empty()
+                       ? status + ", in any posture"
+                       : PostureConflict(target, nominal, postures));
   }
 
   std::string PostureConflict(
@@ -353,10 +339,7 @@ class ProgramCorrector {
       const std::vector<Eigen::VectorXd>& postures) const {
     constexpr std::size_t kMostPostures = 3;
     const ProgramLanguage language = program_.language;
-    std::vector<int> stated;
-    for (const NumberSpan& span : target.posture) {
-      stated.push_back(span.Whole().value_or(0));
-    }
+    const std::vector<int> stated = StatedPosture(target);
     std::string text =
         (language == ProgramLanguage::kRapid ? "cf1, cf4, cf6 = " : "") +
         PostureText(language, stated) + " states " +
@@ -451,10 +434,12 @@ class ProgramCorrector {
   const CorrectionArms& arms_;
   const CorrectionOptions& options_;
   std::vector<bool> is_solved_;
+  std::vector<bool> is_left_;  // joints at a singular pose
   std::vector<Motion> motions_;
   std::size_t num_passed_ = 0;  // of motions_
   std::optional<Motion> nearest_;
   std::vector<Eigen::VectorXd> starts_;  // of each target's search
+  std::set<std::string> assumed_;        // notes, once each
   ProgramCorrection result_;
 };
 

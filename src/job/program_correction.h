@@ -18,6 +18,8 @@ struct ProgramCorrection {
   std::vector<std::string> texts;  ///< of the program's files
   /// What the program does not state and was taken: tools, bases, postures.
   std::vector<std::string> assumed;
+  /// Positions that keep their numbers, of which `correction` has nothing.
+  std::vector<std::string> left;
   /// Straight motions that do not lead to the posture which their end was
   /// solved in.
   std::vector<std::string> warnings;

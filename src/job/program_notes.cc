@@ -143,6 +143,15 @@ std::vector<std::string> FrameAssumptions(const RobotProgram& program,
   for (const auto& [kind, lines] : program.unstated) {
     notes.push_back(UnstatedFrameNote(program, kind, lines));
   }
+  for (const BorrowedFrame& one : program.borrowed) {
+    const ProgramRoutine* setter = RoutineAt(program, one.set_line);
+    notes.push_back(LineName(program, one.line) + ": " +
+                    RoutineAt(program, one.line)->title + " sets no " +
+                    one.kind + " before it; taken: that of " +
+                    LineName(program, one.set_line) +
+                    (setter == nullptr ? "" : ", in " + setter->title) +
+                    ", the last above it in the text");
+  }
   if (program.language == ProgramLanguage::kUrScript &&
       program.frames.count("base") > 0) {
     notes.emplace_back(
@@ -182,6 +191,14 @@ std::vector<std::string> OrderAssumptions(const RobotProgram& program) {
                 " beside it, name that, and both are "
                 "corrected";
   return {note};
+}
+
+std::vector<std::string> FirstOf(std::vector<std::string> lines) {
+  if (lines.size() <= kMostListed) return lines;
+  const std::size_t more = lines.size() - kMostListed;
+  lines.resize(kMostListed);
+  lines.push_back("and " + std::to_string(more) + " more");
+  return lines;
 }
 
 ProgramRefusal MakeRefusal(const RobotProgram& program,

@@ -36,6 +36,9 @@ std::vector<std::string> OrderAssumptions(const RobotProgram& program);
 /// Positions that a refusal explains; of more it says how many.
 inline constexpr std::size_t kMostListed = 20;
 
+/// As many of a list, and how many more there are.
+std::vector<std::string> FirstOf(std::vector<std::string> lines);
+
 /// Why a program's positions cannot be corrected.
 struct ProgramRefusal {
   std::string opening;             ///< "a.src:4: nothing is written, as ..."

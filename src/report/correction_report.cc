@@ -47,7 +47,8 @@ std::string ListProblems(const CorrectionReport& report) {
         " deg remain");
   }
   if (correction.shift.size() == 0) {
-    return "Nothing is corrected: no position is stated in numbers.\n";
+    return "Nothing is corrected: no position to be corrected is stated in "
+           "numbers.\n";
   }
   if (count == 0) return "All targets are reached.\n";
   if (count > kMostListed) {
@@ -92,6 +93,7 @@ std::string OrientationNote(const Correction& correction) {
 
 // How accurate targets will be, as far as the calibration has shown it.
 std::string Expectation(const CorrectionReport& report) {
+  if (report.correction.shift.size() == 0) return "";
   std::string text;
   const Accuracy& validation = report.validation;
   if (validation.n > 0) {

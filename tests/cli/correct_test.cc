@@ -354,6 +354,10 @@ TEST(CorrectTableTest, PosturesThatNothingStatesAreListed) {
   EXPECT_THAT(correct(directory / "poses.csv").out,
               ::testing::ContainsRegex("Assumed\n  no joint values beside the "
                                        "poses say .*row 1 is taken in q1 "));
+  WriteWhole(directory / "far.csv",
+             header + "\n99000,0,0,0,0,0\n" + row + "\n");
+  EXPECT_THAT(correct(directory / "far.csv").out,
+              HasSubstr("row 2 is taken in q1 "));
 }
 
 // As `plan --check` writes them.

@@ -206,6 +206,9 @@ TEST_F(ProgramPostureTest, CfxChoosesAmongPostures) {
                         "behind the lower arm, axis 5 negative, and there is "
                         "no solution so in the quadrants of cf1, cf4, cf6; "
                         "taken: cfx 0, wrist centre in front of axis 1"));
+  EXPECT_THAT(correct("[0,-1,0,9]"),
+              HasSubstr("line 2: cfx 9 is not used: of six joints it is 0 to "
+                        "7"));
 }
 
 TEST_F(ProgramPostureTest, MotionsAndDeclarationsAreOneProgram) {
@@ -293,6 +296,106 @@ TEST_F(ProgramPostureTest, MotionsThatAreNotCorrectedAreCounted) {
               AllOf(HasSubstr("NOT corrected: 1 motion (line 4)"),
                     HasSubstr("1 motion goes by an offset from a position "
                               "(line 3) and has its correction")));
+}
+
+TEST_F(ProgramPostureTest, ARelativeMotionLeavesNoPostureThatIsKnown) {
+  const auto result =
+      Correct("a.src",
+              "DEF a()\nPTP {A1 10,A2 -60,A3 90,A4 20,A5 40,A6 10}\n"
+              "LIN_REL {X 10}\nLIN " +
+                  Pose(Joints(12, -62, 91, 20, 40, 10)) + "\nPTP_REL step\n" +
+                  "LIN " + Pose(Joints(10, -60, 90, 20, 40, 10)) + "\nEND\n");
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(
+      result.out,
+      AllOf(HasSubstr("line 4: no posture is known before it (line 3 LIN_REL "),
+            HasSubstr("line 6: no posture is known before it (line 5 PTP_REL "),
+            HasSubstr("2 motions go by an offset")));
+}
+
+TEST_F(ProgramPostureTest, WhatNothingMovesToSetsNoPosture) {
+  const Eigen::VectorXd joints = Joints(10, -60, 90, 20, 40, 10);
+  WriteWhole(directory_ / "a.dat",
+             "DEFDAT a\nDECL E6POS XP1=" + Pose(joints, ",S 2,T 2") +
+                 "\nDECL FDAT FP1={TOOL_NO 0,BASE_NO 0,IPO_FRAME #BASE}\n"
+                 "ENDDAT\n");
+  const auto result =
+      Correct("a.src", "DEF a()\nLIN " + Pose(joints) + "\nEND\n");
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("line 2: no posture is known before it "
+                                    "(nothing that is stated is moved to"));
+}
+
+TEST_F(ProgramPostureTest, PointDataThatNothingActivatesMustAgree) {
+  const std::string pose = Pose(Joints(10, -60, 90, 20, 40, 10), ",S 2,T 2");
+  WriteWhole(directory_ / "a.dat",
+             "DEFDAT a\nDECL E6POS XP1=" + pose +
+                 "\nDECL FDAT FP1={TOOL_NO 0,BASE_NO 0,IPO_FRAME #BASE}\n"
+                 "ENDDAT\n");
+  const std::string tool = "DEF a()\n$TOOL={X 0,Y 0,Z 10,A 0,B 0,C 0}\n";
+  EXPECT_THAT(Correct("a.src", tool + "LIN XP1\nEND\n").err,
+              HasSubstr("a.dat line 2: XP1: a motion to it has another tool or "
+                        "base than FP1 states"));
+  EXPECT_EQ(Correct("a.src", tool + "FDAT_ACT=FP1\nLIN XP1\nEND\n").status, 0);
+  EXPECT_EQ(
+      Correct("a.src", "DEF a()\n$TOOL=$NULLFRAME\nLIN XP1\nEND\n").status, 0);
+}
+
+// The text of a program is not the order of its motions.
+TEST_F(ProgramPostureTest, ARoutineBeginsInNoPostureThatIsKnown) {
+  const Eigen::VectorXd end = Joints(12, -62, 91, 20, 40, 10);
+  const std::string start =
+      "DEF a()\n$TOOL=$NULLFRAME\n$BASE=$NULLFRAME\n"
+      "PTP {A1 10,A2 -60,A3 90,A4 20,A5 40,A6 10}\n";
+  const auto result =
+      Correct("a.src", start + "b()\nLIN " + Pose(end) +
+                           "\nEND\nDEF b()\nLIN " + Pose(end) + "\nEND\n");
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(
+      result.out,
+      AllOf(HasSubstr("line 6: no posture is known before it (line 5 calls "
+                      "DEF b)"),
+            HasSubstr("line 9: no posture is known before it (line 8 begins "
+                      "DEF b)"),
+            HasSubstr("line 9: DEF b sets no tool before it; taken: that of "
+                      "line 2, in DEF a, the last above it in the text"),
+            HasSubstr("line 9: DEF b sets no base before it; taken: that of "
+                      "line 3, in DEF a")));
+  // No way leads from one to the other; without motions it changes nothing.
+  const std::string turned = "LIN " + Pose(end, ",S 2,T 58") + "\nEND\n";
+  EXPECT_THAT(Correct("a.src", start + "END\nDEF b()\n" + turned).out,
+              Not(HasSubstr("Warnings")));
+  EXPECT_THAT(Correct("a.src", start + "b()\n" + turned + "DEF b()\nEND\n").out,
+              HasSubstr("Warnings"));
+}
+
+TEST_F(ProgramPostureTest, AHomeAtASingularPoseStaysAsItIs) {
+  const std::string home = "PTP {A1 0,A2 -90,A3 90,A4 0,A5 0,A6 0}\n";
+  const auto result =
+      Correct("a.src", "DEF a()\n" + home +
+                           "PTP {A1 10,A2 -60,A3 90,A4 20,A5 40,A6 10}\nEND\n");
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out,
+              HasSubstr("Not touched\n  line 2: a joint position at a singular "
+                        "pose, left as it is\n"));
+  const std::string written = ReadWhole(directory_ / "out/a.src");
+  EXPECT_THAT(Correct("b.src", "DEF b()\n" + home + "END\n").out,
+              AllOf(HasSubstr("Nothing is corrected: no position"),
+                    Not(HasSubstr("What to expect"))));
+  EXPECT_EQ(written,
+            "DEF a()\n" + home +
+                "PTP {A1 10.0000,A2 -60.0000,A3 90.0000,A4 20.0000,A5 40.0000,"
+                "A6 10.0000}\nEND\n");
+}
+
+TEST_F(ProgramPostureTest, LongListsAreCut) {
+  std::string steps;
+  for (int k = 0; k < 25; ++k) steps += "LIN_REL {X 1}\n";
+  const auto result = Correct("a.src", "DEF a()\n" + steps + "END\n");
+  EXPECT_THAT(result.out,
+              AllOf(HasSubstr("  line 21: LIN_REL moves relative to where the "
+                              "robot is\n  and 5 more\n"),
+                    Not(HasSubstr("  line 22: "))));
 }
 
 }  // namespace

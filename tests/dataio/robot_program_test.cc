@@ -260,5 +260,43 @@ TEST(RobotProgramTest, APositionThatNoNumberHoldsIsRefused) {
   }
 }
 
+TEST(RobotProgramTest, RoutinesThatMoveBreakTheOrderOfTheText) {
+  const auto breaks = [](const std::string& path, const std::string& text) {
+    std::vector<std::string> found;
+    for (const ProgramNote& note : ParseProgram(text, path, 6, {}).breaks) {
+      found.push_back(std::to_string(note.line) + " " + note.text);
+    }
+    return found;
+  };
+  EXPECT_THAT(breaks("a.script",
+                     "def Main():\n"
+                     "  def sub():\n"
+                     "    if True:\n"
+                     "      movel(p[0.4,0.2,0.5,0,3.1,0])\n"
+                     "    end\n"
+                     "  end\n"
+                     "  def grip():\n"
+                     "    set_digital_out(1, True)\n"
+                     "  end\n"
+                     "  movej([0,-1,1,0,1,0])\n"
+                     "  grip()\n"
+                     "  sub()\n"
+                     "end\n"),
+              ElementsAre("1 begins def Main", "2 begins def sub",
+                          "6 ends def sub", "12 calls def sub"));
+  EXPECT_THAT(breaks("a.mod",
+                     "MODULE a\n"
+                     "  PROC main()\n"
+                     "    weld;\n"
+                     "  ENDPROC\n"
+                     "  LOCAL PROC weld()\n"
+                     "    MoveAbsJ [[0,10,5,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]],"
+                     "v100,fine,tool0;\n"
+                     "  ENDPROC\n"
+                     "ENDMODULE\n"),
+              ElementsAre("2 begins PROC main", "3 calls PROC weld",
+                          "5 begins PROC weld"));
+}
+
 }  // namespace
 }  // namespace alidade::internal

@@ -56,6 +56,22 @@ TEST(FollowStraightWayTest, StopsAtASingularPoseAndAtALimit) {
   EXPECT_LT(limited.fraction, 0.9);
 }
 
+// Whatever its distance: steps that jump over the place are cut.
+TEST(FollowStraightWayTest, StopsBesideASingularPose) {
+  const Arm arm = LoadRobot("kr6_r900_sixx");
+  const Eigen::VectorXd from = Degrees({0, -60, 90, 0, 20, 0});
+  const Eigen::Isometry3d end =
+      TargetPose(arm, Degrees({0, -60, 90, 0, -20, 0}));
+  EXPECT_EQ(FollowStraightWay(arm, from, end, {}).status, PoseStatus::kReached);
+  for (const double beside : {0.05, 0.2, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0}) {
+    Eigen::Isometry3d pose = end;
+    pose.translation().y() += beside * kMillimetre;
+    EXPECT_NE(FollowStraightWay(arm, from, pose, {}).status,
+              PoseStatus::kReached)
+        << beside;
+  }
+}
+
 TEST(FindPosturesTest, AllReachThePoseAndTheNearestIsFirst) {
   const Arm arm = LoadRobot("ur10");
   const Eigen::VectorXd joints = Degrees({10, -60, 80, -100, -70, 15});
