@@ -101,7 +101,7 @@ std::pair<std::string, int> PlaceOf(const RobotProgram& program, int line) {
 
 std::string LineName(const RobotProgram& program, int line) {
   const auto [path, number] = PlaceOf(program, line);
-  const std::string name = "line " + std::to_string(number);
+  std::string name = "line " + std::to_string(number);
   if (path == program.path) return name;
   return std::filesystem::path(path).filename().string() + " " + name;
 }
