@@ -157,10 +157,12 @@ class UrScriptReader : ProgramReader {
                                  : use.keyword == keyword;
     };
     const std::string& f = use.function;
-    if (f == "movej" || f == "optimovej")
+    if (f == "movej" || f == "optimovej") {
       return is(0, is_pose ? "pose" : "q") || is(0, "q");
-    if (f == "movel" || f == "movep" || f == "optimovel")
+    }
+    if (f == "movel" || f == "movep" || f == "optimovel") {
       return is(0, "pose") || is(0, "q");
+    }
     if (f == "movec") return is(0, "pose_via") || is(1, "pose_to");
     if (f == "servoj") return !is_pose && is(0, "q");
     if (f == "servoc") return is(0, "pose");
