@@ -107,8 +107,9 @@ ArmSource LoadArmSource(const std::string& path,
     const CalibrationResult result = LoadResultJson(json);
     if (nominal_path.empty()) source.nominal_path = FindNominal(path, result);
     source.before = result.train.Judged().before;
-    if (result.validation)
+    if (result.validation) {
       source.validation = result.validation->Judged().after;
+    }
     source.calibrated = LoadCalibratedArm(json);
     source.measured =
         MeasuredRange(FileBeside(json, "residuals.csv"), source.real);

@@ -68,8 +68,9 @@ std::set<double> SentinelsOf(const Dataset& data, const Eigen::Vector3d& middle,
   ForEachPosition(
       data, [&](const Eigen::Vector3d& point, int /*line*/, int /*target*/) {
         for (int axis = 0; axis < 3; ++axis) {
-          if (std::abs(point[axis] - middle[axis]) > limit)
+          if (std::abs(point[axis] - middle[axis]) > limit) {
             ++counts[point[axis]];
+          }
         }
       });
   std::set<double> sentinels;
