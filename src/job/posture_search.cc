@@ -94,12 +94,12 @@ StraightWay FollowStraightWay(const Arm& arm, const Eigen::VectorXd& from,
                               const PoseSolverOptions& options) {
   const PoseSolverOptions coarse = Coarse(options);
   const Line line{TargetPose(arm, from), to};
-  const double steps = line.Steps();
+  const auto steps = static_cast<int>(line.Steps());
   StraightWay way;
   way.joint_values = from;
   way.fraction = 0.0;
-  for (double step = 1.0; step <= steps; step += 1.0) {
-    const double fraction = step / steps;
+  for (int step = 1; step <= steps; ++step) {
+    const double fraction = static_cast<double>(step) / steps;
     const PoseSolutions next =
         SolvePoses(arm, {line.At(fraction)}, way.joint_values, coarse);
     way.status = next.status[0];
