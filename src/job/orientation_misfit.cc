@@ -25,8 +25,8 @@ Orientations OrientationsOf(const Arm& arm, const Dataset& data) {
   for (const ObservationBlock& block : data.blocks) {
     if (block.kind != MeasurementKind::kPose) continue;
     for (Eigen::Index i = 0; i < block.size(); ++i) {
-      all.measured.push_back(RotationFromVector<double>(
-          Eigen::Vector3d(block.measured.map().col(i).segment<3>(3))));
+      const Eigen::Vector3d vector = block.measured.map().col(i).segment<3>(3);
+      all.measured.emplace_back(RotationFromVector<double>(vector));
       all.modelled.push_back(
           TargetPose(arm, data.joint_values.map().col(block.pose(i)),
                      block.target(i))

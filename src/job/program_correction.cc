@@ -183,7 +183,7 @@ class ProgramCorrector {
                           const Arm& nominal,
                           const Eigen::Isometry3d& pose) const {
     if (!before.target) return MiddleOfLimits(nominal);
-    const Eigen::VectorXd joints = JointsAt(nominal, *before.target);
+    Eigen::VectorXd joints = JointsAt(nominal, *before.target);
     if (!before.IsKnown() || !target.posture.empty() ||
         !IsStraight(target.uses.front())) {
       return joints;
