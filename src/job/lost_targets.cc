@@ -57,7 +57,7 @@ bool IsOfNines(double metres) {
          digits.find_first_not_of('9') == std::string::npos;
 }
 
-// Coordinates that stand for none: out of reach, and there again and again or
+// Coordinates that mean none: out of reach, and there again and again or
 // of nines alone.
 std::set<double> SentinelsOf(const Dataset& data, const Eigen::Vector3d& middle,
                              double reach) {

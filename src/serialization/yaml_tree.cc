@@ -273,11 +273,11 @@ std::size_t IndentOf(std::string_view line) {
   return std::min(line.find_first_not_of(' '), line.size());
 }
 
-// The line of a slip that people make, from 0, of those that come to an error
-// at line `number`: it or the last one above that holds something.
-class SlipFinder {
+// The line of a mistake that people make, from 0, of those that come to an
+// error at line `number`: it or the last one above that holds something.
+class MistakeFinder {
  public:
-  SlipFinder(const Lines& lines, int number) : lines_(lines) {
+  MistakeFinder(const Lines& lines, int number) : lines_(lines) {
     Add(number);
     for (int k = number - 1; k >= 0 && places_.size() < 2; --k) {
       const std::string_view line = lines[k];
@@ -292,8 +292,8 @@ class SlipFinder {
     }
     for (const int k : places_) {
       if (IsInBlock(k)) continue;
-      const std::string slip = SlipIn(lines_[k]);
-      if (!slip.empty()) return ". Line " + std::to_string(k + 1) + slip;
+      const std::string mistake = MistakeIn(lines_[k]);
+      if (!mistake.empty()) return ". Line " + std::to_string(k + 1) + mistake;
     }
     const bool has_indents =
         places_.size() > 1 && !IsInBlock(places_[0]) && AreKeys() &&
@@ -345,7 +345,7 @@ class SlipFinder {
            ": keys of one map stand below each other";
   }
 
-  static std::string SlipIn(std::string_view line) {
+  static std::string MistakeIn(std::string_view line) {
     const std::size_t text = line.find_first_not_of(" \t");
     if (text != std::string_view::npos &&
         line.substr(0, text).find('\t') != std::string_view::npos) {
@@ -379,10 +379,11 @@ void BuildTree(const std::string& text, YamlDocument* document) {
     while (parser.HandleNextDocument(builder)) {
     }
   } catch (const YAML::Exception& e) {
-    const std::string slip =
-        e.mark.is_null() ? "" : SlipFinder(Lines(text), e.mark.line).Describe();
+    const std::string mistake =
+        e.mark.is_null() ? ""
+                         : MistakeFinder(Lines(text), e.mark.line).Describe();
     throw InputError(LocationOf(document->files.front(), e.mark),
-                     "not valid YAML: " + e.msg + slip);
+                     "not valid YAML: " + e.msg + mistake);
   }
 }
 
